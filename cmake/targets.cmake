@@ -1,0 +1,22 @@
+# cloudbow_layer(NAME SOURCES ... LINK ... PRIVATE_LINK ...): one static library per layer. A layer links only layers below it.
+add_library(cloudbow_options INTERFACE)
+target_compile_features(cloudbow_options INTERFACE cxx_std_20)
+target_compile_options(cloudbow_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic -Wconversion -Wno-sign-conversion)
+if(CLOUDBOW_WARNINGS_AS_ERRORS)
+  target_compile_options(cloudbow_options INTERFACE -Werror)
+endif()
+if(CLOUDBOW_ARCHITECTURE)
+  target_compile_options(cloudbow_options INTERFACE -march=${CLOUDBOW_ARCHITECTURE})
+endif()
+
+function(cloudbow_layer name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  set(target cloudbow_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(cloudbow::${name} ALIAS ${target})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                              $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>)
+  target_link_libraries(${target} PUBLIC ${ARG_LINK} PRIVATE cloudbow_options ${ARG_PRIVATE_LINK})
+  # Eigen must not thread by itself: threads split voxels and directions in fixed tiles, so that results do not depend on their number.
+  target_compile_definitions(${target} PUBLIC EIGEN_DONT_PARALLELIZE)
+endfunction()

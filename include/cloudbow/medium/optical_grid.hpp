@@ -1,0 +1,79 @@
+// What light meets: absorption and scattering coefficients of the active cells of a box with uniform columns and any levels.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cloudbow/medium/cloud_field.hpp"
+
+namespace cloudbow {
+
+/// nx x ny columns of dx x dy metres, nz levels between ascending z_edge_m. Cell (i, j, k) has index (k*ny + j)*nx + i; k = 0 at the bottom.
+struct BoxGrid {
+  int nx = 1;
+  int ny = 1;
+  double dx_m = 1;
+  double dy_m = 1;
+  double x_min_m = 0;
+  double y_min_m = 0;
+  std::vector<double> z_edge_m;
+  bool periodic = true;  ///< horizontally; false: open sides
+
+  int nz() const { return static_cast<int>(z_edge_m.size()) - 1; }
+  std::size_t columns() const { return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny); }
+  double thickness_m(int k) const { return z_edge_m[k + 1] - z_edge_m[k]; }
+};
+
+/// Active cells (those with any extinction) in the order k, j, i; coefficients per active cell in 1/m, unscaled (before delta-M).
+/// Absorption is stored beside scattering, never as a difference: 1 - ssa = 1e-12 keeps its digits.
+struct OpticalGrid {
+  BoxGrid box;
+  std::vector<std::uint32_t> row_begin;        ///< nz*ny + 1, as in CloudField
+  std::vector<RowSpan> spans;
+  std::vector<float> absorption;               ///< [n] 1/m, cloud and layers together
+  std::vector<std::vector<float>> scattering;  ///< [phase function p][n] 1/m, cloud and layers together
+  /// The horizontally uniform part alone (already contained in the above): what an open side shows.
+  std::vector<double> layer_absorption;               ///< [nz] 1/m
+  std::vector<std::vector<double>> layer_scattering;  ///< [p][nz] 1/m
+
+  std::size_t active_cells() const { return absorption.size(); }
+};
+
+/// The layers of `grid` as one periodic column with the same levels and phase functions.
+OpticalGrid layers_only(const OpticalGrid& grid);
+
+/// Optical properties of the cloud's droplets: the same everywhere, or by voxel.
+struct CloudOptics {
+  double extinction_per_value = 1;            ///< multiplies CloudField::value to give extinction [1/m]
+  double single_scattering_albedo = 1;        ///< used where voxel_single_scattering_albedo is empty
+  std::vector<float> voxel_single_scattering_albedo;  ///< per active voxel, or empty
+  int phase_function = 0;                     ///< index into the problem's phase functions
+};
+
+/// Horizontally uniform matter between two heights.
+struct Layer {
+  double bottom_m = 0;
+  double top_m = 0;
+  double optical_depth = 0;  ///< vertical, extinction
+  double single_scattering_albedo = 1;
+  int phase_function = 0;
+};
+
+/// How finely levels without cloud are cut.
+struct LevelOptions {
+  double max_optical_depth = 0.5;  ///< largest optical depth (after delta-M) of a level outside the cloud's box, near its optical edges
+  int max_levels = 4000;
+  int layer_cells = 0;             ///< layers-only scenes: this many levels of equal thickness between the layers' edges; 0: as the optics need
+};
+
+/// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically, inside the cloud's box the voxel
+/// faces joined with the layers' edges, outside it the layers' edges cut as the optics need.
+/// @param cloud may be null; @param domain_min_m, domain_max_m the corners of the domain, already checked to lie on voxel faces.
+/// @param delta_m_fraction [p] forward fraction f of each phase function, used to judge how finely to cut.
+/// @throws InputError where sizes would exceed what can be indexed.
+OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics, const std::vector<Layer>& layers,
+                              const std::array<double, 3>& domain_min_m, const std::array<double, 3>& domain_max_m, bool periodic,
+                              int phase_functions, const std::vector<double>& delta_m_fraction, const LevelOptions& options);
+
+}  // namespace cloudbow

@@ -1,0 +1,1 @@
+#include "cloudbow/core/error.hpp"
