@@ -1,0 +1,330 @@
+#include "cloudbow/medium/optical_grid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double kMergeFraction = 1e-9;
+
+/// A height at which something may change. Where edges merge, the lower rank gives the number: the domain's own
+/// corners, then voxel faces, then layer edges.
+struct Edge {
+  double z;
+  int rank;
+};
+
+std::vector<double> merge_edges(std::vector<Edge> edges, double tolerance) {
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.z < b.z; });
+  std::vector<Edge> kept;
+  for (const Edge& edge : edges) {
+    if (kept.empty() || edge.z - kept.back().z > tolerance) {
+      kept.push_back(edge);
+    } else if (edge.rank < kept.back().rank) {
+      kept.back() = edge;
+    }
+  }
+  std::vector<double> z(kept.size());
+  std::transform(kept.begin(), kept.end(), z.begin(), [](const Edge& edge) { return edge.z; });
+  return z;
+}
+
+int nearest_edge(const std::vector<double>& edges, double z) {
+  const auto above = std::lower_bound(edges.begin(), edges.end(), z);
+  if (above == edges.begin()) return 0;
+  if (above == edges.end()) return static_cast<int>(edges.size()) - 1;
+  const auto index = static_cast<int>(above - edges.begin());
+  return z - edges[index - 1] < edges[index] - z ? index - 1 : index;
+}
+
+/// Coefficients of the layers alone between neighbouring edges.
+struct LayerProfile {
+  std::vector<double> absorption;               // [nz]
+  std::vector<std::vector<double>> scattering;  // [p][nz]
+
+  double scaled_extinction(int k, const std::vector<double>& forward_fraction) const {
+    double sum = absorption[k];
+    for (std::size_t p = 0; p < scattering.size(); ++p) sum += (1 - forward_fraction[p]) * scattering[p][k];
+    return sum;
+  }
+
+  bool empty(int k) const {
+    return absorption[k] <= 0 &&
+           std::all_of(scattering.begin(), scattering.end(), [k](const auto& of_phase) { return of_phase[k] <= 0; });
+  }
+
+  bool same_optics(int a, int b) const {
+    const auto equal = [](double x, double y) { return std::abs(x - y) <= 1e-9 * std::max(x, y); };
+    return equal(absorption[a], absorption[b]) &&
+           std::all_of(scattering.begin(), scattering.end(),
+                       [&](const auto& of_phase) { return equal(of_phase[a], of_phase[b]); });
+  }
+};
+
+LayerProfile layer_profile(const std::vector<double>& edges, const std::vector<Layer>& layers, int phase_functions) {
+  const std::size_t levels = edges.size() - 1;
+  LayerProfile profile{std::vector<double>(levels, 0.0),
+                       std::vector<std::vector<double>>(phase_functions, std::vector<double>(levels, 0.0))};
+  for (const Layer& layer : layers) {
+    const int first = nearest_edge(edges, layer.bottom_m);
+    const int last = nearest_edge(edges, layer.top_m);
+    if (layer.optical_depth <= 0) continue;
+    if (last <= first) {
+      throw InputError(fmt::format(
+          "layer from {} m to {} m: too thin (found {} m, allowed at least {} m in this domain)", layer.bottom_m,
+          layer.top_m, layer.top_m - layer.bottom_m, kMergeFraction * (edges.back() - edges.front())));
+    }
+    // Over the merged edges, so that the layer keeps its optical depth.
+    const double extinction = layer.optical_depth / (edges[last] - edges[first]);
+    for (int k = first; k < last; ++k) {
+      profile.absorption[k] += (1 - layer.single_scattering_albedo) * extinction;
+      profile.scattering[layer.phase_function][k] += layer.single_scattering_albedo * extinction;
+    }
+  }
+  return profile;
+}
+
+/// Counts graded levels through a stretch of uniform optics of total optical depth `depth`: count(s) grows by one a
+/// level.
+class Grading {
+ public:
+  Grading(const LevelOptions& options, double depth)
+      : options_(options),
+        depth_(depth),
+        edge_end_((options.max_optical_depth - options.edge_optical_depth) / options.growth),
+        deep_begin_(options.max_optical_depth / options.deep_growth),
+        count_edge_(std::log1p(options.growth * edge_end_ / options.edge_optical_depth) / options.growth),
+        count_middle_(count_edge_ + (deep_begin_ - edge_end_) / options.max_optical_depth),
+        half_(from_edge(depth / 2)) {}
+
+  double count(double s) const { return s <= depth_ / 2 ? from_edge(s) : 2 * half_ - from_edge(depth_ - s); }
+  double position(double count) const {
+    return count <= half_ ? distance(count) : depth_ - distance(2 * half_ - count);
+  }
+
+ private:
+  /// Integral of dt / h(t) from an interface, and its inverse.
+  double from_edge(double t) const {
+    if (t <= edge_end_) return std::log1p(options_.growth * t / options_.edge_optical_depth) / options_.growth;
+    if (t <= deep_begin_) return count_edge_ + (t - edge_end_) / options_.max_optical_depth;
+    return count_middle_ + std::log(t / deep_begin_) / options_.deep_growth;
+  }
+  double distance(double count) const {
+    if (count <= count_edge_)
+      return options_.edge_optical_depth * std::expm1(options_.growth * count) / options_.growth;
+    if (count <= count_middle_) return edge_end_ + (count - count_edge_) * options_.max_optical_depth;
+    return deep_begin_ * std::exp(options_.deep_growth * (count - count_middle_));
+  }
+
+  LevelOptions options_;
+  double depth_;
+  double edge_end_;    // where h has grown to max_optical_depth
+  double deep_begin_;  // where it grows again
+  double count_edge_;
+  double count_middle_;
+  double half_;
+};
+
+/// Edges inside (edges[k], edges[k+1]) for the levels k of one stretch [begin, end) of the same optics.
+void cut_stretch(const std::vector<double>& edges, int begin, int end, double extinction, const LevelOptions& options,
+                 std::vector<double>& out) {
+  const double bottom = edges[begin];
+  const double depth = extinction * (edges[end] - bottom);
+  const Grading grading(options, depth);
+  const double total = grading.count(depth);
+  const double refine = std::max(1.0, options.min_levels / total);
+  // Thinner than one edge level: nothing to grade, equal levels.
+  const bool uniform = depth <= options.edge_optical_depth;
+  for (int k = begin; k < end; ++k) {
+    out.push_back(edges[k]);
+    const double thickness = edges[k + 1] - edges[k];
+    if (options.layer_cells > 0 || uniform) {
+      const double wanted =
+          options.layer_cells > 0 ? options.layer_cells : options.min_levels * thickness / (edges[end] - bottom) - 1e-9;
+      const int levels = std::max(1, static_cast<int>(std::ceil(wanted)));
+      for (int level = 1; level < levels; ++level) out.push_back(edges[k] + thickness * level / levels);
+      continue;
+    }
+    const double first = grading.count(extinction * (edges[k] - bottom));
+    const double last = grading.count(extinction * (edges[k + 1] - bottom));
+    const int levels = std::max(1, static_cast<int>(std::ceil(refine * (last - first) - 1e-9)));
+    for (int level = 1; level < levels; ++level) {
+      out.push_back(bottom + grading.position(first + (last - first) * level / levels) / extinction);
+    }
+  }
+}
+
+std::vector<double> make_levels(const CloudField* cloud, const std::vector<Layer>& layers, double bottom, double top,
+                                int phase_functions, const std::vector<double>& forward_fraction,
+                                const LevelOptions& options) {
+  const double tolerance = kMergeFraction * (top - bottom);
+  std::vector<Edge> edges{{bottom, 0}, {top, 0}};
+  if (cloud != nullptr) {
+    for (int k = 0; k <= cloud->cells[2]; ++k) edges.push_back({cloud->min_m[2] + k * cloud->cell_size_m[2], 1});
+  }
+  for (const Layer& layer : layers) {
+    if (layer.bottom_m < bottom - tolerance || layer.top_m > top + tolerance) {
+      throw InputError(fmt::format("layer: reaches outside the domain (found {} m to {} m, allowed {} m to {} m)",
+                                   layer.bottom_m, layer.top_m, bottom, top));
+    }
+    edges.push_back({layer.bottom_m, 2});
+    edges.push_back({layer.top_m, 2});
+  }
+  const std::vector<double> merged = merge_edges(std::move(edges), tolerance);
+  const LayerProfile profile = layer_profile(merged, layers, phase_functions);
+
+  const auto in_cloud_box = [&](int k) {
+    const double middle = (merged[k] + merged[k + 1]) / 2;
+    return cloud != nullptr && middle > cloud->min_m[2] && middle < cloud->max_m(2);
+  };
+  std::vector<double> levels;
+  const int count = static_cast<int>(merged.size()) - 1;
+  for (int begin = 0; begin < count;) {
+    int end = begin + 1;
+    if (in_cloud_box(begin) || profile.empty(begin)) {
+      levels.push_back(merged[begin]);
+    } else {
+      while (end < count && !in_cloud_box(end) && profile.same_optics(begin, end)) ++end;
+      cut_stretch(merged, begin, end, profile.scaled_extinction(begin, forward_fraction), options, levels);
+    }
+    begin = end;
+  }
+  levels.push_back(merged.back());
+  return levels;
+}
+
+/// Fills one grid plane by plane, row by row.
+class GridBuilder {
+ public:
+  GridBuilder(BoxGrid box, LayerProfile layers) {
+    grid_.box = std::move(box);
+    grid_.layer_absorption = std::move(layers.absorption);
+    grid_.layer_scattering = std::move(layers.scattering);
+    grid_.scattering.resize(grid_.layer_scattering.size());
+    grid_.row_begin.push_back(0);
+  }
+
+  /// The row's cells take the layers' coefficients of level k.
+  void add_span(int k, int i, int n) {
+    const std::size_t offset = grid_.absorption.size();
+    if (offset + static_cast<std::size_t>(n) > std::numeric_limits<std::uint32_t>::max()) {
+      throw InputError(fmt::format("domain: too many cells with matter in them (found more than {}, allowed {})",
+                                   offset, std::numeric_limits<std::uint32_t>::max()));
+    }
+    grid_.spans.push_back({i, n, static_cast<std::uint32_t>(offset)});
+    grid_.absorption.resize(offset + n, static_cast<float>(grid_.layer_absorption[k]));
+    for (std::size_t p = 0; p < grid_.scattering.size(); ++p) {
+      grid_.scattering[p].resize(offset + n, static_cast<float>(grid_.layer_scattering[p][k]));
+    }
+  }
+  /// Sets cell `index` to the sum of layers and cloud, added in double.
+  void set_cell(std::size_t index, int k, double cloud_absorption, int phase, double cloud_scattering) {
+    const auto absorption = static_cast<float>(grid_.layer_absorption[k] + cloud_absorption);
+    const auto scattering = static_cast<float>(grid_.layer_scattering[phase][k] + cloud_scattering);
+    if (!std::isfinite(absorption) || !std::isfinite(scattering)) {
+      throw InputError(fmt::format("cloud: extinction too large (found {} 1/m, allowed up to {} 1/m)",
+                                   cloud_absorption + cloud_scattering, std::numeric_limits<float>::max()));
+    }
+    grid_.absorption[index] = absorption;
+    grid_.scattering[phase][index] = scattering;
+  }
+  void end_row() { grid_.row_begin.push_back(static_cast<std::uint32_t>(grid_.spans.size())); }
+
+  OpticalGrid& grid() { return grid_; }
+
+ private:
+  OpticalGrid grid_;
+};
+
+}  // namespace
+
+OpticalGrid layers_only(const OpticalGrid& grid) {
+  BoxGrid box;
+  box.z_edge_m = grid.box.z_edge_m;
+  LayerProfile layers{grid.layer_absorption, grid.layer_scattering};
+  GridBuilder builder(box, layers);
+  for (int k = 0; k < box.nz(); ++k) {
+    if (!layers.empty(k)) builder.add_span(k, 0, 1);
+    builder.end_row();
+  }
+  return std::move(builder.grid());
+}
+
+OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics,
+                              const std::vector<Layer>& layers, const std::array<double, 3>& domain_min_m,
+                              const std::array<double, 3>& domain_max_m, bool periodic, int phase_functions,
+                              const std::vector<double>& delta_m_fraction, const LevelOptions& options) {
+  assert(static_cast<int>(delta_m_fraction.size()) == phase_functions);
+  assert(domain_max_m[2] > domain_min_m[2]);
+
+  BoxGrid box;
+  box.periodic = periodic;
+  int cloud_i = 0;
+  int cloud_j = 0;
+  if (cloud != nullptr) {
+    const auto columns = [&](int axis) {
+      return static_cast<int>(std::lround((domain_max_m[axis] - domain_min_m[axis]) / cloud->cell_size_m[axis]));
+    };
+    const auto offset = [&](int axis) {
+      return static_cast<int>(std::lround((cloud->min_m[axis] - domain_min_m[axis]) / cloud->cell_size_m[axis]));
+    };
+    box.nx = columns(0);
+    box.ny = columns(1);
+    box.dx_m = cloud->cell_size_m[0];
+    box.dy_m = cloud->cell_size_m[1];
+    cloud_i = offset(0);
+    cloud_j = offset(1);
+    assert(cloud_i >= 0 && cloud_i + cloud->cells[0] <= box.nx);
+    assert(cloud_j >= 0 && cloud_j + cloud->cells[1] <= box.ny);
+  }
+  box.x_min_m = domain_min_m[0];
+  box.y_min_m = domain_min_m[1];
+  box.z_edge_m =
+      make_levels(cloud, layers, domain_min_m[2], domain_max_m[2], phase_functions, delta_m_fraction, options);
+
+  const LayerProfile profile = layer_profile(box.z_edge_m, layers, phase_functions);
+  GridBuilder builder(box, profile);
+  OpticalGrid& grid = builder.grid();
+  for (int k = 0; k < box.nz(); ++k) {
+    const bool has_layers = !profile.empty(k);
+    const double middle = (box.z_edge_m[k] + box.z_edge_m[k + 1]) / 2;
+    const bool in_cloud = cloud != nullptr && middle > cloud->min_m[2] && middle < cloud->max_m(2);
+    const int cloud_k =
+        in_cloud ? std::min(cloud->cells[2] - 1, static_cast<int>((middle - cloud->min_m[2]) / cloud->cell_size_m[2]))
+                 : 0;
+    for (int j = 0; j < box.ny; ++j) {
+      const std::size_t row_start = grid.active_cells();
+      if (has_layers) builder.add_span(k, 0, box.nx);
+      if (in_cloud && j >= cloud_j && j < cloud_j + cloud->cells[1]) {
+        const std::size_t row = static_cast<std::size_t>(cloud_k) * cloud->cells[1] + (j - cloud_j);
+        for (std::uint32_t s = cloud->row_begin[row]; s < cloud->row_begin[row + 1]; ++s) {
+          const RowSpan& span = cloud->spans[s];
+          std::size_t cell = row_start + static_cast<std::size_t>(span.i + cloud_i);
+          if (!has_layers) {
+            cell = grid.active_cells();
+            builder.add_span(k, span.i + cloud_i, span.n);
+          }
+          for (int n = 0; n < span.n; ++n) {
+            const std::size_t voxel = span.offset + static_cast<std::size_t>(n);
+            const double extinction = cloud->value[voxel] * cloud_optics.extinction_per_value;
+            const double ssa = cloud_optics.voxel_single_scattering_albedo.empty()
+                                   ? cloud_optics.single_scattering_albedo
+                                   : cloud_optics.voxel_single_scattering_albedo[voxel];
+            builder.set_cell(cell + n, k, (1 - ssa) * extinction, cloud_optics.phase_function, ssa * extinction);
+          }
+        }
+      }
+      builder.end_row();
+    }
+  }
+  return std::move(grid);
+}
+
+}  // namespace cloudbow

@@ -1,6 +1,8 @@
-// What light meets: absorption and scattering coefficients of the active cells of a box with uniform columns and any levels.
+// What light meets: absorption and scattering coefficients of the active cells of a box with uniform columns and any
+// levels.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,7 +11,8 @@
 
 namespace cloudbow {
 
-/// nx x ny columns of dx x dy metres, nz levels between ascending z_edge_m. Cell (i, j, k) has index (k*ny + j)*nx + i; k = 0 at the bottom.
+/// nx x ny columns of dx x dy metres, nz levels between ascending z_edge_m. Cell (i, j, k) has index (k*ny + j)*nx + i;
+/// k = 0 at the bottom.
 struct BoxGrid {
   int nx = 1;
   int ny = 1;
@@ -25,11 +28,11 @@ struct BoxGrid {
   double thickness_m(int k) const { return z_edge_m[k + 1] - z_edge_m[k]; }
 };
 
-/// Active cells (those with any extinction) in the order k, j, i; coefficients per active cell in 1/m, unscaled (before delta-M).
-/// Absorption is stored beside scattering, never as a difference: 1 - ssa = 1e-12 keeps its digits.
+/// Active cells (those with any extinction) in the order k, j, i; coefficients per active cell in 1/m, unscaled (before
+/// delta-M). Absorption is stored beside scattering, never as a difference: 1 - ssa = 1e-12 keeps its digits.
 struct OpticalGrid {
   BoxGrid box;
-  std::vector<std::uint32_t> row_begin;        ///< nz*ny + 1, as in CloudField
+  std::vector<std::uint32_t> row_begin;  ///< nz*ny + 1, as in CloudField
   std::vector<RowSpan> spans;
   std::vector<float> absorption;               ///< [n] 1/m, cloud and layers together
   std::vector<std::vector<float>> scattering;  ///< [phase function p][n] 1/m, cloud and layers together
@@ -45,10 +48,10 @@ OpticalGrid layers_only(const OpticalGrid& grid);
 
 /// Optical properties of the cloud's droplets: the same everywhere, or by voxel.
 struct CloudOptics {
-  double extinction_per_value = 1;            ///< multiplies CloudField::value to give extinction [1/m]
-  double single_scattering_albedo = 1;        ///< used where voxel_single_scattering_albedo is empty
+  double extinction_per_value = 1;                    ///< multiplies CloudField::value to give extinction [1/m], > 0
+  double single_scattering_albedo = 1;                ///< used where voxel_single_scattering_albedo is empty
   std::vector<float> voxel_single_scattering_albedo;  ///< per active voxel, or empty
-  int phase_function = 0;                     ///< index into the problem's phase functions
+  int phase_function = 0;                             ///< index into the problem's phase functions
 };
 
 /// Horizontally uniform matter between two heights.
@@ -60,20 +63,35 @@ struct Layer {
   int phase_function = 0;
 };
 
-/// How finely levels without cloud are cut.
+/// How finely levels without cloud are cut. Optical depths are vertical and after delta-M. At the optical distance t
+/// from the nearest interface between different optics (the domain's top and bottom among them) a level is
+///   h(t) = min(edge_optical_depth + growth t, max(max_optical_depth, deep_growth t))
+/// deep: thin where radiance bends, at most max_optical_depth inside, and beyond t = max_optical_depth / deep_growth,
+/// where only diffusion is left, growing again so that optical depths of 1e4 stay at some hundreds of levels.
 struct LevelOptions {
-  double max_optical_depth = 0.5;  ///< largest optical depth (after delta-M) of a level outside the cloud's box, near its optical edges
-  int max_levels = 4000;
-  int layer_cells = 0;             ///< layers-only scenes: this many levels of equal thickness between the layers' edges; 0: as the optics need
+  double edge_optical_depth = 0.02;
+  double growth = 0.2;
+  double max_optical_depth = 1;
+  double deep_growth = 0.02;
+  int min_levels = 1;   ///< of each stretch of the same optics
+  int layer_cells = 0;  ///< > 0: this many levels of equal thickness between any two layer edges, whatever the optics
+
+  static LevelOptions layers_only() { return {.min_levels = 12}; }
+  /// Beside a cloud every level costs a whole plane of cells.
+  static LevelOptions beside_cloud() { return {.edge_optical_depth = 0.1, .growth = 0.3}; }
 };
 
-/// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically, inside the cloud's box the voxel
-/// faces joined with the layers' edges, outside it the layers' edges cut as the optics need.
-/// @param cloud may be null; @param domain_min_m, domain_max_m the corners of the domain, already checked to lie on voxel faces.
+/// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically,
+/// inside the cloud's box the voxel faces joined with the layers' edges, outside it the layers' edges cut as the optics
+/// need; stretches without matter stay single levels. Edges closer than 1e-9 of the domain's height become one.
+/// @param cloud may be null; @param domain_min_m, domain_max_m the corners of the domain, which lie on voxel faces
+/// (horizontally) and contain cloud and layers.
 /// @param delta_m_fraction [p] forward fraction f of each phase function, used to judge how finely to cut.
-/// @throws InputError where sizes would exceed what can be indexed.
-OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics, const std::vector<Layer>& layers,
-                              const std::array<double, 3>& domain_min_m, const std::array<double, 3>& domain_max_m, bool periodic,
-                              int phase_functions, const std::vector<double>& delta_m_fraction, const LevelOptions& options);
+/// @throws InputError where sizes exceed what can be indexed, an extinction is not finite, a layer reaches outside the
+/// domain or is thinner than the edges can tell.
+OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics,
+                              const std::vector<Layer>& layers, const std::array<double, 3>& domain_min_m,
+                              const std::array<double, 3>& domain_max_m, bool periodic, int phase_functions,
+                              const std::vector<double>& delta_m_fraction, const LevelOptions& options);
 
 }  // namespace cloudbow
