@@ -1,0 +1,109 @@
+#include "cloudbow/sphere/control_points.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+int subdivisions_for(int count) {
+  for (int subdivisions = 0; subdivisions <= 3; ++subdivisions) {
+    if (count == 10 * (1 << (2 * subdivisions)) + 2) return subdivisions;
+  }
+  throw InputError(fmt::format("control points: there is no set of {} (allowed: 12, 42, 162 or 642)", count));
+}
+
+double triple_product(const Direction& a, const Direction& b, const Direction& c) { return a.dot(b.cross(c)); }
+
+}  // namespace
+
+double spherical_triangle_area(const Direction& a, const Direction& b, const Direction& c) {
+  return 2 * std::atan2(triple_product(a, b, c), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+}
+
+ControlPoints::ControlPoints(int count, const Eigen::Matrix3d& rotation)
+    : sphere_(make_icosphere(subdivisions_for(count))), rotation_(rotation) {
+  for (const Direction& v : sphere_.vertex) directions_.push_back(rotation_ * v);
+  fill_bins();
+}
+
+int ControlPoints::bin(double polar_angle, double azimuth) const {
+  const int row = std::clamp(static_cast<int>(polar_angle / pi * parallels_), 0, parallels_ - 1);
+  const int column = static_cast<int>(std::floor((azimuth / (2 * pi) + 1) * meridians_)) % meridians_;
+  return row * meridians_ + column;
+}
+
+// A triangle is entered into all bins that its circumscribed cap may touch: cheap, and it leaves no gap that a point could fall through.
+void ControlPoints::fill_bins() {
+  parallels_ = static_cast<int>(2 * std::sqrt(size()));
+  meridians_ = 2 * parallels_;
+  bins_.resize(parallels_ * meridians_);
+  const double row_height = pi / parallels_, column_width = pi / parallels_;
+  for (int t = 0; t < static_cast<int>(sphere_.triangle.size()); ++t) {
+    const auto& [a, b, c] = sphere_.triangle[t];
+    const auto& v = sphere_.vertex;
+    const Direction centre = (v[a] + v[b] + v[c]).normalized();
+    constexpr double margin = 1e-6;  // far above rounding, far below a bin
+    const double radius = margin + std::acos(std::min({centre.dot(v[a]), centre.dot(v[b]), centre.dot(v[c])}));
+    const double polar_angle = std::acos(centre.z()), azimuth = std::atan2(centre.y(), centre.x());
+    const bool holds_pole = polar_angle < radius || polar_angle > pi - radius;
+    const double reach = holds_pole ? pi : std::asin(std::sin(radius) / std::sin(polar_angle));
+
+    const int first_row = std::max(0, static_cast<int>(std::floor((polar_angle - radius) / row_height)));
+    const int last_row = std::min(parallels_ - 1, static_cast<int>(std::floor((polar_angle + radius) / row_height)));
+    const int first_column = static_cast<int>(std::floor((azimuth - reach) / column_width));
+    const int last_column =
+        std::min(first_column + meridians_ - 1, static_cast<int>(std::floor((azimuth + reach) / column_width)));
+    for (int row = first_row; row <= last_row; ++row) {
+      for (int column = first_column; column <= last_column; ++column) {
+        bins_[row * meridians_ + (column + 2 * meridians_) % meridians_].push_back(t);
+      }
+    }
+  }
+}
+
+const std::vector<int>& ControlPoints::triangles_near(const Direction& local) const {
+  return bins_[bin(std::acos(std::clamp(local.z(), -1.0, 1.0)), std::atan2(local.y(), local.x()))];
+}
+
+Stencil ControlPoints::stencil(const Direction& direction) const {
+  const Direction p = (rotation_.transpose() * direction).normalized();
+  const auto& v = sphere_.vertex;
+
+  // A point lies inside a triangle where it is to the left of all three sides. On a side rounding may deny it to both neighbours:
+  // so the triangle that comes nearest to holding the point is taken, and there is always one.
+  int nearest = -1;
+  double inside = -std::numeric_limits<double>::infinity();
+  for (const int t : triangles_near(p)) {
+    const auto& [a, b, c] = sphere_.triangle[t];
+    const double least =
+        std::min({triple_product(p, v[b], v[c]), triple_product(p, v[c], v[a]), triple_product(p, v[a], v[b])});
+    if (least > inside) {
+      inside = least;
+      nearest = t;
+    }
+  }
+
+  const auto& [a, b, c] = sphere_.triangle[nearest];
+  Stencil stencil{{a, b, c},
+                  {spherical_triangle_area(p, v[b], v[c]), spherical_triangle_area(p, v[c], v[a]),
+                   spherical_triangle_area(p, v[a], v[b])}};
+  const double area = stencil.weight[0] + stencil.weight[1] + stencil.weight[2];
+  double kept = 0;
+  for (double& weight : stencil.weight) {
+    if (weight < 1e-13 * area) weight = 0;  // rounding: a direction that is meant to be a vertex or on a side is one
+    kept += weight;
+  }
+  for (double& weight : stencil.weight) weight /= kept;
+  return stencil;
+}
+
+}  // namespace cloudbow

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-namespace cloudbow {
+#include "cloudbow/sphere/direction.hpp"
+#include "cloudbow/sphere/icosphere.hpp"
 
-/// Unit vector. In transport it is the direction of travel of light, z up.
-using Direction = Eigen::Vector3d;
+namespace cloudbow {
 
 /// A function given at the control points has the value sum_i weight[i] * value[index[i]]; weights are >= 0 and sum to 1.
 struct Stencil {
@@ -27,21 +27,30 @@ class ControlPoints {
   int size() const { return static_cast<int>(directions_.size()); }
   std::span<const Direction> directions() const { return directions_; }
   /// Vertex indices, counter-clockwise seen from outside.
-  std::span<const std::array<int, 3>> triangles() const { return triangles_; }
+  std::span<const std::array<int, 3>> triangles() const { return sphere_.triangle; }
   const Eigen::Matrix3d& rotation() const { return rotation_; }
 
   /// Triangle that contains the direction (found by parallels and meridians, confirmed by the cross-product test) and its
-  /// weights: areas of the spherical triangles opposite each vertex, normalised to sum 1.
+  /// weights: areas of the spherical triangles opposite each vertex, normalised to sum 1. Never fails: on edges and vertices any of
+  /// the triangles that meet there gives the same value.
   Stencil stencil(const Direction& direction) const;
 
  private:
+  int bin(double polar_angle, double azimuth) const;
+  void fill_bins();
+  const std::vector<int>& triangles_near(const Direction& local) const;
+
+  Icosphere sphere_;  // in its own frame, where points are located
   std::vector<Direction> directions_;
-  std::vector<std::array<int, 3>> triangles_;
   Eigen::Matrix3d rotation_;
-  // Bins of the sphere by parallel (z) and meridian (azimuth), each with the triangles that touch it.
+  // Bins of the sphere by parallel (polar angle) and meridian (azimuth), each with the triangles that may touch it.
   int parallels_ = 0;
   int meridians_ = 0;
   std::vector<std::vector<int>> bins_;
 };
+
+/// Area of the spherical triangle a, b, c (unit vectors), positive where they run counter-clockwise seen from outside: one arc tangent,
+/// accurate for slivers too (Van Oosterom & Strackee 1983, Eq. 8).
+double spherical_triangle_area(const Direction& a, const Direction& b, const Direction& c);
 
 }  // namespace cloudbow
