@@ -67,7 +67,8 @@ std::vector<Eigen::Matrix3d> icosahedral_group() {
   std::vector<Eigen::Matrix3d> group;
   for (const auto& triangle : sphere.triangle) {
     constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    for (const auto& o : orders) group.push_back(columns({triangle[o[0]], triangle[o[1]], triangle[o[2]]}) * from_first);
+    for (const auto& o : orders)
+      group.push_back(columns({triangle[o[0]], triangle[o[1]], triangle[o[2]]}) * from_first);
   }
   return group;
 }

@@ -1,5 +1,6 @@
-// Control points: the vertices of a subdivided icosahedron, on which spherical functions are stored, and the spherical-triangle weights
-// that interpolate between them (Chatelier & Malgouyres, "A fast interpolation method to represent the BRDF in global illumination").
+// Control points: the vertices of a subdivided icosahedron, on which spherical functions are stored, and the
+// spherical-triangle weights that interpolate between them (Chatelier & Malgouyres, "A fast interpolation method to
+// represent the BRDF in global illumination").
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,7 +13,8 @@
 
 namespace cloudbow {
 
-/// A function given at the control points has the value sum_i weight[i] * value[index[i]]; weights are >= 0 and sum to 1.
+/// A function given at the control points has the value sum_i weight[i] * value[index[i]]; weights are >= 0 and sum
+/// to 1.
 struct Stencil {
   std::array<int, 3> index;
   std::array<double, 3> weight;
@@ -30,9 +32,9 @@ class ControlPoints {
   std::span<const std::array<int, 3>> triangles() const { return sphere_.triangle; }
   const Eigen::Matrix3d& rotation() const { return rotation_; }
 
-  /// Triangle that contains the direction (found by parallels and meridians, confirmed by the cross-product test) and its
-  /// weights: areas of the spherical triangles opposite each vertex, normalised to sum 1. Never fails: on edges and vertices any of
-  /// the triangles that meet there gives the same value.
+  /// Triangle that contains the direction (found by parallels and meridians, confirmed by the cross-product test) and
+  /// its weights: areas of the spherical triangles opposite each vertex, normalised to sum 1. Never fails: on edges and
+  /// vertices any of the triangles that meet there gives the same value.
   Stencil stencil(const Direction& direction) const;
 
  private:
@@ -49,8 +51,8 @@ class ControlPoints {
   std::vector<std::vector<int>> bins_;
 };
 
-/// Area of the spherical triangle a, b, c (unit vectors), positive where they run counter-clockwise seen from outside: one arc tangent,
-/// accurate for slivers too (Van Oosterom & Strackee 1983, Eq. 8).
+/// Area of the spherical triangle a, b, c (unit vectors), positive where they run counter-clockwise seen from outside:
+/// one arc tangent, accurate for slivers too (Van Oosterom & Strackee 1983, Eq. 8).
 double spherical_triangle_area(const Direction& a, const Direction& b, const Direction& c);
 
 }  // namespace cloudbow

@@ -13,20 +13,25 @@ struct OrdinateSet {
   std::string name;
   std::vector<Direction> direction;  ///< D unit vectors, none with z = 0; those with z < 0 (downward) first.
   std::vector<double> weight;        ///< D quadrature weights [sr], positive, sum 4 pi.
-  int exactness_degree = 0;          ///< Spherical harmonics up to this degree are integrated exactly.
-  /// Orthogonal maps (reflections of an octant, or the icosahedral group in the set's own frame) that map the set onto itself.
+  int exactness_degree =
+      0;  ///< Spherical harmonics up to this degree are integrated exactly (to 1e-10; at most 64 is told).
+  /// Orthogonal maps (reflections of an octant, or the icosahedral group in the set's own frame) that map the set onto
+  /// itself.
   std::vector<Eigen::Matrix3d> symmetry;
   bool is_control_points = false;
 
   int size() const { return static_cast<int>(direction.size()); }
 };
 
-/// Names: "double-gauss-NxK" (N polar angles over the sphere, even; K azimuths, multiple of 4; e.g. "double-gauss-8x16"),
+/// Names: "double-gauss-NxK" (N polar angles over the sphere, even, 2 to 64; K azimuths, a multiple of 4, 4 to 128;
+/// e.g. "double-gauss-8x16"),
 /// "reduced-double-gauss-NxK" (fewer azimuths near the poles, e.g. "reduced-double-gauss-12x20"),
-/// "control-points-M" (the turned icosphere, M = 42, 162 or 642, orbit weights). Throws InputError listing what is allowed.
+/// "control-points-M" (the turned icosphere, M = 42, 162 or 642, orbit weights). Throws InputError listing what is
+/// allowed.
 OrdinateSet make_ordinate_set(std::string_view name);
 
-/// Rotation that ordinates and control points share when the ordinates are control points: quaternion (x,y,z,w) = (.1056,.9465,.2242,.2067).
+/// Rotation that ordinates and control points share when the ordinates are control points: quaternion (x,y,z,w) =
+/// (.1056,.9465,.2242,.2067).
 Eigen::Matrix3d control_point_frame_rotation();
 
 }  // namespace cloudbow
