@@ -10,7 +10,8 @@ struct DeltaM {
   PhaseFunction truncated;  ///< chi'_l = (chi_l - f)/(1 - f), l < N; the function itself (exact) where f = 0
 };
 
-/// Truncates at order N >= 1. Only a forward peak is truncated: chi_N > 0 and chi_l >= chi_N for all l < N, otherwise f = 0.
+/// Truncates at order N >= 1. Only a forward peak is truncated: chi_N > 0 and chi_l >= chi_N for all l < N, otherwise f
+/// = 0.
 DeltaM delta_m(const PhaseFunction& phase, int order);
 
 }  // namespace cloudbow

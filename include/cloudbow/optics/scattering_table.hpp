@@ -1,4 +1,5 @@
-// The scattering matrix on control points: column d is the phase function for light arriving along ordinate d, fitted to the control points.
+// The scattering matrix on control points: column d is the phase function for light arriving along ordinate d, fitted
+// to the control points.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,39 +16,43 @@ enum class FitMethod { linear_programming, least_squares, collocation };
 
 struct FitOptions {
   FitMethod method = FitMethod::linear_programming;
-  int delta_m_order = 8;        ///< N of the diffuse light
-  int beam_delta_m_order = 12;  ///< N_b >= N of the direct beam
-  int exact_moments = 3;        ///< moments l <= this hold exactly under the ordinates' quadrature
-  int beam_half_range_rows = 3; ///< rows int_up mu^k P, k = 0 .. rows-1, held exactly for the beam
-  bool minimax = true;          ///< false: mean error alone
+  int delta_m_order = 8;                  ///< N of the diffuse light
+  int beam_delta_m_order = 12;            ///< N_b >= N of the direct beam
+  int exact_moments = 3;                  ///< moments l <= this hold exactly under the ordinates' quadrature
+  int beam_half_range_rows = 3;           ///< rows int_up mu^k P, k = 0 .. rows-1, held exactly for the beam
+  bool minimax = true;                    ///< false: mean error alone
   std::filesystem::path cache_directory;  ///< empty: no cache
 };
 
 /// What the fit achieved; goes into the result file and to `cloudbow phase`.
 struct FitReport {
   int linear_programmes = 0;
-  int fallbacks = 0;            ///< columns not solved as asked (fewer moments, or least squares with correction)
-  double closure = 0;           ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
-  double max_error = 0;         ///< worst |fit - P'| / max P' at the samples
+  int fallbacks = 0;     ///< columns not solved as asked (fewer moments, or least squares with correction)
+  double closure = 0;    ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
+  double max_error = 0;  ///< worst |fit - P'| / max P' at the samples
   bool from_cache = false;
   double seconds = 0;
 };
 
-/// All matrices in double. Mean-1 phase functions: the source per unit scattering coefficient is S = points_from_ordinates * I with I the
-/// radiance at the ordinates; light is conserved: sum_m over the quadrature of S equals the sum of w_d I_d.
+/// All matrices in double. Mean-1 phase functions: the source per unit scattering coefficient is S =
+/// points_from_ordinates * I with I the radiance at the ordinates; light is conserved: sum_m over the quadrature of S
+/// equals the sum of w_d I_d.
 struct ScatteringTable {
-  double forward_fraction = 0;       ///< f of the diffuse light
-  double beam_forward_fraction = 0;  ///< f_b of the direct beam
+  double forward_fraction = 0;               ///< f of the diffuse light
+  double beam_forward_fraction = 0;          ///< f_b of the direct beam
   Eigen::MatrixXd points_from_ordinates;     ///< M x D: X_d w_d / (4 pi)
   Eigen::MatrixXd ordinates_from_ordinates;  ///< D x D: W * points_from_ordinates, W the interpolation (D x M)
-  Eigen::VectorXd points_from_beam;          ///< M: P_b fitted / (4 pi), source of a beam of unit normal irradiance; empty without beam
-  Eigen::VectorXd ordinates_from_beam;       ///< D
+  Eigen::VectorXd
+      points_from_beam;  ///< M: P_b fitted / (4 pi), source of a beam of unit normal irradiance; empty without beam
+  Eigen::VectorXd ordinates_from_beam;  ///< D
   FitReport report;
 };
 
 /// @param beam direction of travel of the direct sunlight, if any.
-/// Columns related by a symmetry of the ordinates are permutations of each other; threads solve the rest. Same bits for any thread count.
-ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlPoints& points, const OrdinateSet& ordinates,
-                                      const std::optional<Direction>& beam, const FitOptions& options);
+/// Columns related by a symmetry of the ordinates are permutations of each other; threads solve the rest. Same bits for
+/// any thread count.
+ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlPoints& points,
+                                      const OrdinateSet& ordinates, const std::optional<Direction>& beam,
+                                      const FitOptions& options);
 
 }  // namespace cloudbow
