@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Every scene in configs/ runs as it is (at accuracy draft, to be quick), closes its ledger, and its result opens and can be drawn."""
+import sys
+from pathlib import Path
+
+import xarray
+
+import support
+from support import ROOT, Failure
+
+
+def main():
+    parser = support.argument_parser(__doc__)
+    parser.add_argument("scenes", nargs="*", type=Path, help="default: configs/*.toml")
+    options = parser.parse_args()
+    cloudbow = support.Cloudbow(options.cloudbow, options.threads)
+    scenes = options.scenes or sorted((ROOT / "configs").glob("*.toml"))
+    if not scenes:
+        sys.exit("no scene in configs/")
+    faults = []
+    with support.Workspace(options.keep) as folder:
+        for scene in scenes:
+            output, picture = folder / f"{scene.stem}.h5", folder / f"{scene.stem}.png"
+            try:
+                result = cloudbow.run(scene, output, "--set", "solver.accuracy=draft")
+                with xarray.open_dataset(output) as data:
+                    finite = all(bool(data[name].notnull().all()) for name in ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux"))
+                if not finite:
+                    raise Failure(f"{scene}: fluxes that are not numbers")
+                cloudbow.call("render", output, "-o", picture)
+                if not picture.read_bytes().startswith(b"\x89PNG"):
+                    raise Failure(f"{scene}: render made no PNG")
+                print(f"{scene.stem}: R {result.summary['reflectance']:.4f}, T {result.summary['transmittance']:.4f}, "
+                      f"{result.cpu_seconds:.1f} CPU s, {result.peak_memory_bytes / 1e6:.0f} MB", flush=True)
+            except Failure as failure:
+                faults.append(str(failure))
+    print("\n".join(faults))
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
