@@ -44,6 +44,30 @@ int nearest_edge(const std::vector<double>& edges, double z) {
   return z - edges[index - 1] < edges[index] - z ? index - 1 : index;
 }
 
+/// The planes of a cloud that hold active voxels: where its voxel faces become levels.
+struct CloudPlanes {
+  const CloudField* cloud = nullptr;
+  int first = 0;
+  int end = 0;  // first == end: no plane
+
+  explicit CloudPlanes(const CloudField* field) : cloud(field) {
+    if (cloud == nullptr) return;
+    const auto spans_before = [&](int k) {
+      return cloud->row_begin[static_cast<std::size_t>(k) * static_cast<std::size_t>(cloud->cells[1])];
+    };
+    end = cloud->cells[2];
+    while (first < end && spans_before(first + 1) == 0) ++first;
+    while (end > first && spans_before(end - 1) == cloud->spans.size()) --end;
+  }
+
+  double face_m(int k) const { return cloud->min_m[2] + k * cloud->cell_size_m[2]; }
+  /// Plane that holds the height, or -1.
+  int plane(double z) const {
+    if (first == end || z < face_m(first) || z > face_m(end)) return -1;
+    return std::clamp(static_cast<int>((z - cloud->min_m[2]) / cloud->cell_size_m[2]), first, end - 1);
+  }
+};
+
 /// Coefficients of the layers alone between neighbouring edges.
 struct LayerProfile {
   std::vector<double> absorption;               // [nz]
@@ -161,13 +185,13 @@ void cut_stretch(const std::vector<double>& edges, int begin, int end, double ex
   }
 }
 
-std::vector<double> make_levels(const CloudField* cloud, const std::vector<Layer>& layers, double bottom, double top,
+std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Layer>& layers, double bottom, double top,
                                 int phase_functions, const std::vector<double>& forward_fraction,
                                 const LevelOptions& options) {
   const double tolerance = kMergeFraction * (top - bottom);
   std::vector<Edge> edges{{bottom, 0}, {top, 0}};
-  if (cloud != nullptr) {
-    for (int k = 0; k <= cloud->cells[2]; ++k) edges.push_back({cloud->min_m[2] + k * cloud->cell_size_m[2], 1});
+  if (cloud.first < cloud.end) {
+    for (int k = cloud.first; k <= cloud.end; ++k) edges.push_back({cloud.face_m(k), 1});
   }
   for (const Layer& layer : layers) {
     if (layer.bottom_m < bottom - tolerance || layer.top_m > top + tolerance) {
@@ -180,10 +204,7 @@ std::vector<double> make_levels(const CloudField* cloud, const std::vector<Layer
   const std::vector<double> merged = merge_edges(std::move(edges), tolerance);
   const LayerProfile profile = layer_profile(merged, layers, phase_functions);
 
-  const auto in_cloud_box = [&](int k) {
-    const double middle = (merged[k] + merged[k + 1]) / 2;
-    return cloud != nullptr && middle > cloud->min_m[2] && middle < cloud->max_m(2);
-  };
+  const auto in_cloud_box = [&](int k) { return cloud.plane((merged[k] + merged[k + 1]) / 2) >= 0; };
   std::vector<double> levels;
   const int count = static_cast<int>(merged.size()) - 1;
   for (int begin = 0; begin < count;) {
@@ -264,6 +285,7 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
   assert(static_cast<int>(delta_m_fraction.size()) == phase_functions);
   assert(domain_max_m[2] > domain_min_m[2]);
 
+  const CloudPlanes planes(cloud);
   BoxGrid box;
   box.periodic = periodic;
   int cloud_i = 0;
@@ -281,31 +303,26 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
     box.dy_m = cloud->cell_size_m[1];
     cloud_i = offset(0);
     cloud_j = offset(1);
-    assert(cloud_i >= 0 && cloud_i + cloud->cells[0] <= box.nx);
-    assert(cloud_j >= 0 && cloud_j + cloud->cells[1] <= box.ny);
   }
   box.x_min_m = domain_min_m[0];
   box.y_min_m = domain_min_m[1];
   box.z_edge_m =
-      make_levels(cloud, layers, domain_min_m[2], domain_max_m[2], phase_functions, delta_m_fraction, options);
+      make_levels(planes, layers, domain_min_m[2], domain_max_m[2], phase_functions, delta_m_fraction, options);
 
   const LayerProfile profile = layer_profile(box.z_edge_m, layers, phase_functions);
   GridBuilder builder(box, profile);
   OpticalGrid& grid = builder.grid();
   for (int k = 0; k < box.nz(); ++k) {
     const bool has_layers = !profile.empty(k);
-    const double middle = (box.z_edge_m[k] + box.z_edge_m[k + 1]) / 2;
-    const bool in_cloud = cloud != nullptr && middle > cloud->min_m[2] && middle < cloud->max_m(2);
-    const int cloud_k =
-        in_cloud ? std::min(cloud->cells[2] - 1, static_cast<int>((middle - cloud->min_m[2]) / cloud->cell_size_m[2]))
-                 : 0;
+    const int cloud_k = planes.plane((box.z_edge_m[k] + box.z_edge_m[k + 1]) / 2);
     for (int j = 0; j < box.ny; ++j) {
       const std::size_t row_start = grid.active_cells();
       if (has_layers) builder.add_span(k, 0, box.nx);
-      if (in_cloud && j >= cloud_j && j < cloud_j + cloud->cells[1]) {
+      if (cloud_k >= 0 && j >= cloud_j && j < cloud_j + cloud->cells[1]) {
         const std::size_t row = static_cast<std::size_t>(cloud_k) * cloud->cells[1] + (j - cloud_j);
         for (std::uint32_t s = cloud->row_begin[row]; s < cloud->row_begin[row + 1]; ++s) {
           const RowSpan& span = cloud->spans[s];
+          assert(span.i + cloud_i >= 0 && span.i + cloud_i + span.n <= box.nx);
           std::size_t cell = row_start + static_cast<std::size_t>(span.i + cloud_i);
           if (!has_layers) {
             cell = grid.active_cells();

@@ -81,11 +81,12 @@ struct LevelOptions {
   static LevelOptions beside_cloud() { return {.edge_optical_depth = 0.1, .growth = 0.3}; }
 };
 
-/// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically,
-/// inside the cloud's box the voxel faces joined with the layers' edges, outside it the layers' edges cut as the optics
-/// need; stretches without matter stay single levels. Edges closer than 1e-9 of the domain's height become one.
+/// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the
+/// faces of the voxel planes between the lowest and the highest active voxel, joined with the layers' edges; below and
+/// above them the layers' edges, cut as the optics need. Stretches without matter stay single levels. Edges closer than
+/// 1e-9 of the domain's height become one.
 /// @param cloud may be null; @param domain_min_m, domain_max_m the corners of the domain, which lie on voxel faces
-/// (horizontally) and contain cloud and layers.
+/// (horizontally) and contain the active voxels and the layers.
 /// @param delta_m_fraction [p] forward fraction f of each phase function, used to judge how finely to cut.
 /// @throws InputError where sizes exceed what can be indexed, an extinction is not finite, a layer reaches outside the
 /// domain or is thinner than the edges can tell.

@@ -1,0 +1,226 @@
+// Levels and coefficients of the optical grid. Truth: the optical depths that went in, counted by hand.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/optical_grid.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr std::array<double, 3> kOrigin{0, 0, 0};
+
+/// 4 x 3 x 5 cells of 10 x 20 x 30 m from z = 60 m, of which the lowest and the highest plane are empty.
+CloudField small_cloud() {
+  const std::array<int, 3> cells{4, 3, 5};
+  std::vector<float> dense(60, 0.0f);
+  for (int k = 1; k < 4; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 4; ++i) {
+        if ((i + j + k) % 3 != 0) dense[(k * 3 + j) * 4 + i] = 0.001f * static_cast<float>(1 + i + 5 * j + 17 * k);
+      }
+    }
+  }
+  return make_cloud_field(cells, {10, 20, 30}, {0, 0, 60}, dense, "extinction");
+}
+
+/// Optical depth of each column, by absorption and scattering together.
+std::vector<double> column_optical_depth(const OpticalGrid& grid) {
+  std::vector<double> depth(grid.box.columns(), 0.0);
+  for (int k = 0; k < grid.box.nz(); ++k) {
+    for (int j = 0; j < grid.box.ny; ++j) {
+      const std::size_t row = static_cast<std::size_t>(k) * grid.box.ny + j;
+      for (std::uint32_t s = grid.row_begin[row]; s < grid.row_begin[row + 1]; ++s) {
+        for (int n = 0; n < grid.spans[s].n; ++n) {
+          const std::size_t cell = grid.spans[s].offset + static_cast<std::size_t>(n);
+          double extinction = grid.absorption[cell];
+          for (const auto& scattering : grid.scattering) extinction += scattering[cell];
+          depth[static_cast<std::size_t>(j) * grid.box.nx + grid.spans[s].i + n] +=
+              extinction * grid.box.thickness_m(k);
+        }
+      }
+    }
+  }
+  return depth;
+}
+
+OpticalGrid slab(double optical_depth, double forward_fraction = 0,
+                 LevelOptions options = LevelOptions::layers_only()) {
+  return make_optical_grid(nullptr, {}, {{0, 1000, optical_depth, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1,
+                           {forward_fraction}, options);
+}
+
+TEST(OpticalGrid, VoxelFacesJoinLayerEdgesAndEmptyPlanesStayWhole) {
+  const CloudField cloud = small_cloud();
+  // The layer cuts the voxels of the plane 120 to 150 m; it is thin enough not to be cut outside the cloud.
+  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, kOrigin, {40, 60, 300}, true, 2,
+                                             {0, 0}, LevelOptions::beside_cloud());
+  EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 40, 90, 120, 130, 150, 180, 300}));
+  EXPECT_EQ(grid.box.nx, 4);
+  EXPECT_EQ(grid.box.ny, 3);
+  EXPECT_DOUBLE_EQ(grid.box.dx_m, 10);
+  EXPECT_DOUBLE_EQ(grid.box.dy_m, 20);
+  // Cells: none below the layer and above the cloud, whole planes where the layer is, the cloud's own elsewhere.
+  const auto cells_on_level = [&](int k) {
+    std::size_t cells = 0;
+    for (std::uint32_t s = grid.row_begin[k * 3]; s < grid.row_begin[(k + 1) * 3]; ++s) cells += grid.spans[s].n;
+    return cells;
+  };
+  EXPECT_EQ(cells_on_level(0), 0u);
+  for (int k = 1; k <= 3; ++k) EXPECT_EQ(cells_on_level(k), 12u) << k;
+  EXPECT_EQ(cells_on_level(4), 8u);
+  EXPECT_EQ(cells_on_level(5), 8u);
+  EXPECT_EQ(cells_on_level(6), 0u);
+  // Below and above the layer's edge in the same voxel plane: the same cloud, with and without the layer's 1e-4 1/m.
+  const RowSpan below = grid.spans[grid.row_begin[3 * 3]];
+  const RowSpan above = grid.spans[grid.row_begin[4 * 3]];
+  for (int n = 0; n < above.n; ++n) {
+    const std::size_t cell_below = below.offset + static_cast<std::size_t>(above.i + n);
+    const std::size_t cell_above = above.offset + static_cast<std::size_t>(n);
+    EXPECT_EQ(grid.scattering[0][cell_below], grid.scattering[0][cell_above]);
+    EXPECT_FLOAT_EQ(grid.scattering[1][cell_below], 0.5e-4f);
+    EXPECT_FLOAT_EQ(grid.absorption[cell_below] - grid.absorption[cell_above], 0.5e-4f);
+  }
+}
+
+TEST(OpticalGrid, ColumnsKeepTheirOpticalDepth) {
+  const CloudField cloud = small_cloud();
+  const std::vector<Layer> layers{{0, 300, 0.05, 1.0, 1}, {70, 131, 3.0, 0.9, 2}, {250, 300, 12.0, 0.3, 0}};
+  CloudOptics optics;
+  optics.extinction_per_value = 2.5;
+  optics.single_scattering_albedo = 0.97;
+  const OpticalGrid grid = make_optical_grid(&cloud, optics, layers, {-20, -20, 0}, {40, 60, 300}, false, 3,
+                                             {0.2, 0, 0.4}, LevelOptions::beside_cloud());
+  ASSERT_EQ(grid.box.nx, 6);
+  ASSERT_EQ(grid.box.ny, 4);
+  const std::vector<double> depth = column_optical_depth(grid);
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 6; ++i) {
+      double expected = 15.05;
+      for (int k = 1; k < 4; ++k) {
+        const int ci = i - 2;
+        const int cj = j - 1;
+        if (ci < 0 || cj < 0 || (ci + cj + k) % 3 == 0) continue;
+        expected += 30 * 2.5 * 0.001 * (1 + ci + 5 * cj + 17 * k);
+      }
+      // Coefficients are floats: 6e-8 relative each, and as much again in the densities.
+      EXPECT_NEAR(depth[j * 6 + i], expected, 1e-6 * expected) << i << ' ' << j;
+    }
+  }
+}
+
+TEST(OpticalGrid, WeakAbsorptionKeepsItsDigits) {
+  const CloudField cloud = small_cloud();
+  CloudOptics optics;
+  optics.single_scattering_albedo = 1 - std::ldexp(1.0, -40);
+  const OpticalGrid grid =
+      make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions::beside_cloud());
+  ASSERT_EQ(grid.active_cells(), cloud.active_voxels());
+  for (std::size_t cell = 0; cell < grid.active_cells(); ++cell) {
+    // 1 - ssa is a power of two: the product is exact.
+    EXPECT_EQ(grid.absorption[cell], std::ldexp(cloud.value[cell], -40));
+  }
+}
+
+TEST(OpticalGrid, AlbedoByVoxel) {
+  const CloudField cloud = small_cloud();
+  CloudOptics optics;
+  for (std::size_t voxel = 0; voxel < cloud.active_voxels(); ++voxel) {
+    optics.voxel_single_scattering_albedo.push_back(voxel % 2 == 0 ? 1.0f : 0.25f);
+  }
+  const OpticalGrid grid =
+      make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions::beside_cloud());
+  for (std::size_t cell = 0; cell < grid.active_cells(); ++cell) {
+    EXPECT_EQ(grid.absorption[cell], cell % 2 == 0 ? 0.0f : 0.75f * cloud.value[cell]);
+    EXPECT_EQ(grid.scattering[0][cell], cell % 2 == 0 ? cloud.value[cell] : 0.25f * cloud.value[cell]);
+  }
+}
+
+TEST(OpticalGrid, LayersOnlyIsTheLayersAsOneColumn) {
+  const CloudField cloud = small_cloud();
+  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.9, 0.5, 1}}, kOrigin, {40, 60, 300}, false, 2,
+                                             {0, 0}, LevelOptions::beside_cloud());
+  const OpticalGrid column = layers_only(grid);
+  EXPECT_EQ(column.box.columns(), 1u);
+  EXPECT_TRUE(column.box.periodic);
+  EXPECT_EQ(column.box.z_edge_m, grid.box.z_edge_m);
+  EXPECT_NEAR(column_optical_depth(column)[0], 0.9, 1e-6 * 0.9);  // float coefficients
+  EXPECT_TRUE(std::all_of(column.scattering[0].begin(), column.scattering[0].end(), [](float s) { return s == 0; }));
+  EXPECT_EQ(column.row_begin.size(), grid.box.z_edge_m.size());
+}
+
+TEST(OpticalGrid, GradedLevels) {
+  for (const double depth : {1e-6, 0.01, 1.0, 8.0, 100.0, 1e4}) {
+    const OpticalGrid grid = slab(depth);
+    const int nz = grid.box.nz();
+    EXPECT_GE(nz, 12) << depth;
+    EXPECT_LE(nz, 700) << depth;  // 2 * (count at the edges + 49 of at most 1 + ln(5000/50)/0.02)
+    EXPECT_NEAR(column_optical_depth(grid)[0], depth, 1e-6 * depth);
+    std::vector<double> level(nz);
+    for (int k = 0; k < nz; ++k) level[k] = grid.box.thickness_m(k) * depth / 1000;
+    EXPECT_LE(level.front(), 0.0225) << depth;  // h grows by 1.2 across the first level
+    for (int k = 0; k < nz; ++k) {
+      EXPECT_NEAR(level[k], level[nz - 1 - k], 1e-9 * depth) << depth;  // the same from both edges
+      EXPECT_LE(level[k], depth <= 100 ? 1.0 + 1e-9 : 0.02 * depth / 2 * 1.02) << depth;
+    }
+    // A level of length h at h(t) = h0 + 0.2 t: neighbours differ by exp(0.2) = 1.221 at most.
+    for (int k = 1; k < nz; ++k) {
+      EXPECT_LE(std::max(level[k] / level[k - 1], level[k - 1] / level[k]), 1.2215) << depth << ' ' << k;
+    }
+  }
+}
+
+TEST(OpticalGrid, DeltaMCoarsensLevels) {
+  // Half of the light is scattered straight on: tau 100 is cut like tau 50.
+  EXPECT_EQ(slab(100, 0.5).box.nz(), slab(50, 0).box.nz());
+}
+
+TEST(OpticalGrid, SplittingALayerAddsEdgesButNoNewInterfaces) {
+  const OpticalGrid whole = slab(40);
+  const OpticalGrid split = make_optical_grid(nullptr, {}, {{0, 500, 20, 1.0, 0}, {500, 1000, 20, 1.0, 0}}, kOrigin,
+                                              {1, 1, 1000}, true, 1, {0}, LevelOptions::layers_only());
+  EXPECT_NE(std::find(split.box.z_edge_m.begin(), split.box.z_edge_m.end(), 500.0), split.box.z_edge_m.end());
+  EXPECT_LE(split.box.nz(), whole.box.nz() + 1);
+  // Different optics at 500 m: levels get thin there.
+  const OpticalGrid other = make_optical_grid(nullptr, {}, {{0, 500, 20, 1.0, 0}, {500, 1000, 20, 0.9, 0}}, kOrigin,
+                                              {1, 1, 1000}, true, 1, {0}, LevelOptions::layers_only());
+  const auto& z = other.box.z_edge_m;
+  const auto middle = std::find(z.begin(), z.end(), 500.0);
+  ASSERT_NE(middle, z.end());
+  EXPECT_LE((*(middle + 1) - *middle) * 20 / 500, 0.0225);
+  EXPECT_LE((*middle - *(middle - 1)) * 20 / 500, 0.0225);
+}
+
+TEST(OpticalGrid, LevelsByHand) {
+  LevelOptions options;
+  options.layer_cells = 4;
+  const OpticalGrid grid = make_optical_grid(nullptr, {}, {{100, 200, 5, 1.0, 0}, {150, 200, 1, 1.0, 0}}, kOrigin,
+                                             {1, 1, 300}, true, 1, {0}, options);
+  EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 100, 112.5, 125, 137.5, 150, 162.5, 175, 187.5, 200, 300}));
+}
+
+TEST(OpticalGrid, EdgesThatCoincideBecomeOne) {
+  const CloudField cloud = small_cloud();
+  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{90 + 1e-8, 150 - 1e-8, 0.01, 1.0, 0}}, {0, 0, 60},
+                                             {40, 60, 210}, true, 1, {0}, LevelOptions::beside_cloud());
+  EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{60, 90, 120, 150, 180, 210}));
+}
+
+TEST(OpticalGrid, Errors) {
+  const LevelOptions levels = LevelOptions::layers_only();
+  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1200, 1, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1, {0}, levels),
+               InputError);
+  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-8, 1, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1, {0}, levels),
+               InputError);
+  const CloudField cloud = small_cloud();
+  CloudOptics optics;
+  optics.extinction_per_value = 1e300;
+  EXPECT_THROW(make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, levels), InputError);
+}
+
+}  // namespace
+}  // namespace cloudbow
