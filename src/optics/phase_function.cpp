@@ -30,7 +30,7 @@ double henyey_greenstein_value(double g, double cos_angle) {
 
 /// How many of the moments g^l stand above 1e-17.
 int henyey_greenstein_moment_count(double g) {
-  constexpr int most = 4096;
+  constexpr int most = 65536;
   if (g == 0) return 1;
   return static_cast<int>(std::min<double>(most, 1 + std::ceil(std::log(1e-17) / std::log(std::abs(g)))));
 }

@@ -1,0 +1,229 @@
+#include "cloudbow/optics/scattering_table.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "cloudbow/core/error.hpp"
+#include "column_fit.hpp"
+#include "table_cache.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double four_pi = 4 * std::numbers::pi;
+constexpr double same_direction = 1 - 1e-10;  // dot product; neighbours are farther apart than 1e-5 rad
+
+void check(const FitOptions& options) {
+  const int n = options.delta_m_order, beam = options.beam_delta_m_order;
+  if (n < 1 || beam < n || beam > 64) {
+    throw InputError(fmt::format(
+        "scattering table: delta-M orders {} and, for the beam, {} (allowed: 1 <= order <= beam order <= 64)", n,
+        beam));
+  }
+  if (options.exact_moments < 0 || options.exact_moments > 12) {
+    throw InputError(fmt::format("scattering table: exact moments up to {} (allowed: 0 to 12)", options.exact_moments));
+  }
+  if (options.beam_half_range_rows < 0 || options.beam_half_range_rows > 6) {
+    throw InputError(
+        fmt::format("scattering table: {} half-range rows (allowed: 0 to 6)", options.beam_half_range_rows));
+  }
+}
+
+Eigen::SparseMatrix<double> interpolation(const ControlPoints& points, const OrdinateSet& ordinates) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const Stencil s = points.stencil(ordinates.direction[d]);
+    for (int k = 0; k < 3; ++k) {
+      if (s.weight[k] > 0) entries.emplace_back(d, s.index[k], s.weight[k]);
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(ordinates.size(), points.size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// Where a map takes each control point; empty if it does not map the points onto themselves.
+std::vector<int> permutation(const ControlPoints& points, const Eigen::Matrix3d& map) {
+  std::vector<int> to;
+  for (const Direction& v : points.directions()) {
+    const Stencil s = points.stencil(map * v);
+    const auto nearest = std::max_element(s.weight.begin(), s.weight.end()) - s.weight.begin();
+    to.push_back(s.index[nearest]);
+    if (points.directions()[to.back()].dot(map * v) < same_direction) return {};
+  }
+  return to;
+}
+
+struct SymmetryMap {
+  Eigen::Matrix3d map;
+  std::vector<int> control_point_to;
+};
+
+/// An ordinate whose column is a permutation of its representative's: by each of the maps that take the one to the
+/// other.
+struct Member {
+  int ordinate;
+  std::vector<const SymmetryMap*> maps;
+};
+struct Orbit {
+  int representative;
+  std::vector<Member> members;
+};
+
+std::vector<SymmetryMap> common_symmetry(const ControlPoints& points, const OrdinateSet& ordinates) {
+  std::vector<SymmetryMap> maps;
+  for (const auto& map : ordinates.symmetry) {
+    std::vector<int> to = permutation(points, map);
+    if (!to.empty()) maps.push_back({map, std::move(to)});
+  }
+  if (maps.empty()) maps.push_back({Eigen::Matrix3d::Identity(), permutation(points, Eigen::Matrix3d::Identity())});
+  return maps;
+}
+
+std::vector<Orbit> orbits_of(const OrdinateSet& ordinates, const std::vector<SymmetryMap>& maps) {
+  std::vector<Orbit> orbits;
+  std::vector<bool> reached(ordinates.size(), false);
+  for (int r = 0; r < ordinates.size(); ++r) {
+    if (reached[r]) continue;
+    Orbit orbit{r, {}};
+    for (const SymmetryMap& map : maps) {
+      const Direction image = map.map * ordinates.direction[r];
+      for (int d = 0; d < ordinates.size(); ++d) {
+        if (ordinates.direction[d].dot(image) < same_direction) continue;
+        if (!reached[d]) orbit.members.push_back({d, {}});
+        reached[d] = true;
+        std::find_if(orbit.members.begin(), orbit.members.end(), [&](const Member& m) {
+          return m.ordinate == d;
+        })->maps.push_back(&map);
+      }
+    }
+    orbits.push_back(std::move(orbit));
+  }
+  return orbits;
+}
+
+/// Column of a member: where several maps lead to it, their mean, which has the symmetry of the direction itself.
+Eigen::VectorXd permuted(const Eigen::VectorXd& column, const Member& member) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(column.size());
+  for (const SymmetryMap* map : member.maps) {
+    for (Eigen::Index m = 0; m < column.size(); ++m) result[map->control_point_to[m]] += column[m];
+  }
+  return result / static_cast<double>(member.maps.size());
+}
+
+FittedValues fit_all(const PhaseFunction& diffuse, const PhaseFunction& direct, const ControlPoints& points,
+                     const OrdinateSet& ordinates, const std::optional<Direction>& beam, int half_range_rows,
+                     const FitOptions& options) {
+  const ColumnFit column_fit(points, ordinates, options);
+  const std::vector<SymmetryMap> maps = common_symmetry(points, ordinates);
+  const std::vector<Orbit> orbits = orbits_of(ordinates, maps);
+
+  // Column 0 is the beam: it has the most rows and takes longest.
+  const auto columns = static_cast<int>(orbits.size()) + 1;
+  std::vector<FittedColumn> fitted(columns);
+  std::vector<std::exception_ptr> thrown(columns);
+#pragma omp parallel for schedule(dynamic)
+  for (int c = 0; c < columns; ++c) {
+    try {
+      if (c > 0) {
+        fitted[c] = column_fit.fit(diffuse, ordinates.direction[orbits[c - 1].representative], 0);
+      } else if (beam) {
+        fitted[c] = column_fit.fit(direct, *beam, half_range_rows);
+      }
+    } catch (...) {
+      thrown[c] = std::current_exception();
+    }
+  }
+  for (const auto& exception : thrown) {
+    if (exception) std::rethrow_exception(exception);
+  }
+
+  FittedValues values;
+  FitReport& report = values.report;
+  report.least_value = 1;
+  const auto add_to_report = [&](const FittedColumn& column, std::size_t copies) {
+    report.linear_programmes += column.linear_programmes;
+    report.fallbacks += column.fell_back ? static_cast<int>(copies) : 0;
+    report.max_error = std::max(report.max_error, column.max_error);
+    report.least_value = std::min(report.least_value, column.value.minCoeff());
+  };
+  values.points_from_ordinates.resize(points.size(), ordinates.size());
+  for (int c = 1; c < columns; ++c) {
+    const Orbit& orbit = orbits[c - 1];
+    for (const Member& member : orbit.members) {
+      values.points_from_ordinates.col(member.ordinate) =
+          ordinates.weight[member.ordinate] / four_pi * permuted(fitted[c].value, member);
+    }
+    add_to_report(fitted[c], orbit.members.size());
+  }
+  if (beam) {
+    values.points_from_beam = fitted[0].value / four_pi;
+    add_to_report(fitted[0], 1);
+  }
+  return values;
+}
+
+std::string cache_key(const PhaseFunction& phase, const ControlPoints& points, const OrdinateSet& ordinates,
+                      const std::optional<Direction>& beam, const FitOptions& options) {
+  std::string key =
+      fmt::format("phase {}; points {}; ordinates {}; method {}; delta-m {} {}; rows {} {}; minimax {}; rotation",
+                  phase.key(), points.size(), ordinates.name, static_cast<int>(options.method), options.delta_m_order,
+                  options.beam_delta_m_order, options.exact_moments, options.beam_half_range_rows, options.minimax);
+  for (const double r : points.rotation().reshaped()) key += fmt::format(" {}", r);
+  if (beam) key += fmt::format("; beam {} {} {}", beam->x(), beam->y(), beam->z());
+  return key;
+}
+
+}  // namespace
+
+ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlPoints& points,
+                                      const OrdinateSet& ordinates, const std::optional<Direction>& beam,
+                                      const FitOptions& options) {
+  check(options);
+  const auto start = std::chrono::steady_clock::now();
+  // Where the ordinates are control points, a half range is not resolved well enough to be prescribed, and without its
+  // rows the beam does better with the order of the diffuse light.
+  const int beam_order = ordinates.is_control_points ? options.delta_m_order : options.beam_delta_m_order;
+  const int half_range_rows = ordinates.is_control_points ? 0 : options.beam_half_range_rows;
+  const DeltaM diffuse = delta_m(phase, options.delta_m_order);
+  const DeltaM direct = delta_m(phase, beam_order);
+
+  const TableCache cache(options.cache_directory, cache_key(phase, points, ordinates, beam, options));
+  std::optional<FittedValues> values;
+  if (!options.cache_directory.empty()) values = cache.load();
+  const bool from_cache = values.has_value();
+  if (!from_cache) {
+    values = fit_all(diffuse.truncated, direct.truncated, points, ordinates, beam, half_range_rows, options);
+    if (!options.cache_directory.empty()) cache.store(*values);
+  }
+
+  ScatteringTable table;
+  table.forward_fraction = diffuse.forward_fraction;
+  table.beam_forward_fraction = direct.forward_fraction;
+  table.points_from_ordinates = std::move(values->points_from_ordinates);
+  table.points_from_beam = std::move(values->points_from_beam);
+  table.report = values->report;
+  table.report.from_cache = from_cache;
+
+  const Eigen::SparseMatrix<double> to_ordinates = interpolation(points, ordinates);
+  const Eigen::Map<const Eigen::VectorXd> weight(ordinates.weight.data(), ordinates.size());
+  table.ordinates_from_ordinates = to_ordinates * table.points_from_ordinates;
+  table.report.closure =
+      ((weight.transpose() * table.ordinates_from_ordinates).transpose().array() / weight.array() - 1).abs().maxCoeff();
+  if (beam) {
+    table.ordinates_from_beam = to_ordinates * table.points_from_beam;
+    table.report.closure = std::max(table.report.closure, std::abs(weight.dot(table.ordinates_from_beam) - 1));
+  }
+  table.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return table;
+}
+
+}  // namespace cloudbow

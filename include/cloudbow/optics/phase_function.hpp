@@ -29,7 +29,7 @@ class PhaseFunction {
   /// chi_l for any l >= 0: closed form for Henyey-Greenstein, otherwise 0 beyond the stored ones.
   double moment(int l) const;
   double asymmetry_parameter() const { return moment(1); }
-  /// The stored moments, chi_0 first. Henyey-Greenstein keeps those above 1e-17 (at most 4096).
+  /// The stored moments, chi_0 first. Henyey-Greenstein keeps those above 1e-17 (at most 65536).
   std::span<const double> moments() const { return moments_; }
   /// True where P = 1 everywhere.
   bool is_isotropic() const;

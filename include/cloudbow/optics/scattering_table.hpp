@@ -12,6 +12,10 @@
 
 namespace cloudbow {
 
+/// linear_programming: per column minimises h + 20 mean(|r|) over samples of residual r scaled by sqrt(max(|P|, .05)),
+/// |r| <= h, subject to the exact rows and X >= min(0, min P). The other two fit without constraints (all samples
+/// alike; values at the control points), then take the least relative correction that makes the same rows exact, which
+/// may turn values negative.
 enum class FitMethod { linear_programming, least_squares, collocation };
 
 struct FitOptions {
@@ -21,15 +25,16 @@ struct FitOptions {
   int exact_moments = 3;                  ///< moments l <= this hold exactly under the ordinates' quadrature
   int beam_half_range_rows = 3;           ///< rows int_up mu^k P, k = 0 .. rows-1, held exactly for the beam
   bool minimax = true;                    ///< false: mean error alone
-  std::filesystem::path cache_directory;  ///< empty: no cache
+  std::filesystem::path cache_directory;  ///< empty: no cache. A cache that cannot be read or written is no error
 };
 
 /// What the fit achieved; goes into the result file and to `cloudbow phase`.
 struct FitReport {
   int linear_programmes = 0;
-  int fallbacks = 0;     ///< columns not solved as asked (fewer moments, or least squares with correction)
-  double closure = 0;    ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
-  double max_error = 0;  ///< worst |fit - P'| / max P' at the samples
+  int fallbacks = 0;       ///< columns not solved as asked (fewer moments, or least squares with correction)
+  double closure = 0;      ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
+  double least_value = 0;  ///< lowest value of a fitted phase function (mean 1) at a control point
+  double max_error = 0;    ///< worst |fit - P'| / max P' at the samples
   bool from_cache = false;
   double seconds = 0;
 };
@@ -42,15 +47,15 @@ struct ScatteringTable {
   double beam_forward_fraction = 0;          ///< f_b of the direct beam
   Eigen::MatrixXd points_from_ordinates;     ///< M x D: X_d w_d / (4 pi)
   Eigen::MatrixXd ordinates_from_ordinates;  ///< D x D: W * points_from_ordinates, W the interpolation (D x M)
-  Eigen::VectorXd
-      points_from_beam;  ///< M: P_b fitted / (4 pi), source of a beam of unit normal irradiance; empty without beam
-  Eigen::VectorXd ordinates_from_beam;  ///< D
+  Eigen::VectorXd points_from_beam;          ///< M: P_b fitted / (4 pi), for unit normal irradiance; empty without beam
+  Eigen::VectorXd ordinates_from_beam;       ///< D
   FitReport report;
 };
 
 /// @param beam direction of travel of the direct sunlight, if any.
-/// Columns related by a symmetry of the ordinates are permutations of each other; threads solve the rest. Same bits for
-/// any thread count.
+/// @throws InputError unless 1 <= N <= N_b <= 64, 0 <= exact_moments <= 12 and 0 <= beam_half_range_rows <= 6.
+/// Columns related by a symmetry of the ordinates are permutations of each other; threads solve the rest. Same
+/// bits for any thread count.
 ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlPoints& points,
                                       const OrdinateSet& ordinates, const std::optional<Direction>& beam,
                                       const FitOptions& options);
