@@ -1,0 +1,18 @@
+// Colour tables, computed: equal steps of value are equal steps of lightness L* (CIE 1976), as the eye sees them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cloudbow {
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+/// `size` sRGB colours from dark to light. "grey": L* 0 to 100 without colour; "blue-yellow": L* 20 to 92, from blue
+/// over green to yellow.
+/// @throws InputError for another name.
+std::vector<Rgb> make_colormap(const std::string& name, int size);
+
+}  // namespace cloudbow

@@ -1,0 +1,36 @@
+#include "cloudbow/results/summary.hpp"
+
+#include <fmt/format.h>
+
+namespace cloudbow {
+
+std::string summary_table(const Solution& solution) {
+  const EnergyLedger& ledger = solution.ledger;
+  const SolverReport& report = solution.report;
+  std::string table;
+  const auto line = [&table](std::string_view name, const std::string& value) {
+    table += fmt::format("{:<21}{}\n", name, value);
+  };
+  const auto fraction = [](double value) { return fmt::format("{:9.6f}", value); };
+
+  line("reflectance", fraction(ledger.reflectance));
+  line("transmittance", fmt::format("{}   direct {:.6f}", fraction(ledger.transmittance), ledger.transmittance_direct));
+  line("absorptance", fraction(ledger.absorptance));
+  line("surface absorptance", fraction(ledger.surface_absorptance));
+  if (!solution.box.periodic) {
+    line("side gain", fraction(ledger.side_gain));
+    line("side loss", fraction(ledger.side_loss));
+  }
+  line("energy residual", fmt::format("{:9.1e}", ledger.residual));
+  line("estimated error",
+       fmt::format("{:9.1e}   after {} sweep{}", report.estimated_error, report.sweeps, report.sweeps == 1 ? "" : "s"));
+  line("time", fmt::format("{:9.2f} s with {} thread{} (tables {:.2f}, beam {:.2f}, sweeps {:.2f}, gather {:.2f})",
+                           report.seconds_total, report.threads, report.threads == 1 ? "" : "s", report.seconds_tables,
+                           report.seconds_beam, report.seconds_sweeps, report.seconds_gather));
+  line("memory", fmt::format("{:9.1f} MB at its peak", static_cast<double>(report.peak_memory_bytes) * 1e-6));
+  table += report.converged ? "converged\n"
+                            : "NOT CONVERGED: the estimated error or the energy residual is above its tolerance\n";
+  return table;
+}
+
+}  // namespace cloudbow
