@@ -1,0 +1,46 @@
+// The last gather: fluxes through horizontal planes from many directions of the converged source, without ray effects
+// (docs/theory.md, "Last gather").
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "cloudbow/transport/directional_source.hpp"
+#include "cloudbow/transport/march.hpp"
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+struct GatherDirection {
+  Direction travel;
+  double weight;  ///< sr
+};
+
+/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, count/4 more that crowd about its direction as HG(.85) does.
+/// Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance heuristic: Veach 1997).
+std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel);
+
+/// Radiance that comes in through open sides along a direction, at each interface by height [nz+1]; an empty vector: none.
+using SideRadiance = std::function<std::vector<double>(const Direction&)>;
+
+template <class Real>
+struct GatherScene {
+  const BoxGrid& box;
+  const Cells<Real>& cells;
+  const DirectionalSource<Real>& source;
+  SideRadiance side_radiance;             ///< asked only where the box is open; may be empty
+  double sky_radiance = 0;
+  std::vector<Real> surface_radiance;     ///< [columns] leaving the surface upward
+};
+
+/// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from the plane; what distant cells send
+/// is smoothed over the spread of the beams that stand for it (distance bands).
+template <class Real>
+std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward, const std::vector<GatherDirection>& directions);
+
+/// Diffuse fluxes at all interfaces from a forward march, unsmoothed: [nz+1][columns].
+template <class Real>
+std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward, const std::vector<GatherDirection>& directions);
+
+}  // namespace cloudbow

@@ -1,0 +1,72 @@
+#include "cloudbow/transport/anderson.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cassert>
+
+namespace cloudbow {
+
+template <class Real>
+double ordered_dot(std::span<const Real> a, std::span<const Real> b) {
+  assert(a.size() == b.size());
+  constexpr std::size_t block = 4096;
+  const std::size_t blocks = (a.size() + block - 1) / block;
+  std::vector<double> partial(blocks, 0.);
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < blocks; ++k) {
+    const std::size_t last = std::min(a.size(), (k + 1) * block);
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (std::size_t i = k * block; i < last; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+    partial[k] = sum;
+  }
+  double sum = 0;
+  for (const double p : partial) sum += p;
+  return sum;
+}
+
+template <class Real>
+void AndersonMixer<Real>::advance(std::span<Real> x, std::span<const Real> g) {
+  std::vector<Real> residual(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) residual[i] = g[i] - x[i];
+  if (!last_residual_.empty()) {
+    std::vector<Real> dr(x.size()), dg(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      dr[i] = residual[i] - last_residual_[i];
+      dg[i] = g[i] - last_g_[i];
+    }
+    residual_change_.push_back(std::move(dr));
+    g_change_.push_back(std::move(dg));
+    if (static_cast<int>(residual_change_.size()) > depth_) {
+      residual_change_.pop_front();
+      g_change_.pop_front();
+    }
+  }
+  std::copy(g.begin(), g.end(), x.begin());
+  const auto depth = static_cast<Eigen::Index>(residual_change_.size());
+  if (depth > 0) {
+    Eigen::MatrixXd normal(depth, depth);
+    Eigen::VectorXd right(depth);
+    for (Eigen::Index i = 0; i < depth; ++i) {
+      for (Eigen::Index j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = ordered_dot<Real>(residual_change_[i], residual_change_[j]);
+      right[i] = ordered_dot<Real>(residual_change_[i], residual);
+    }
+    normal.diagonal() *= 1 + 1e-7;  // keeps nearly dependent histories solvable
+    const Eigen::VectorXd mix = normal.ldlt().solve(right);
+    if (mix.allFinite()) {
+      for (Eigen::Index i = 0; i < depth; ++i) {
+        const Real share = static_cast<Real>(mix[i]);
+        for (std::size_t c = 0; c < x.size(); ++c) x[c] -= share * g_change_[i][c];
+      }
+    }
+  }
+  last_residual_ = std::move(residual);
+  last_g_.assign(g.begin(), g.end());
+}
+
+template class AndersonMixer<float>;
+template class AndersonMixer<double>;
+template double ordered_dot<float>(std::span<const float>, std::span<const float>);
+template double ordered_dot<double>(std::span<const double>, std::span<const double>);
+
+}  // namespace cloudbow

@@ -1,0 +1,138 @@
+#include "cloudbow/transport/scattering.hpp"
+
+#include <algorithm>
+
+namespace cloudbow {
+namespace {
+
+// Cells a tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on the number of threads.
+constexpr std::size_t tile_cells = 128;
+
+template <class Real>
+using Tile = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+template <class Real>
+void load(const AngularField<Real>& field, std::size_t first, std::size_t n, Tile<Real>& tile) {
+  for (int d = 0; d < field.rows; ++d) std::copy_n(field.row(d) + first, n, tile.data() + d * tile.cols());
+}
+
+// sum_p scattered_p * (matrix_p * radiance), leaving out phase functions that scatter nothing in this tile.
+template <class Real>
+void scatter_tile(std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, std::size_t first, std::size_t n, const Tile<Real>& radiance,
+                  Tile<Real>& product, Tile<Real>& source) {
+  source.setZero();
+  for (std::size_t p = 0; p < matrix.size(); ++p) {
+    const Real* const share = cells.scattered[p].data() + first;
+    if (std::all_of(share, share + n, [](Real s) { return s == 0; })) continue;
+    product.noalias() = matrix[p] * radiance;
+    for (Eigen::Index d = 0; d < product.rows(); ++d) {
+      const Real* __restrict const from = product.data() + d * product.cols();
+      Real* __restrict const to = source.data() + d * source.cols();
+      for (std::size_t c = 0; c < n; ++c) to[c] += share[c] * from[c];
+    }
+  }
+}
+
+}  // namespace
+
+template <class Real>
+DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::span<const double> weight) {
+  DenseMatrix<Real> rounded(matrix.rows(), matrix.cols());
+  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
+    double carry = 0;  // what rounding has taken from the integral so far
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+      const double wanted = matrix(i, j) + carry / weight[i];
+      rounded(i, j) = matrix(i, j) == 0 ? Real(0) : static_cast<Real>(wanted);
+      carry += weight[i] * (matrix(i, j) - static_cast<double>(rounded(i, j)));
+    }
+  }
+  return rounded;
+}
+
+template <class Real>
+void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, std::span<const BeamSource<Real>> beam,
+                      std::span<const Real> correction, const DenseMatrix<Real>& correction_shape) {
+  const std::size_t tiles = (field.cells + tile_cells - 1) / tile_cells;
+#pragma omp parallel
+  {
+    Tile<Real> radiance = Tile<Real>::Zero(field.rows, tile_cells);
+    Tile<Real> product(field.rows, tile_cells);
+    Tile<Real> source(field.rows, tile_cells);
+#pragma omp for schedule(static)
+    for (std::size_t tile = 0; tile < tiles; ++tile) {
+      const std::size_t first = tile * tile_cells;
+      const std::size_t n = std::min(tile_cells, field.cells - first);
+      load(field, first, n, radiance);
+      if (!correction.empty()) {
+        for (int d = 0; d < field.rows; ++d) {
+          for (int m = 0; m < low_moments; ++m) {
+            const Real shape = correction_shape(d, m);
+            const Real* __restrict const add = correction.data() + m * field.cells + first;
+            Real* __restrict const to = radiance.data() + d * static_cast<Eigen::Index>(tile_cells);
+            for (std::size_t c = 0; c < n; ++c) to[c] += shape * add[c];
+          }
+        }
+      }
+      scatter_tile(matrix, cells, first, n, radiance, product, source);
+      for (const BeamSource<Real>& b : beam) {
+        for (int d = 0; d < field.rows; ++d) {
+          const Real scale = b.direction[d];
+          const Real* __restrict const from = b.intensity.data() + first;
+          Real* __restrict const to = source.data() + d * static_cast<Eigen::Index>(tile_cells);
+          for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
+        }
+      }
+      for (int d = 0; d < field.rows; ++d) std::copy_n(source.data() + d * static_cast<Eigen::Index>(tile_cells), n, field.row(d) + first);
+    }
+  }
+}
+
+template <class Real>
+void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, AngularField<Real>& source) {
+  const std::size_t tiles = (radiance.cells + tile_cells - 1) / tile_cells;
+#pragma omp parallel
+  {
+    Tile<Real> in = Tile<Real>::Zero(radiance.rows, tile_cells);
+    Tile<Real> product(source.rows, tile_cells);
+    Tile<Real> out(source.rows, tile_cells);
+#pragma omp for schedule(static)
+    for (std::size_t tile = 0; tile < tiles; ++tile) {
+      const std::size_t first = tile * tile_cells;
+      const std::size_t n = std::min(tile_cells, radiance.cells - first);
+      load(radiance, first, n, in);
+      scatter_tile(matrix, cells, first, n, in, product, out);
+      for (int d = 0; d < source.rows; ++d) std::copy_n(out.data() + d * static_cast<Eigen::Index>(tile_cells), n, source.row(d) + first);
+    }
+  }
+}
+
+template <class Real>
+void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& weights, std::span<Real> moments) {
+  const std::size_t tiles = (radiance.cells + tile_cells - 1) / tile_cells;
+#pragma omp parallel for schedule(static)
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    const std::size_t first = tile * tile_cells;
+    const std::size_t n = std::min(tile_cells, radiance.cells - first);
+    for (Eigen::Index m = 0; m < weights.rows(); ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
+    for (int d = 0; d < radiance.rows; ++d) {
+      const Real* __restrict const from = radiance.row(d) + first;
+      for (Eigen::Index m = 0; m < weights.rows(); ++m) {
+        Real* __restrict const to = moments.data() + m * radiance.cells + first;
+        const Real weight = weights(m, d);
+        for (std::size_t c = 0; c < n; ++c) to[c] += weight * from[c];
+      }
+    }
+  }
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                                              \
+  template DenseMatrix<Real> rounded_conservatively<Real>(const Eigen::MatrixXd&, std::span<const double>);                                     \
+  template void scatter_in_place<Real>(AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&,                             \
+                                       std::span<const BeamSource<Real>>, std::span<const Real>, const DenseMatrix<Real>&);                    \
+  template void scatter_to<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, AngularField<Real>&);      \
+  template void moments_of<Real>(const AngularField<Real>&, const DenseMatrix<Real>&, std::span<Real>)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

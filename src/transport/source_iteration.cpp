@@ -1,0 +1,324 @@
+#include "cloudbow/transport/source_iteration.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "cloudbow/transport/anderson.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr int anderson_depth = 5;
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& total) : total_(total), start_(std::chrono::steady_clock::now()) {}
+  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& total_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+// What one ordinate's march contributes; summed over ordinates in their order.
+struct OrdinateFluxes {
+  double out = 0;  // through the far end, sum of radiances
+  MarchTotals sides;
+  std::vector<double> profile;  // [nz+1] by height, sum of radiances
+};
+
+std::vector<std::size_t> columns_at_exit(const BoxGrid& box, const PathPattern& pattern) {
+  const int sx = wrapped(static_cast<int>(std::floor(pattern.x.back())), box.nx);
+  const int sy = wrapped(static_cast<int>(std::floor(pattern.y.back())), box.ny);
+  std::vector<std::size_t> column(box.columns());
+  for (int r = 0; r < box.ny; ++r) {
+    for (int m = 0; m < box.nx; ++m) {
+      column[static_cast<std::size_t>(r) * box.nx + m] = static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
+    }
+  }
+  return column;
+}
+
+// The moments' own shapes: a unit of the l = 0 moment is 1/(4 pi) everywhere, one of x is x over the quadrature of x^2.
+template <class Real>
+struct LowMoments {
+  DenseMatrix<Real> weights;  // low_moments x D
+  DenseMatrix<Real> shape;    // D x low_moments
+
+  explicit LowMoments(const OrdinateSet& ordinates) : weights(low_moments, ordinates.size()), shape(ordinates.size(), low_moments) {
+    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+    for (int d = 0; d < ordinates.size(); ++d) squares += ordinates.weight[d] * ordinates.direction[d].cwiseAbs2();
+    for (int d = 0; d < ordinates.size(); ++d) {
+      weights(0, d) = static_cast<Real>(ordinates.weight[d]);
+      shape(d, 0) = static_cast<Real>(1 / (4 * std::numbers::pi));
+      for (int axis = 0; axis < 3; ++axis) {
+        weights(axis + 1, d) = static_cast<Real>(ordinates.weight[d] * ordinates.direction[d][axis]);
+        shape(d, axis + 1) = static_cast<Real>(ordinates.direction[d][axis] / squares[axis]);
+      }
+    }
+  }
+};
+
+// Diffusion correction of the scalar flux, from cells to the dense box and back.
+template <class Real>
+class Acceleration {
+ public:
+  explicit Acceleration(const TransportSystem<Real>& system)
+      : dense_(dense_indices(system.cells.rows)), operator_(system.box, coefficients(system, dense_)) {
+    const std::size_t n = dense_.size();
+    power_per_change_.resize(n);
+    const std::size_t columns = system.box.columns();
+    for (std::size_t c = 0; c < n; ++c) {
+      double scattered = 0;
+      for (const auto& share : system.cells.scattered) scattered += static_cast<double>(share[c]);
+      const double volume = system.box.dx_m * system.box.dy_m * system.box.thickness_m(static_cast<int>(dense_[c] / columns));
+      power_per_change_[c] = scattered * static_cast<double>(system.cells.extinction[c]) * volume;
+    }
+    source_.resize(columns * static_cast<std::size_t>(system.box.nz()));
+    correction_.resize(source_.size());
+  }
+
+  // g[c] += e(change of the scalar flux in one sweep)
+  void correct(std::span<const Real> change, std::span<Real> g) {
+    std::fill(source_.begin(), source_.end(), 0.);
+    for (std::size_t c = 0; c < dense_.size(); ++c) source_[dense_[c]] = power_per_change_[c] * static_cast<double>(change[c]);
+    operator_.solve(source_, correction_);
+    for (std::size_t c = 0; c < dense_.size(); ++c) g[c] += static_cast<Real>(correction_[dense_[c]]);
+  }
+
+ private:
+  static DiffusionCoefficients coefficients(const TransportSystem<Real>& system, const std::vector<std::uint32_t>& dense) {
+    DiffusionCoefficients result;
+    const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
+    result.extinction.assign(cells, 0.F);
+    result.transport.assign(cells, 0.F);
+    result.absorption.assign(cells, 0.F);
+    for (std::size_t c = 0; c < dense.size(); ++c) {
+      const double extinction = static_cast<double>(system.cells.extinction[c]);
+      double transport = system.absorption[c];
+      for (std::size_t p = 0; p < system.cells.scattered.size(); ++p) {
+        transport += static_cast<double>(system.cells.scattered[p][c]) * extinction * (1 - system.truncated_asymmetry[p]);
+      }
+      result.extinction[dense[c]] = static_cast<float>(extinction);
+      result.transport[dense[c]] = static_cast<float>(transport);
+      result.absorption[dense[c]] = static_cast<float>(system.absorption[c]);
+    }
+    result.surface_albedo = system.surface_albedo;
+    result.vertical = system.vertical;
+    return result;
+  }
+
+  std::vector<std::uint32_t> dense_;
+  DiffusionOperator operator_;
+  std::vector<double> power_per_change_;
+  std::vector<double> source_;
+  std::vector<double> correction_;
+};
+
+template <class Real>
+EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& fluxes, std::span<const Real> scalar_flux, std::span<const double> volume) {
+  const double columns = static_cast<double>(system.box.columns());
+  const double top_area = columns * system.box.dx_m * system.box.dy_m;
+  double absorbed = 0;
+  for (std::size_t c = 0; c < system.absorption.size(); ++c) {
+    const double actinic = static_cast<double>(scalar_flux[c]) + (system.beam_irradiance.empty() ? 0. : static_cast<double>(system.beam_irradiance[c]));
+    absorbed += system.absorption[c] * actinic * volume[c];
+  }
+  double surface = 0;
+  for (const double f : fluxes.surface_flux) surface += f;
+  surface /= columns;
+  EnergyLedger ledger;
+  if (system.power_in == 0) return ledger;  // a dark scene closes trivially
+  ledger.reflectance = fluxes.up_top / system.power_in;
+  ledger.transmittance = surface / system.power_in;
+  ledger.absorptance = absorbed / top_area / system.power_in;
+  ledger.surface_absorptance = (1 - system.surface_albedo) * surface / system.power_in;
+  ledger.side_gain = (fluxes.side_gain + system.beam_side_gain) / system.power_in;
+  ledger.side_loss = (fluxes.side_loss + system.beam_side_loss) / system.power_in;
+  ledger.residual = 1 + ledger.side_gain - (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
+  return ledger;
+}
+
+}  // namespace
+
+template <class Real>
+SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record) {
+  const BoxGrid& box = system.box;
+  const OrdinateSet& ordinates = system.ordinates;
+  const std::size_t columns = box.columns();
+  const int levels = box.nz() + 1;
+  const bool keep_columns = record && (system.vertical || (columns == 1 && box.periodic));
+  std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
+  std::vector<std::vector<Real>> exit(ordinates.size());
+  std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
+  std::vector<Real> upward_start(columns, Real(0));
+
+  const auto march_ordinates = [&](bool upward) {
+#pragma omp parallel
+    {
+      MarchWorkspace<Real> work;
+      std::vector<Real> rays;
+#pragma omp for schedule(dynamic, 1)
+      for (int d = 0; d < ordinates.size(); ++d) {
+        const Direction& travel = ordinates.direction[d];
+        if ((travel.z() > 0) != upward) continue;
+        const StartFraction start = start_for_centred_exit(box, travel, system.vertical);
+        const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, system.vertical, {0, box.nz()});
+        if (upward) {
+          rays = upward_start;
+        } else {
+          rays.assign(columns, static_cast<Real>(system.sky_radiance));
+        }
+        OrdinateFluxes& totals = of_ordinate[d];
+        if (record) totals.profile.assign(levels, 0.);
+        if (keep_columns) passing[d].resize(columns * levels);
+        const auto at_level = [&](int step, const Real* p) {
+          if (!record) return;
+          const int edge = upward ? step : levels - 1 - step;
+          double sum = 0;
+          for (std::size_t m = 0; m < columns; ++m) sum += static_cast<double>(p[m]);
+          totals.profile[edge] = sum;
+          if (keep_columns) std::copy_n(p, columns, passing[d].data() + edge * columns);
+        };
+        const std::span<const Real> side = system.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system.side_radiance[d]);
+        totals.sides = march<Real, true>(pattern, system.cells, box.periodic, side, field.row(d), rays.data(), work, at_level);
+        exit[d].resize(columns);
+        const auto column = columns_at_exit(box, pattern);
+        for (std::size_t m = 0; m < columns; ++m) {
+          totals.out += static_cast<double>(rays[m]);
+          exit[d][column[m]] = rays[m];
+        }
+      }
+    }
+  };
+
+  SweepFluxes fluxes;
+  march_ordinates(false);
+  fluxes.surface_flux = system.beam_surface_flux.empty() ? std::vector<double>(columns, 0.) : system.beam_surface_flux;
+  for (int d = 0; d < ordinates.size(); ++d) {
+    if (ordinates.direction[d].z() > 0) continue;
+    const double weight = ordinates.weight[d] * -ordinates.direction[d].z();
+    for (std::size_t m = 0; m < columns; ++m) fluxes.surface_flux[m] += weight * static_cast<double>(exit[d][m]);
+  }
+  for (std::size_t m = 0; m < columns; ++m) {
+    upward_start[m] = static_cast<Real>(system.surface_albedo / std::numbers::pi * fluxes.surface_flux[m]);
+  }
+  march_ordinates(true);
+
+  if (record) {
+    fluxes.profile_up.assign(levels, 0.);
+    fluxes.profile_down.assign(levels, 0.);
+  }
+  if (keep_columns) {
+    fluxes.column_up.assign(columns * levels, 0.);
+    fluxes.column_down.assign(columns * levels, 0.);
+  }
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const bool upward = ordinates.direction[d].z() > 0;
+    const double power = ordinates.weight[d] * std::abs(ordinates.direction[d].z());
+    const double mean = power / static_cast<double>(columns);
+    (upward ? fluxes.up_top : fluxes.down_surface) += mean * of_ordinate[d].out;
+    fluxes.side_gain += mean * of_ordinate[d].sides.entered_sides;
+    fluxes.side_loss += mean * of_ordinate[d].sides.left_sides;
+    if (record) {
+      std::vector<double>& profile = upward ? fluxes.profile_up : fluxes.profile_down;
+      for (int e = 0; e < levels; ++e) profile[e] += mean * of_ordinate[d].profile[e];
+    }
+    if (keep_columns) {
+      std::vector<double>& column = upward ? fluxes.column_up : fluxes.column_down;
+      for (std::size_t m = 0; m < column.size(); ++m) column[m] += power * static_cast<double>(passing[d][m]);
+    }
+  }
+  return fluxes;
+}
+
+template <class Real>
+IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options, const IterationCallback& progress) {
+  const std::size_t n = system.cells.size();
+  const std::size_t columns = system.box.columns();
+  IterationResult<Real> result;
+  result.radiance = AngularField<Real>(system.ordinates.size(), n);
+  result.moments.assign(low_moments * n, Real(0));
+  IterationReport& report = result.report;
+
+  const LowMoments<Real> low(system.ordinates);
+  std::optional<Acceleration<Real>> acceleration;
+  {
+    const Stopwatch watch(report.seconds_acceleration);
+    acceleration.emplace(system);
+  }
+  std::vector<double> volume(n);
+  {
+    const auto dense = dense_indices(system.cells.rows);
+    for (std::size_t c = 0; c < n; ++c) {
+      volume[c] = system.box.dx_m * system.box.dy_m * system.box.thickness_m(static_cast<int>(dense[c] / columns));
+    }
+  }
+
+  AndersonMixer<Real> mixer(anderson_depth);
+  std::vector<Real> x(low_moments * n, Real(0));  // moments that scattered in this sweep
+  std::vector<Real> g(low_moments * n);
+  std::vector<Real> change(n);
+  std::vector<Real> correction;
+  std::vector<double> steps;  // relative size of each accelerated change
+  bool within_tolerance = false;
+
+  for (report.sweeps = 1;; ++report.sweeps) {
+    const bool last_try = within_tolerance || report.sweeps == options.max_sweeps;
+    {
+      const Stopwatch watch(report.seconds_scattering);
+      scatter_in_place<Real>(result.radiance, system.scattering, system.cells, system.beam, correction, low.shape);
+    }
+    {
+      const Stopwatch watch(report.seconds_sweeps);
+      result.fluxes = sweep(system, result.radiance, last_try);
+      moments_of<Real>(result.radiance, low.weights, result.moments);
+    }
+    result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n), volume);
+
+    const Stopwatch watch(report.seconds_acceleration);
+    g = result.moments;
+    for (std::size_t c = 0; c < n; ++c) change[c] = g[c] - x[c];
+    acceleration->correct(change, std::span<Real>(g).first(n));
+    for (std::size_t c = 0; c < n; ++c) change[c] = g[c] - x[c];
+    const double size = std::sqrt(ordered_dot<Real>(std::span<const Real>(g).first(n), std::span<const Real>(g).first(n)));
+    const double step = size > 0 ? std::sqrt(ordered_dot<Real>(change, change)) / size : 0;
+    steps.push_back(step);
+    // The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to rho/(1 - rho).
+    double rho = .5;
+    if (steps.size() >= 3 && steps[steps.size() - 3] > 0) rho = std::clamp(std::sqrt(step / steps[steps.size() - 3]), .2, .95);
+    report.estimated_error = step * std::max(.5, rho / (1 - rho));
+    if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
+
+    const bool was_recorded = last_try;
+    within_tolerance = report.estimated_error <= options.tolerance && std::abs(result.ledger.residual) <= options.energy_tolerance;
+    if (was_recorded && (within_tolerance || report.sweeps >= options.max_sweeps)) {
+      report.converged = within_tolerance;
+      break;
+    }
+    mixer.advance(x, g);
+    correction.resize(low_moments * n);
+    for (std::size_t c = 0; c < correction.size(); ++c) correction[c] = x[c] - result.moments[c];
+  }
+  return result;
+}
+
+std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates, std::size_t size_of_real) {
+  const std::size_t history = 2 * (anderson_depth + 1) + 6;
+  const std::size_t a_cell = size_of_real * (static_cast<std::size_t>(ordinates) + low_moments * history + 8) + 8 * 4 + 12 * 3;
+  const std::size_t a_place = 12 + 8 * (4 + 2 + 3 + 4) * 4 / 3;  // diffusion: coefficients, vectors, and a third more for the coarser grids
+  return active_cells * a_cell + dense_cells * a_place;
+}
+
+template SweepFluxes sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
+template SweepFluxes sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
+template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&, const IterationCallback&);
+template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&, const IterationCallback&);
+
+}  // namespace cloudbow
