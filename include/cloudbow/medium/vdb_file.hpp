@@ -18,29 +18,34 @@ struct VdbReadOptions {
   /// The axis of the file that points up: "x", "y" or "z". The field is turned, never mirrored:
   /// "y": (x, y, z) of the file becomes (x, -z, y); "x": it becomes (y, z, x).
   std::string up_axis = "z";
-  /// Cell size along the scene's x, y, z (after turning) instead of the file's: the field is stretched about the world's origin.
-  std::optional<std::array<double, 3>> voxel_size_m;
+  /// Cell size along the scene's x, y, z (after turning) instead of the file's: the field is stretched about the
+  /// world's origin.
+  std::optional<std::array<double, 3>> voxel_size_m{};
   double scale = 1.0;  ///< multiplies the stored number; > 0
   /// Largest memory that reading may take; 0: half of the machine's.
   std::uint64_t memory_limit_bytes = 0;
 };
 
-/// Reads a scalar float grid (stored as float or half) as cells of constant density. The transform, a positive diagonal scale with
-/// translation, gives the centre of voxel (i, j, k); values that are active and > 0 make the field, active tiles are expanded.
-/// The box is the grid's metadata domain_min_m, domain_max_m (world coordinates, on voxel faces to 1e-3 of a voxel), else the bounding box of
-/// the values > 0. `quantity` comes from the metadata of that name, empty where there is none.
-/// @throws InputError, each with its own message: file missing, a directory, not OpenVDB, truncated or damaged; grid missing (lists those
-/// there), of another type, a level set, empty, too large for memory_limit_bytes (judged before memory is taken); transform rotated, sheared,
-/// mirrored or a frustum; metadata off the voxel faces or smaller than the cloud; value NaN, infinite or negative (names the voxel);
-/// option out of range.
+/// Reads a scalar float grid (stored as float or half) as cells of constant density. The transform, a positive diagonal
+/// scale with translation, gives the centre of voxel (i, j, k); values that are active and > 0 make the field, active
+/// tiles are expanded. The box is the grid's metadata domain_min_m, domain_max_m (world coordinates, on voxel faces to
+/// 1e-3 of a voxel), else the bounding box of the values > 0. `quantity` comes from the metadata of that name, empty
+/// where there is none.
+/// @throws InputError, each with its own message: file missing, a directory, not OpenVDB, truncated or damaged; grid
+/// missing (lists those there), of another type, a level set, empty, too large for memory_limit_bytes (judged before
+/// memory is taken); transform rotated, sheared, mirrored or a frustum; metadata off the voxel faces or smaller than
+/// the cloud; value NaN, infinite or negative (names the voxel); option out of range.
 CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options = {});
 
-/// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in the order of cloud.value.
-/// `options` must be those that read the cloud, but for the name of the grid; its `scale` multiplies this grid's numbers.
-/// Where the grid has no active value its background counts if it is not 0: a background other than 0 states what holds elsewhere.
+/// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in the order of
+/// cloud.value. `options` must be those that read the cloud, but for the name of the grid; its `scale` multiplies this
+/// grid's numbers. Where the grid has no active value its background counts if it is not 0: a background other than 0
+/// states what holds elsewhere.
 /// @param lowest, highest the range allowed, ends included, after scaling.
-/// @throws InputError as read_cloud_vdb does, and where the voxels do not coincide with the cloud's, a value is missing or out of range.
-std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud, const VdbReadOptions& options,
+/// @throws InputError as read_cloud_vdb does, and where the voxels do not coincide with the cloud's, a value is missing
+/// or out of range.
+std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
+                                      const VdbReadOptions& options,
                                       double lowest = std::numeric_limits<double>::lowest(),
                                       double highest = std::numeric_limits<double>::max());
 
@@ -49,8 +54,8 @@ struct VdbWriteOptions {
   bool half = false;  ///< 16 bits a value: half the size, 11 significant bits above 6.1e-5, at most 65504
 };
 
-/// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator, under a temporary name beside `path` that is
-/// renamed when complete. Cell (0, 0, 0) is voxel (0, 0, 0).
+/// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator, under a temporary name
+/// beside `path` that is renamed when complete. Cell (0, 0, 0) is voxel (0, 0, 0).
 /// @throws InputError where the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {});
 
@@ -69,23 +74,23 @@ struct CloudSummary {
   std::array<double, 3> domain_max_m{};
   std::array<double, 3> cloud_min_m{};  ///< box of the values > 0
   std::array<double, 3> cloud_max_m{};
-  std::size_t active_voxels = 0;        ///< values > 0
-  Spread value;                         ///< over these voxels
-  double fill = 0;                      ///< active_voxels / cells of the domain
-  double cover = 0;                     ///< columns with any active voxel / columns
-  /// Vertical integral over the columns with any active voxel: optical depth for extinction [1/m], liquid water path [g/m2] for
-  /// liquid_water_content [g/m3].
-  Spread column;
+  std::size_t active_voxels = 0;  ///< values > 0
+  Spread value{};                 ///< over these voxels
+  double fill = 0;                ///< active_voxels / cells of the domain
+  double cover = 0;               ///< columns with any active voxel / columns
+  /// Vertical integral over the columns with any active voxel: optical depth for extinction [1/m], liquid water path
+  /// [g/m2] for liquid_water_content [g/m3].
+  Spread column{};
 };
 
 /// One grid of a file.
 struct VdbGridInfo {
   std::string name;
-  std::string type;                    ///< "float", "float stored as half", or OpenVDB's own name of any other type
-  std::string quantity;                ///< metadata, empty where there is none
+  std::string type;      ///< "float", "float stored as half", or OpenVDB's own name of any other type
+  std::string quantity;  ///< metadata, empty where there is none
   std::string units;
-  std::optional<CloudSummary> cloud;   ///< absent where the grid cannot be read as a cloud
-  std::string reason;                  ///< why not: the message of read_cloud_vdb
+  std::optional<CloudSummary> cloud;  ///< absent where the grid cannot be read as a cloud
+  std::string reason;                 ///< why not: the message of read_cloud_vdb
 };
 
 struct CloudInfo {

@@ -1,0 +1,124 @@
+// What a cloud file holds, in numbers and as text.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "cloudbow/medium/vdb_file.hpp"
+
+namespace cloudbow {
+
+namespace {
+
+class SpreadOf {
+ public:
+  void add(double number) {
+    min_ = std::min(min_, number);
+    max_ = std::max(max_, number);
+    sum_ += number;
+    ++count_;
+  }
+  Spread result() const { return count_ == 0 ? Spread{} : Spread{min_, sum_ / static_cast<double>(count_), max_}; }
+  std::size_t count() const { return count_; }
+
+ private:
+  double min_ = std::numeric_limits<double>::infinity();
+  double max_ = -std::numeric_limits<double>::infinity();
+  double sum_ = 0;
+  std::size_t count_ = 0;
+};
+
+std::string format_spread(const Spread& spread) {
+  return fmt::format("min {:.6g}, mean {:.6g}, max {:.6g}", spread.min, spread.mean, spread.max);
+}
+
+std::string format_box(const std::array<double, 3>& min, const std::array<double, 3>& max) {
+  return fmt::format("({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g}) m", min[0], min[1], min[2], max[0],
+                     max[1], max[2]);
+}
+
+std::string column_name(const std::string& quantity) {
+  if (quantity == "extinction") return "optical depth";
+  if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
+  return "vertical integral";
+}
+
+}  // namespace
+
+CloudSummary summarize(const CloudField& field) {
+  CloudSummary summary{.cells = field.cells,
+                       .cell_size_m = field.cell_size_m,
+                       .domain_min_m = field.min_m,
+                       .active_voxels = field.active_voxels()};
+  const auto [nx, ny, nz] = field.cells;
+  std::array<int, 3> low = field.cells;
+  std::array<int, 3> high = {0, 0, 0};
+  SpreadOf value;
+  std::vector<double> column(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), 0.0);
+  std::size_t row = 0;
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j, ++row) {
+      for (auto s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
+        const auto& span = field.spans[s];
+        const std::array<int, 3> first = {span.i, j, k};
+        const std::array<int, 3> end = {span.i + span.n, j + 1, k + 1};
+        for (int a = 0; a < 3; ++a) {
+          low[a] = std::min(low[a], first[a]);
+          high[a] = std::max(high[a], end[a]);
+        }
+        for (int i = 0; i < span.n; ++i) {
+          const double number = field.value[span.offset + static_cast<std::size_t>(i)];
+          value.add(number);
+          column[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(span.i + i)] +=
+              number * field.cell_size_m[2];
+        }
+      }
+    }
+  }
+
+  for (int a = 0; a < 3; ++a) {
+    summary.domain_max_m[a] = field.max_m(a);
+    summary.cloud_min_m[a] = field.min_m[a] + low[a] * field.cell_size_m[a];
+    summary.cloud_max_m[a] = field.min_m[a] + high[a] * field.cell_size_m[a];
+  }
+  SpreadOf cloudy;
+  for (const double integral : column) {
+    if (integral > 0) cloudy.add(integral);
+  }
+  summary.value = value.result();
+  summary.column = cloudy.result();
+  summary.cover = static_cast<double>(cloudy.count()) / static_cast<double>(column.size());
+  summary.fill = static_cast<double>(field.active_voxels()) / (static_cast<double>(column.size()) * nz);
+  return summary;
+}
+
+std::string format_cloud_info(const CloudInfo& info) {
+  std::string text = fmt::format("{}: {} bytes, {} grid{}\n", info.path.string(), info.bytes, info.grids.size(),
+                                 info.grids.size() == 1 ? "" : "s");
+  for (const auto& grid : info.grids) {
+    const auto line = [&](const char* label, const std::string& content) {
+      text += fmt::format("  {:<16}{}\n", label, content);
+    };
+    text += fmt::format("grid \"{}\"\n", grid.name);
+    line("type", grid.type);
+    if (!grid.quantity.empty())
+      line("quantity", fmt::format("{} [{}]", grid.quantity, grid.units.empty() ? "?" : grid.units));
+    if (!grid.cloud) {
+      line("not a cloud", grid.reason);
+      continue;
+    }
+    const auto& cloud = *grid.cloud;
+    line("cells", fmt::format("{} x {} x {} of {:.10g} x {:.10g} x {:.10g} m", cloud.cells[0], cloud.cells[1],
+                              cloud.cells[2], cloud.cell_size_m[0], cloud.cell_size_m[1], cloud.cell_size_m[2]));
+    line("domain", format_box(cloud.domain_min_m, cloud.domain_max_m));
+    line("cloud", format_box(cloud.cloud_min_m, cloud.cloud_max_m));
+    line("active voxels", fmt::format("{} (fill {:.4g} %)", cloud.active_voxels, 100 * cloud.fill));
+    line("value", format_spread(cloud.value));
+    line("cover", fmt::format("{:.4g} % of {} columns", 100 * cloud.cover,
+                              static_cast<std::int64_t>(cloud.cells[0]) * cloud.cells[1]));
+    line("cloudy columns", fmt::format("{}: {}", column_name(grid.quantity), format_spread(cloud.column)));
+  }
+  return text;
+}
+
+}  // namespace cloudbow
