@@ -119,66 +119,55 @@ Eigen::VectorXd permuted(const Eigen::VectorXd& column, const Member& member) {
   return result / static_cast<double>(member.maps.size());
 }
 
-FittedValues fit_all(const PhaseFunction& diffuse, const PhaseFunction& direct, const ControlPoints& points,
-                     const OrdinateSet& ordinates, const std::optional<Direction>& beam, int half_range_rows,
-                     const FitOptions& options) {
-  const ColumnFit column_fit(points, ordinates, options);
-  const std::vector<SymmetryMap> maps = common_symmetry(points, ordinates);
-  const std::vector<Orbit> orbits = orbits_of(ordinates, maps);
+/// Adds a fitted column, that stands for so many of the table, to a report.
+void add(FitReport& report, const FittedColumn& column, std::size_t copies) {
+  report.linear_programmes += column.linear_programmes;
+  report.fallbacks += column.fell_back ? static_cast<int>(copies) : 0;
+  report.max_error = std::max(report.max_error, column.max_error);
+  report.least_value = std::min(report.least_value, column.value.minCoeff());
+}
 
-  // Column 0 is the beam: it has the most rows and takes longest.
-  const auto columns = static_cast<int>(orbits.size()) + 1;
-  std::vector<FittedColumn> fitted(columns);
-  std::vector<std::exception_ptr> thrown(columns);
+FitReport joined(const FitReport& a, const FitReport& b) {
+  FitReport report = a;
+  report.linear_programmes += b.linear_programmes;
+  report.fallbacks += b.fallbacks;
+  report.max_error = std::max(a.max_error, b.max_error);
+  report.least_value = std::min(a.least_value, b.least_value);
+  return report;
+}
+
+/// One column to fit: about a direction of arrival.
+struct Job {
+  const PhaseFunction* phase;
+  Direction travel;
+  int half_range_rows;
+};
+
+std::vector<FittedColumn> fit(const ColumnFit& column_fit, const std::vector<Job>& jobs) {
+  const auto count = static_cast<int>(jobs.size());
+  std::vector<FittedColumn> fitted(count);
+  std::vector<std::exception_ptr> thrown(count);
 #pragma omp parallel for schedule(dynamic)
-  for (int c = 0; c < columns; ++c) {
+  for (int j = 0; j < count; ++j) {
     try {
-      if (c > 0) {
-        fitted[c] = column_fit.fit(diffuse, ordinates.direction[orbits[c - 1].representative], 0);
-      } else if (beam) {
-        fitted[c] = column_fit.fit(direct, *beam, half_range_rows);
-      }
+      fitted[j] = column_fit.fit(*jobs[j].phase, jobs[j].travel, jobs[j].half_range_rows);
     } catch (...) {
-      thrown[c] = std::current_exception();
+      thrown[j] = std::current_exception();
     }
   }
   for (const auto& exception : thrown) {
     if (exception) std::rethrow_exception(exception);
   }
-
-  FittedValues values;
-  FitReport& report = values.report;
-  report.least_value = 1;
-  const auto add_to_report = [&](const FittedColumn& column, std::size_t copies) {
-    report.linear_programmes += column.linear_programmes;
-    report.fallbacks += column.fell_back ? static_cast<int>(copies) : 0;
-    report.max_error = std::max(report.max_error, column.max_error);
-    report.least_value = std::min(report.least_value, column.value.minCoeff());
-  };
-  values.points_from_ordinates.resize(points.size(), ordinates.size());
-  for (int c = 1; c < columns; ++c) {
-    const Orbit& orbit = orbits[c - 1];
-    for (const Member& member : orbit.members) {
-      values.points_from_ordinates.col(member.ordinate) =
-          ordinates.weight[member.ordinate] / four_pi * permuted(fitted[c].value, member);
-    }
-    add_to_report(fitted[c], orbit.members.size());
-  }
-  if (beam) {
-    values.points_from_beam = fitted[0].value / four_pi;
-    add_to_report(fitted[0], 1);
-  }
-  return values;
+  return fitted;
 }
 
-std::string cache_key(const PhaseFunction& phase, const ControlPoints& points, const OrdinateSet& ordinates,
-                      const std::optional<Direction>& beam, const FitOptions& options) {
-  std::string key =
-      fmt::format("phase {}; points {}; ordinates {}; method {}; delta-m {} {}; rows {} {}; minimax {}; rotation",
-                  phase.key(), points.size(), ordinates.name, static_cast<int>(options.method), options.delta_m_order,
-                  options.beam_delta_m_order, options.exact_moments, options.beam_half_range_rows, options.minimax);
+/// Text of every input that the columns share.
+std::string common_key(const PhaseFunction& phase, const ControlPoints& points, const OrdinateSet& ordinates,
+                       const FitOptions& options) {
+  std::string key = fmt::format("phase {}; points {}; ordinates {}; method {}; exact moments {}; minimax {}; rotation",
+                                phase.key(), points.size(), ordinates.name, static_cast<int>(options.method),
+                                options.exact_moments, options.minimax);
   for (const double r : points.rotation().reshaped()) key += fmt::format(" {}", r);
-  if (beam) key += fmt::format("; beam {} {} {}", beam->x(), beam->y(), beam->z());
   return key;
 }
 
@@ -196,29 +185,59 @@ ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlP
   const DeltaM diffuse = delta_m(phase, options.delta_m_order);
   const DeltaM direct = delta_m(phase, beam_order);
 
-  const TableCache cache(options.cache_directory, cache_key(phase, points, ordinates, beam, options));
-  std::optional<FittedValues> values;
-  if (!options.cache_directory.empty()) values = cache.load();
-  const bool from_cache = values.has_value();
-  if (!from_cache) {
-    values = fit_all(diffuse.truncated, direct.truncated, points, ordinates, beam, half_range_rows, options);
-    if (!options.cache_directory.empty()) cache.store(*values);
-  }
+  // The two are kept apart on disk: another sun needs only its own column.
+  const std::string key = common_key(phase, points, ordinates, options);
+  const TableCache diffuse_cache(options.cache_directory, fmt::format("{}; delta-m {}", key, options.delta_m_order));
+  const Direction sun = beam.value_or(Direction::Zero());
+  const TableCache beam_cache(options.cache_directory,
+                              fmt::format("{}; delta-m {}; half-range rows {}; beam {} {} {}", key, beam_order,
+                                          half_range_rows, sun.x(), sun.y(), sun.z()));
+  std::optional<FittedColumns> diffuse_columns = diffuse_cache.load();
+  std::optional<FittedColumns> beam_column = beam ? beam_cache.load() : std::nullopt;
 
   ScatteringTable table;
   table.forward_fraction = diffuse.forward_fraction;
   table.beam_forward_fraction = direct.forward_fraction;
-  table.points_from_ordinates = std::move(values->points_from_ordinates);
-  table.points_from_beam = std::move(values->points_from_beam);
-  table.report = values->report;
-  table.report.from_cache = from_cache;
+  table.report.from_cache = diffuse_columns && (beam_column || !beam);
+  if (!table.report.from_cache) {
+    const std::vector<SymmetryMap> maps = common_symmetry(points, ordinates);
+    const std::vector<Orbit> orbits = orbits_of(ordinates, maps);
+    std::vector<Job> jobs;
+    const bool fit_beam = beam && !beam_column, fit_diffuse = !diffuse_columns;
+    if (fit_beam) jobs.push_back({&direct.truncated, *beam, half_range_rows});
+    for (std::size_t o = 0; fit_diffuse && o < orbits.size(); ++o) {
+      jobs.push_back({&diffuse.truncated, ordinates.direction[orbits[o].representative], 0});
+    }
+    const std::vector<FittedColumn> fitted = fit(ColumnFit(points, ordinates, options), jobs);
+
+    if (fit_beam) {
+      beam_column.emplace(fitted[0].value, FitReport{});
+      add(beam_column->report, fitted[0], 1);
+      beam_cache.store(*beam_column);
+    }
+    if (fit_diffuse) {
+      diffuse_columns.emplace(Eigen::MatrixXd(points.size(), ordinates.size()), FitReport{});
+      for (std::size_t o = 0; o < orbits.size(); ++o) {
+        const FittedColumn& column = fitted[o + (fit_beam ? 1 : 0)];
+        for (const Member& member : orbits[o].members) {
+          diffuse_columns->value.col(member.ordinate) = permuted(column.value, member);
+        }
+        add(diffuse_columns->report, column, orbits[o].members.size());
+      }
+      diffuse_cache.store(*diffuse_columns);
+    }
+  }
 
   const Eigen::SparseMatrix<double> to_ordinates = interpolation(points, ordinates);
   const Eigen::Map<const Eigen::VectorXd> weight(ordinates.weight.data(), ordinates.size());
+  table.report = joined(table.report, diffuse_columns->report);
+  table.points_from_ordinates = diffuse_columns->value * (weight / four_pi).asDiagonal();
   table.ordinates_from_ordinates = to_ordinates * table.points_from_ordinates;
   table.report.closure =
       ((weight.transpose() * table.ordinates_from_ordinates).transpose().array() / weight.array() - 1).abs().maxCoeff();
   if (beam) {
+    table.report = joined(table.report, beam_column->report);
+    table.points_from_beam = beam_column->value.col(0) / four_pi;
     table.ordinates_from_beam = to_ordinates * table.points_from_beam;
     table.report.closure = std::max(table.report.closure, std::abs(weight.dot(table.ordinates_from_beam) - 1));
   }

@@ -67,10 +67,11 @@ class Reader {
 
 }  // namespace
 
-TableCache::TableCache(std::filesystem::path directory, std::string key)
-    : file_(std::move(directory) / fmt::format("scattering-{:016x}.table", hash(key))), key_(std::move(key)) {}
+TableCache::TableCache(const std::filesystem::path& directory, std::string key) : key_(std::move(key)) {
+  if (!directory.empty()) file_ = directory / fmt::format("scattering-{:016x}.table", hash(key_));
+}
 
-std::optional<FittedValues> TableCache::load() const {
+std::optional<FittedColumns> TableCache::load() const {
   std::ifstream in(file_, std::ios::binary);
   if (!in) return std::nullopt;
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -84,26 +85,25 @@ std::optional<FittedValues> TableCache::load() const {
   std::memcpy(&written, text.data() + hashed.size(), sizeof written);
   if (written != hash(hashed)) return std::nullopt;
 
-  FittedValues values;
+  FittedColumns columns;
   Reader reader(hashed.substr(head.size()));
-  reader.get_doubles(values.points_from_ordinates);
-  reader.get_doubles(values.points_from_beam);
-  reader.get(values.report.linear_programmes);
-  reader.get(values.report.fallbacks);
-  reader.get(values.report.least_value);
-  reader.get(values.report.max_error);
+  reader.get_doubles(columns.value);
+  reader.get(columns.report.linear_programmes);
+  reader.get(columns.report.fallbacks);
+  reader.get(columns.report.least_value);
+  reader.get(columns.report.max_error);
   if (!reader.at_end()) return std::nullopt;
-  return values;
+  return columns;
 }
 
-void TableCache::store(const FittedValues& values) const {
+void TableCache::store(const FittedColumns& columns) const {
+  if (file_.empty()) return;
   std::string text = std::string(magic) + key_ + '\n';
-  put_doubles(text, values.points_from_ordinates);
-  put_doubles(text, values.points_from_beam);
-  put(text, values.report.linear_programmes);
-  put(text, values.report.fallbacks);
-  put(text, values.report.least_value);
-  put(text, values.report.max_error);
+  put_doubles(text, columns.value);
+  put(text, columns.report.linear_programmes);
+  put(text, columns.report.fallbacks);
+  put(text, columns.report.least_value);
+  put(text, columns.report.max_error);
   put(text, hash(text));
 
   std::error_code failure;

@@ -1,4 +1,4 @@
-// Finished scattering tables on disk, found again by everything that they were made from.
+// Fitted columns on disk, found again by everything that they were made from.
 #pragma once
 
 #include <filesystem>
@@ -10,26 +10,26 @@
 
 namespace cloudbow {
 
-/// What a table takes long to find; the rest follows from it.
-struct FittedValues {
-  Eigen::MatrixXd points_from_ordinates;
-  Eigen::VectorXd points_from_beam;
-  FitReport report;
+/// What takes long to find; the rest of a table follows from it.
+struct FittedColumns {
+  Eigen::MatrixXd value;  ///< control points x columns
+  FitReport report;       ///< of these columns: programmes, fallbacks, least value, error
 };
 
 class TableCache {
  public:
-  /// @param key text that holds every input of the table
-  TableCache(std::filesystem::path directory, std::string key);
+  /// @param directory empty: nothing is found and nothing stored
+  /// @param key text that holds every input of the columns
+  TableCache(const std::filesystem::path& directory, std::string key);
 
-  /// Nothing where there is no such table, or a file that is damaged or belongs to another key.
-  std::optional<FittedValues> load() const;
+  /// Nothing where there is no such entry, or a file that is damaged or belongs to another key.
+  std::optional<FittedColumns> load() const;
   /// Writes beside the target and renames, so that a reader never meets half a file. Failing is no error: the table is
   /// made again.
-  void store(const FittedValues& values) const;
+  void store(const FittedColumns& columns) const;
 
  private:
-  std::filesystem::path file_;
+  std::filesystem::path file_;  // empty: no cache
   std::string key_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -31,10 +32,11 @@ struct FitOptions {
 /// What the fit achieved; goes into the result file and to `cloudbow phase`.
 struct FitReport {
   int linear_programmes = 0;
-  int fallbacks = 0;       ///< columns not solved as asked (fewer moments, or least squares with correction)
-  double closure = 0;      ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
-  double least_value = 0;  ///< lowest value of a fitted phase function (mean 1) at a control point
-  double max_error = 0;    ///< worst |fit - P'| / max P' at the samples
+  int fallbacks = 0;   ///< columns not solved as asked (fewer moments, or least squares with correction)
+  double closure = 0;  ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
+  double least_value =
+      std::numeric_limits<double>::infinity();  ///< lowest value of a fitted phase function (mean 1) at a control point
+  double max_error = 0;                         ///< worst |fit - P'| / max P' at the samples
   bool from_cache = false;
   double seconds = 0;
 };
