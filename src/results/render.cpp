@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "cloudbow/core/error.hpp"
 #include "png_file.hpp"

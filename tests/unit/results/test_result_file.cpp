@@ -1,0 +1,229 @@
+// Truth: the numbers that the solution was filled with, read back by the HDF5 library itself; and the file system, as
+// it was before a failed write.
+#include <gmock/gmock.h>
+#include <hdf5.h>
+#include <hdf5_hl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/results/result_file.hpp"
+#include "sample_solution.hpp"
+
+namespace cloudbow {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+class ResultFile : public testing::Test {
+ protected:
+  ResultFile() {
+    std::string name = (fs::temp_directory_path() / "cloudbow-test-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~ResultFile() override { fs::remove_all(folder_); }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> name;
+    for (const auto& entry : fs::directory_iterator(folder_)) name.push_back(entry.path().filename());
+    return name;
+  }
+
+  fs::path folder_;
+};
+
+std::string read_text(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_text(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
+
+template <typename T>
+std::vector<T> read_values(hid_t file, const char* name, hid_t type, std::vector<hsize_t>* shape = nullptr) {
+  const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
+  EXPECT_GE(dataset, 0) << name;
+  const hid_t space = H5Dget_space(dataset);
+  if (shape != nullptr) {
+    shape->resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+    H5Sget_simple_extent_dims(space, shape->data(), nullptr);
+  }
+  std::vector<T> value(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), 0) << name;
+  H5Sclose(space);
+  H5Dclose(dataset);
+  return value;
+}
+
+double read_number(hid_t file, const char* object, const char* name) {
+  double value = 0;
+  EXPECT_GE(H5LTget_attribute_double(file, object, name, &value), 0) << object << ' ' << name;
+  return value;
+}
+
+TEST_F(ResultFile, HoldsEveryFieldAtItsPlace) {
+  const Solution solution = sample::solution(3, 4, 2);
+  write_result(folder_ / "r.h5", solution, sample::info());
+  EXPECT_THAT(files(), ElementsAre("r.h5"));
+
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  std::vector<hsize_t> shape;
+  EXPECT_EQ(read_values<float>(file, "upwelling_flux", H5T_NATIVE_FLOAT, &shape), solution.upwelling_flux);
+  EXPECT_THAT(shape, ElementsAre(3, 4, 3));
+  EXPECT_EQ(read_values<float>(file, "downwelling_diffuse_flux", H5T_NATIVE_FLOAT), solution.downwelling_diffuse_flux);
+  EXPECT_EQ(read_values<float>(file, "direct_flux", H5T_NATIVE_FLOAT), solution.direct_flux);
+  EXPECT_EQ(read_values<float>(file, "absorbed_power", H5T_NATIVE_FLOAT, &shape), solution.absorbed_power);
+  EXPECT_THAT(shape, ElementsAre(2, 4, 3));
+  EXPECT_EQ(read_values<double>(file, "profile/upwelling_flux", H5T_NATIVE_DOUBLE), solution.profile_upwelling_flux);
+  EXPECT_EQ(read_values<double>(file, "profile/downwelling_diffuse_flux", H5T_NATIVE_DOUBLE),
+            solution.profile_downwelling_diffuse_flux);
+  EXPECT_EQ(read_values<double>(file, "profile/direct_flux", H5T_NATIVE_DOUBLE), solution.profile_direct_flux);
+  EXPECT_EQ(read_values<double>(file, "profile/z_edge", H5T_NATIVE_DOUBLE), solution.box.z_edge_m);
+  EXPECT_THAT(read_values<double>(file, "x", H5T_NATIVE_DOUBLE), ElementsAre(112.5, 137.5, 162.5));
+  EXPECT_THAT(read_values<double>(file, "y", H5T_NATIVE_DOUBLE), ElementsAre(-25, 25, 75, 125));
+  EXPECT_THAT(read_values<double>(file, "z", H5T_NATIVE_DOUBLE), ElementsAre(520, 545));
+  EXPECT_THAT(read_values<double>(file, "z_edge", H5T_NATIVE_DOUBLE), ElementsAre(510, 530, 560));
+
+  const EnergyLedger& ledger = solution.ledger;
+  EXPECT_EQ(read_number(file, "summary", "reflectance"), ledger.reflectance);
+  EXPECT_EQ(read_number(file, "summary", "transmittance"), ledger.transmittance);
+  EXPECT_EQ(read_number(file, "summary", "transmittance_direct"), ledger.transmittance_direct);
+  EXPECT_EQ(read_number(file, "summary", "absorptance"), ledger.absorptance);
+  EXPECT_EQ(read_number(file, "summary", "surface_absorptance"), ledger.surface_absorptance);
+  EXPECT_EQ(read_number(file, "summary", "side_gain"), ledger.side_gain);
+  EXPECT_EQ(read_number(file, "summary", "side_loss"), ledger.side_loss);
+  EXPECT_EQ(read_number(file, "summary", "energy_residual"), ledger.residual);
+  EXPECT_EQ(read_number(file, "solver", "converged"), 1);
+  EXPECT_EQ(read_number(file, "solver", "active_voxels"), 5e9);
+  EXPECT_EQ(read_number(file, "solver", "gather_rescaling"), 1.001);
+  EXPECT_EQ(read_number(file, "solver", "seconds_gather"), 1.5);
+  H5Fclose(file);
+}
+
+TEST_F(ResultFile, LeavesOutWhatTheSolutionLacks) {
+  Solution solution = sample::solution(2, 2, 2);
+  solution.absorbed_power.clear();
+  solution.actinic_flux.clear();
+  write_result(folder_ / "r.h5", solution, sample::info());
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  for (const char* name : {"absorbed_power", "actinic_flux", "radiance_field", "z_flux"}) {
+    EXPECT_EQ(H5Lexists(file, name, H5P_DEFAULT), 0) << name;
+  }
+  H5Fclose(file);
+}
+
+TEST_F(ResultFile, EqualSolutionsMakeEqualBytes) {
+  write_result(folder_ / "a.h5", sample::solution(40, 40, 12), sample::info());
+  sleep(1);  // times of creation, if stored, count in seconds
+  write_result(folder_ / "b.h5", sample::solution(40, 40, 12), sample::info());
+  EXPECT_EQ(read_text(folder_ / "a.h5"), read_text(folder_ / "b.h5"));
+}
+
+TEST_F(ResultFile, ReplacesAnOlderFileAndKeepsLinks) {
+  write_text(folder_ / "real.h5", "older");
+  fs::create_symlink("real.h5", folder_ / "link.h5");
+  write_result(folder_ / "link.h5", sample::solution(2, 2, 2), sample::info());
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.h5"));
+  EXPECT_GT(H5Fis_hdf5((folder_ / "real.h5").c_str()), 0);
+}
+
+/// Writes of this process past `bytes` fail while the object lives, as on a full disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FileSizeLimit() {
+    std::signal(SIGXFSZ, handler_);
+    setrlimit(RLIMIT_FSIZE, &before_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_F(ResultFile, FullDiskLeavesTheOlderFileAndNothingElse) {
+  const Solution solution = sample::solution(40, 40, 12);
+  write_result(folder_ / "r.h5", solution, sample::info());
+  const auto size = fs::file_size(folder_ / "r.h5");
+  write_text(folder_ / "r.h5", "older");
+  // Limits from nothing to one byte too few: HDF5 then fails while creating, writing, flushing and closing.
+  constexpr unsigned kSteps = 60;
+  for (unsigned step = 0; step <= kSteps; ++step) {
+    const rlim_t limit = (size - 1) * step / kSteps;
+    {
+      const FileSizeLimit full(limit);
+      EXPECT_THAT([&] { write_result(folder_ / "r.h5", solution, sample::info()); },
+                  ThrowsMessage<InputError>(AllOf(HasSubstr((folder_ / "r.h5").string()), HasSubstr("File too large"))))
+          << limit;
+    }
+    ASSERT_EQ(read_text(folder_ / "r.h5"), "older") << limit;
+    ASSERT_THAT(files(), ElementsAre("r.h5")) << limit;
+  }
+  write_result(folder_ / "r.h5", solution, sample::info());
+  EXPECT_EQ(fs::file_size(folder_ / "r.h5"), size);
+}
+
+/// Both say the same: one before the solve, one after.
+void expect_unwritable(const fs::path& file, const std::string& reason) {
+  const auto message = AllOf(HasSubstr(file.string()), HasSubstr(reason));
+  EXPECT_THAT([&] { check_writable(file); }, ThrowsMessage<InputError>(message));
+  EXPECT_THAT([&] { write_result(file, sample::solution(2, 2, 2), sample::info()); },
+              ThrowsMessage<InputError>(message));
+}
+
+TEST_F(ResultFile, NamesWhatIsWrongWithTheTarget) {
+  expect_unwritable(folder_ / "missing" / "r.h5", "there is no folder " + (folder_ / "missing").string());
+  expect_unwritable(folder_, "it is a directory");
+  write_text(folder_ / "file", "");
+  expect_unwritable(folder_ / "file" / "r.h5", "is not a folder");
+  expect_unwritable("/dev/null", "it is a device");
+  expect_unwritable("", "the name of a file is missing");
+  expect_unwritable(folder_ / std::string(300, 'n'), "File name too long");
+  EXPECT_THAT(files(), ElementsAre("file"));
+}
+
+TEST_F(ResultFile, NamesFoldersWithoutPermission) {
+  // The superuser may write anywhere: take another user's place.
+  const bool superuser = geteuid() == 0;
+  const fs::path locked = folder_ / "locked";
+  fs::create_directory(locked);
+  write_text(locked / "older.h5", "older");
+  chmod(folder_.c_str(), 0755);
+  chmod(locked.c_str(), 0555);
+  ASSERT_EQ(superuser ? seteuid(65534) : 0, 0);
+  expect_unwritable(locked / "new.h5", "Permission denied");
+  expect_unwritable(locked / "older.h5", "Permission denied");
+  ASSERT_EQ(superuser ? seteuid(0) : 0, 0);
+  chmod(locked.c_str(), 0755);
+  EXPECT_EQ(read_text(locked / "older.h5"), "older");
+}
+
+TEST_F(ResultFile, CheckTouchesNothing) {
+  write_text(folder_ / "r.h5", "older");
+  const auto time = fs::last_write_time(folder_ / "r.h5");
+  check_writable(folder_ / "r.h5");
+  check_writable(folder_ / "new.h5");
+  EXPECT_EQ(fs::last_write_time(folder_ / "r.h5"), time);
+  EXPECT_EQ(read_text(folder_ / "r.h5"), "older");
+  EXPECT_THAT(files(), ElementsAre("r.h5"));
+}
+
+}  // namespace
+}  // namespace cloudbow

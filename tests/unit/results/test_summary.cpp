@@ -1,0 +1,40 @@
+#include <gmock/gmock.h>
+
+#include "cloudbow/results/summary.hpp"
+#include "sample_solution.hpp"
+
+namespace cloudbow {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(SummaryTable, ShowsLedgerAndCost) {
+  const std::string table = summary_table(sample::solution(2, 2, 2));
+  EXPECT_THAT(table, HasSubstr("reflectance           0.500000\n"));
+  EXPECT_THAT(table, HasSubstr("transmittance         0.375000   direct 0.125000\n"));
+  EXPECT_THAT(table, HasSubstr("absorptance           0.062500\n"));
+  EXPECT_THAT(table, HasSubstr("surface absorptance   0.031250\n"));
+  EXPECT_THAT(table, HasSubstr("1.0e-07\n"));
+  EXPECT_THAT(table, HasSubstr("5.0e-05   after 17 sweeps\n"));
+  EXPECT_THAT(table, HasSubstr("12.50 s with 2 threads"));
+  EXPECT_THAT(table, HasSubstr("6000.0 MB"));
+  EXPECT_THAT(table, EndsWith("\nconverged\n"));
+}
+
+TEST(SummaryTable, ShowsSidesOnlyWhereTheyAreOpen) {
+  Solution solution = sample::solution(2, 2, 2);
+  EXPECT_THAT(summary_table(solution), Not(HasSubstr("side")));
+  solution.box.periodic = false;
+  EXPECT_THAT(summary_table(solution), HasSubstr("side gain             0.250000\nside loss             0.281250\n"));
+}
+
+TEST(SummaryTable, SaysWhenTheSolveFailed) {
+  Solution solution = sample::solution(2, 2, 2);
+  solution.report.converged = false;
+  EXPECT_THAT(summary_table(solution), HasSubstr("\nNOT CONVERGED"));
+}
+
+}  // namespace
+}  // namespace cloudbow

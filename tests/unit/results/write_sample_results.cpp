@@ -1,0 +1,33 @@
+// Writes the result files that read_samples.py opens into the folder given.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "sample_solution.hpp"
+
+int main(int argc, char** argv) try {
+  using namespace cloudbow;
+  if (argc != 2) return 1;
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+
+  Solution full = sample::solution(64, 48, 8);  // large enough to be compressed
+  full.radiance_field = sample::radiance_field();
+  write_result(folder / "full.h5", full, sample::info());
+
+  ResultInfo long_scene = sample::info();
+  long_scene.title.clear();
+  long_scene.scene = std::string(100'000, '#');  // more than the 64 KiB of an attribute in an object's header
+  Solution boundaries = sample::solution(5, 4, 3, {0, 3});
+  boundaries.absorbed_power.clear();
+  boundaries.actinic_flux.clear();
+  boundaries.radiance_field.emplace();
+  boundaries.radiance_field->direction = sample::radiance_field().direction;
+  write_result(folder / "boundaries.h5", boundaries, long_scene);
+
+  write_result(folder / "column.h5", sample::solution(1, 1, 3), sample::info());
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}
