@@ -33,8 +33,8 @@ class ControlPoints {
   const Eigen::Matrix3d& rotation() const { return rotation_; }
 
   /// Triangle that contains the direction (found by parallels and meridians, confirmed by the cross-product test) and
-  /// its weights: areas of the spherical triangles opposite each vertex, normalised to sum 1. Never fails: on edges and
-  /// vertices any of the triangles that meet there gives the same value.
+  /// its weights: areas of the spherical triangles opposite each vertex, normalised to sum 1. Never fails. Exact at
+  /// the vertices; on a side the weights that its two triangles give differ a little (under .003 with 162 points).
   Stencil stencil(const Direction& direction) const;
 
  private:
