@@ -1,0 +1,210 @@
+#include "cloudbow/app/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <optional>
+
+#include "cloudbow/app/interrupt.hpp"
+#include "cloudbow/app/run.hpp"
+#include "cloudbow/app/version.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/cloud_makers.hpp"
+#include "cloudbow/medium/vdb_file.hpp"
+#include "cloudbow/results/render.hpp"
+
+namespace cloudbow {
+namespace {
+
+/// Checks on the text itself: conversions further on take "nan" for a number and wrap "-1" to a huge one.
+CLI::Validator finite_number(double low, const std::string& allowed) {
+  return CLI::Validator(
+      [low, allowed](std::string& text) {
+        double value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool good =
+            error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value >= low;
+        return good ? std::string() : fmt::format("found {}, allowed {}", text, allowed);
+      },
+      "NUMBER");
+}
+
+CLI::Validator whole_number(std::uint64_t low, std::uint64_t high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        std::uint64_t value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool good = error == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
+        return good ? std::string() : fmt::format("found {}, allowed a whole number from {} to {}", text, low, high);
+      },
+      "N");
+}
+
+template <class Container>
+std::string joined(const Container& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// What a subcommand sets up and then does. Only the one that the user named is run.
+using Action = std::function<int()>;
+
+void add_run(CLI::App& app, Action& action, const std::string& command) {
+  auto options = std::make_shared<RunOptions>();
+  options->command = command;
+  CLI::App* run_app = app.add_subcommand("run", "Solve a scene file and write one HDF5 file");
+  run_app->add_option("scene", options->scene, "Scene file (TOML)")->required();
+  run_app->add_option("-o,--output", options->output, "Result file (default: the scene's name with .h5, here)");
+  run_app
+      ->add_option(
+          "--set", options->overrides,
+          "Replace any key of the scene, as in --set sun.zenith_deg=30 --set layer.0.optical_depth=2; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  run_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+      ->check(whole_number(1, 4096));
+  run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
+  run_app->callback([&action, options] { action = [options] { return run(*options); }; });
+}
+
+void add_cloud_make(CLI::App& cloud_app, Action& action) {
+  struct Options {
+    CloudMakerOptions maker;
+    std::vector<int> cells;
+    std::vector<double> voxel_size_m;
+    VdbWriteOptions write;
+    std::filesystem::path output;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* make_app = cloud_app.add_subcommand("make", "Make a cloud field from parameters and a seed");
+  make_app->add_option("kind", options->maker.kind, joined(cloud_maker_kinds()))->required();
+  make_app->add_option("--cells", options->cells, "Cells of the domain along x, y, z")
+      ->required()
+      ->expected(3)
+      ->check(whole_number(1, 100000));
+  make_app->add_option("--voxel-size-m", options->voxel_size_m, "Size of a cell along x, y, z [m]")
+      ->required()
+      ->expected(3)
+      ->check(finite_number(0, "a number > 0"));
+  make_app->add_option("--optical-depth", options->maker.optical_depth, "Mean over cloudy columns (default: by kind)")
+      ->check(finite_number(0, "a number > 0"));
+  make_app->add_option("--cover", options->maker.cover, "Fraction of cloudy columns; cumulus and stratocumulus")
+      ->check(finite_number(0, "0 to 1"));
+  make_app->add_option("--base-m", options->maker.base_m, "Height of the cloud base [m]")
+      ->check(finite_number(0, "a height >= 0"));
+  make_app->add_option("--seed", options->maker.seed, "Seed of the random numbers")
+      ->capture_default_str()
+      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
+  make_app->add_flag("--half", options->write.half, "Store 16 bits a value: half the size");
+  make_app->add_option("-o,--output", options->output, "VDB file")->required();
+  make_app->callback([&action, options] {
+    action = [options] {
+      std::copy(options->cells.begin(), options->cells.end(), options->maker.cells.begin());
+      std::copy(options->voxel_size_m.begin(), options->voxel_size_m.end(), options->maker.voxel_size_m.begin());
+      write_cloud_vdb(options->output, make_cloud(options->maker), options->write);
+      fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->output)));
+      return kExitDone;
+    };
+  });
+}
+
+void add_cloud(CLI::App& app, Action& action) {
+  CLI::App* cloud_app = app.add_subcommand("cloud", "Make and describe cloud fields (OpenVDB)");
+  cloud_app->require_subcommand(1);
+  add_cloud_make(*cloud_app, action);
+  auto file = std::make_shared<std::filesystem::path>();
+  CLI::App* info_app =
+      cloud_app->add_subcommand("info", "Grids, size, voxel size, active voxels, values, column optical depth, fill");
+  info_app->add_option("file", *file, "VDB file")->required();
+  info_app->callback([&action, file] {
+    action = [file] {
+      fmt::print("{}", format_cloud_info(describe_cloud_vdb(*file)));
+      return kExitDone;
+    };
+  });
+}
+
+void add_render(CLI::App& app, Action& action) {
+  struct Options {
+    RenderOptions render;
+    std::vector<double> range;
+  };
+  auto options = std::make_shared<Options>();
+  RenderOptions& render_options = options->render;
+  CLI::App* render_app = app.add_subcommand("render", "Draw a flux field of a result file");
+  render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->required();
+  render_app->add_option("-o,--output", render_options.image_file, "Picture (PNG)")->required();
+  render_app->add_option("--variable", render_options.variable, "Variable to draw")->capture_default_str();
+  render_app->add_option("--level", render_options.level, "top, bottom or a height in metres")->capture_default_str();
+  render_app->add_option("--range", options->range, "Values of the first and the last colour (default: those there)")
+      ->expected(2)
+      ->check(finite_number(std::numeric_limits<double>::lowest(), "a finite number"));
+  render_app->add_option("--scale", render_options.scale, "Pixels a cell (default: about 768 pixels in all)")
+      ->check(whole_number(1, 1000));
+  render_app->add_option("--colormap", render_options.colormap, joined(colormap_names()))->capture_default_str();
+  render_app->callback([&action, options] {
+    action = [options] {
+      if (!options->range.empty()) options->render.range = {options->range[0], options->range[1]};
+      const RenderReport report = render(options->render);
+      fmt::print("{}: {} [{}], {}, {} x {} pixels, colours from {:.4g} to {:.4g}\n",
+                 options->render.image_file.string(), report.image.variable, report.image.units, report.image.place,
+                 report.width, report.height, report.min, report.max);
+      return kExitDone;
+    };
+  });
+}
+
+std::string command_text(int argc, const char* const* argv) {
+  std::string text = "cloudbow";
+  for (int n = 1; n < argc; ++n) text += fmt::format(" {}", argv[n]);
+  return text;
+}
+
+int parse_and_act(int argc, const char* const* argv) {
+  CLI::App app("Sunlight in cloudy air, solved deterministically", "cloudbow");
+  app.set_version_flag("--version", version_text());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, 3 solved but not converged (the result is marked "
+      "so)");
+  Action action;
+  add_run(app, action, command_text(argc, argv));
+  add_cloud(app, action);
+  add_render(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", error.what()));
+  }
+  return action();
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  try {
+    return parse_and_act(argc, argv);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "cloudbow: {}\n", error.what());
+    return kExitInputError;
+  } catch (const Interrupted& interrupted) {
+    fmt::print(stderr, "cloudbow: interrupted\n");
+    return 128 + interrupted.signal;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "cloudbow: internal error: out of memory\n");
+    return kExitInternalError;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "cloudbow: internal error: {}\n", error.what());
+    return kExitInternalError;
+  }
+}
+
+}  // namespace cloudbow

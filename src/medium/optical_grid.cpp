@@ -52,14 +52,21 @@ struct CloudPlanes {
 
   explicit CloudPlanes(const CloudField* field) : cloud(field) {
     if (cloud == nullptr) return;
-    const auto spans_before = [&](int k) {
-      return cloud->row_begin[static_cast<std::size_t>(k) * static_cast<std::size_t>(cloud->cells[1])];
-    };
     end = cloud->cells[2];
     while (first < end && spans_before(first + 1) == 0) ++first;
     while (end > first && spans_before(end - 1) == cloud->spans.size()) --end;
   }
 
+  std::uint32_t spans_before(int k) const {
+    return cloud->row_begin[static_cast<std::size_t>(k) * static_cast<std::size_t>(cloud->cells[1])];
+  }
+  std::size_t active_voxels(int k) const {
+    std::size_t voxels = 0;
+    for (std::uint32_t s = spans_before(k); s < spans_before(k + 1); ++s) {
+      voxels += static_cast<std::size_t>(cloud->spans[s].n);
+    }
+    return voxels;
+  }
   double face_m(int k) const { return cloud->min_m[2] + k * cloud->cell_size_m[2]; }
   /// Plane that holds the height, or -1.
   int plane(double z) const {
@@ -193,6 +200,7 @@ std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Laye
   if (cloud.first < cloud.end) {
     for (int k = cloud.first; k <= cloud.end; ++k) edges.push_back({cloud.face_m(k), 1});
   }
+  for (const double z : options.edges_m) edges.push_back({z, 2});
   for (const Layer& layer : layers) {
     if (layer.bottom_m < bottom - tolerance || layer.top_m > top + tolerance) {
       throw InputError(fmt::format("layer: reaches outside the domain (found {} m to {} m, allowed {} m to {} m)",
@@ -221,6 +229,30 @@ std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Laye
   return levels;
 }
 
+/// Throws where the grid would take more than the limit or its cells could not be counted.
+void check_size(const BoxGrid& box, const LayerProfile& layers, const CloudPlanes& planes, int phase_functions,
+                std::uint64_t limit_bytes) {
+  double cells = 0;
+  for (int k = 0; k < box.nz(); ++k) {
+    const int plane = planes.plane((box.z_edge_m[k] + box.z_edge_m[k + 1]) / 2);
+    cells += !layers.empty(k) ? static_cast<double>(box.columns())
+             : plane >= 0     ? static_cast<double>(planes.active_voxels(plane))
+                              : 0.0;
+  }
+  const double bytes = 4 * (cells * (1 + phase_functions) + static_cast<double>(box.nz()) * box.ny);
+  if (bytes > static_cast<double>(limit_bytes)) {
+    throw InputError(
+        fmt::format("domain: does not fit into memory (found {} x {} columns, {} levels, {:.1f} GB for the "
+                    "coefficients alone, allowed {:.1f} GB)",
+                    box.nx, box.ny, box.nz(), bytes / 1e9, static_cast<double>(limit_bytes) / 1e9));
+  }
+  constexpr auto max_cells = static_cast<double>(std::numeric_limits<std::uint32_t>::max());
+  if (cells > max_cells) {
+    throw InputError(
+        fmt::format("domain: too many cells with matter in them (found {:.4g}, allowed {:.4g})", cells, max_cells));
+  }
+}
+
 /// Fills one grid plane by plane, row by row.
 class GridBuilder {
  public:
@@ -235,10 +267,6 @@ class GridBuilder {
   /// The row's cells take the layers' coefficients of level k.
   void add_span(int k, int i, int n) {
     const std::size_t offset = grid_.absorption.size();
-    if (offset + static_cast<std::size_t>(n) > std::numeric_limits<std::uint32_t>::max()) {
-      throw InputError(fmt::format("domain: too many cells with matter in them (found more than {}, allowed {})",
-                                   offset, std::numeric_limits<std::uint32_t>::max()));
-    }
     grid_.spans.push_back({i, n, static_cast<std::uint32_t>(offset)});
     grid_.absorption.resize(offset + n, static_cast<float>(grid_.layer_absorption[k]));
     for (std::size_t p = 0; p < grid_.scattering.size(); ++p) {
@@ -310,6 +338,7 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
       make_levels(planes, layers, domain_min_m[2], domain_max_m[2], phase_functions, delta_m_fraction, options);
 
   const LayerProfile profile = layer_profile(box.z_edge_m, layers, phase_functions);
+  check_size(box, profile, planes, phase_functions, options.memory_limit_bytes);
   GridBuilder builder(box, profile);
   OpticalGrid& grid = builder.grid();
   for (int k = 0; k < box.nz(); ++k) {

@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
+#include <limits>
 #include <vector>
 
 #include "cloudbow/medium/cloud_field.hpp"
@@ -73,12 +73,25 @@ struct LevelOptions {
   double growth = 0.2;
   double max_optical_depth = 1;
   double deep_growth = 0.02;
-  int min_levels = 1;   ///< of each stretch of the same optics
+  int min_levels = 1;           ///< of each stretch of the same optics
+  std::vector<double> edges_m;  ///< heights at which levels must end, beside those of cloud and layers
   int layer_cells = 0;  ///< > 0: this many levels of equal thickness between any two layer edges, whatever the optics
 
-  static LevelOptions layers_only() { return {.min_levels = 12}; }
+  std::uint64_t memory_limit_bytes =
+      std::numeric_limits<std::uint64_t>::max();  ///< of the grid, told before it is taken
+
+  static LevelOptions layers_only() {
+    LevelOptions options;
+    options.min_levels = 12;
+    return options;
+  }
   /// Beside a cloud every level costs a whole plane of cells.
-  static LevelOptions beside_cloud() { return {.edge_optical_depth = 0.1, .growth = 0.3}; }
+  static LevelOptions beside_cloud() {
+    LevelOptions options;
+    options.edge_optical_depth = 0.1;
+    options.growth = 0.3;
+    return options;
+  }
 };
 
 /// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the
@@ -88,8 +101,8 @@ struct LevelOptions {
 /// @param cloud may be null; @param domain_min_m, domain_max_m the corners of the domain, which lie on voxel faces
 /// (horizontally) and contain the active voxels and the layers.
 /// @param delta_m_fraction [p] forward fraction f of each phase function, used to judge how finely to cut.
-/// @throws InputError where sizes exceed what can be indexed, an extinction is not finite, a layer reaches outside the
-/// domain or is thinner than the edges can tell.
+/// @throws InputError where sizes exceed what can be indexed or the memory limit, an extinction is not finite, a layer
+/// reaches outside the domain or is thinner than the edges can tell.
 OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics,
                               const std::vector<Layer>& layers, const std::array<double, 3>& domain_min_m,
                               const std::array<double, 3>& domain_max_m, bool periodic, int phase_functions,

@@ -1,0 +1,19 @@
+// The ladder of accuracies: what each level sets in the solver.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+std::vector<std::string> accuracy_names();
+
+/// Options of one level of the ladder ("draft", "balanced", "fine", "reference").
+/// @param one_column a scene without horizontal variation, which costs nothing and is solved in double precision.
+/// @param measured_phase_functions some phase function with a forward peak is given by moments or a table: their peaks
+/// take a beam truncated at a lower order than those of Henyey and Greenstein.
+SolverOptions accuracy_options(const std::string& name, bool one_column, bool measured_phase_functions);
+
+}  // namespace cloudbow

@@ -1,0 +1,43 @@
+// A TOML file as a tree whose every node knows the line it came from, with values replaced from the command line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace cloudbow {
+
+struct ConfigNode {
+  enum class Kind { scalar, array, table };
+  struct OtherScalar {
+    std::string text;  ///< a date or time, which no scene uses
+  };
+  using Scalar = std::variant<OtherScalar, bool, std::int64_t, double, std::string>;
+
+  Kind kind = Kind::table;
+  Scalar scalar;
+  std::vector<std::string> keys;  ///< of a table, in the order of the file; keys[n] names items[n]
+  std::vector<ConfigNode> items;  ///< of an array or a table
+  std::string place;              ///< "FILE:LINE" or "--set KEY=VALUE"; how messages begin
+
+  const ConfigNode* find(const std::string& key) const;
+};
+
+struct ConfigTree {
+  ConfigNode root;
+  std::string text;  ///< TOML that says the same: the file itself, or written anew where something was set
+};
+
+/// @param overrides "KEY=VALUE" with a dotted key ("sun.zenith_deg=30", "layer.0.optical_depth=2"); the value is TOML,
+/// or a string where it is not. Tables on the way are made as needed, entries of arrays must be there.
+/// @throws InputError where the file cannot be read, is not TOML (with line and column), or an override cannot be
+/// applied.
+ConfigTree read_config(const std::filesystem::path& path, std::span<const std::string> overrides);
+
+/// A node as messages show it: a number, a string in quotes, "a table", "an array of 3".
+std::string describe(const ConfigNode& node);
+
+}  // namespace cloudbow

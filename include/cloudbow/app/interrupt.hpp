@@ -1,0 +1,29 @@
+// SIGINT and SIGTERM end a run between two sweeps, with nothing half done.
+#pragma once
+
+#include <array>
+#include <csignal>
+
+namespace cloudbow {
+
+/// Thrown where a run gives way to a signal. The program exits with 128 + signal.
+struct Interrupted {
+  int signal;
+};
+
+/// While one lives, the first SIGINT or SIGTERM is only noted; a second one ends the process at once.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  /// @throws Interrupted where a signal has come.
+  static void check();
+
+ private:
+  std::array<struct sigaction, 2> previous_;
+};
+
+}  // namespace cloudbow

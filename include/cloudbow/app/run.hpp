@@ -1,0 +1,36 @@
+// `cloudbow run`: one scene from file to file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace cloudbow {
+
+struct RunOptions {
+  std::filesystem::path scene;
+  std::vector<std::string> overrides;  ///< "KEY=VALUE"
+  std::filesystem::path
+      output;       ///< empty: what the scene says, else the scene's name with .h5 in the working directory
+  int threads = 0;  ///< 0: all
+  bool quiet = false;
+  bool dry_run = false;  ///< validate, predict memory and time, write nothing
+  std::string command;   ///< as the user typed it, for the result's history
+};
+
+/// Exit codes of the program.
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitInternalError = 1;
+inline constexpr int kExitInputError = 2;
+inline constexpr int kExitNotConverged = 3;
+
+/// @returns kExitDone, or kExitNotConverged where the solve did not reach its tolerance or the ledger does not close:
+/// the result is written all the same.
+/// @throws InputError, Interrupted.
+int run(const RunOptions& options);
+
+/// What the machine, or the control group the process lives in, has.
+std::uint64_t physical_memory_bytes();
+
+}  // namespace cloudbow

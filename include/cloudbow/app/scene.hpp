@@ -1,0 +1,98 @@
+// A scene file, read and checked: what stands in it, with its defaults, before any cloud is opened.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cloudbow/medium/optical_grid.hpp"
+#include "cloudbow/medium/vdb_file.hpp"
+#include "cloudbow/optics/phase_function.hpp"
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+struct SceneCloud {
+  std::filesystem::path file;
+  VdbReadOptions read;
+  std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: what the grid's metadata says
+  std::optional<double> effective_radius_um;
+  std::string effective_radius_grid;  ///< empty: none
+  double single_scattering_albedo = 1;
+  std::string single_scattering_albedo_grid;  ///< empty: none
+  int phase_function = 0;                     ///< index into Scene::phase_functions
+};
+
+struct ScenePhaseFunction {
+  std::string name;
+  PhaseFunction function;
+  bool measured = false;  ///< given by moments or a table rather than by a formula
+};
+
+struct SceneDomain {
+  bool periodic = true;
+  std::optional<std::array<double, 3>> min_m;
+  std::optional<std::array<double, 3>> max_m;
+  int vertical_cells = 0;  ///< 0: as the optics need
+};
+
+struct SceneSun {
+  double zenith_deg = 0;   ///< where the sun stands
+  double azimuth_deg = 0;  ///< counter-clockwise from +x
+  double irradiance_w_m2 = 1;
+};
+
+enum class SolveMode { automatic, three_dimensional, independent_columns };
+
+/// What the scene sets by itself; the rest comes from `accuracy`.
+struct SceneSolver {
+  SolveMode mode = SolveMode::automatic;
+  std::string accuracy = "balanced";
+  std::optional<int> control_points;
+  std::optional<std::string> directions;
+  std::optional<int> delta_m_order;
+  std::optional<FitMethod> fit;
+  std::optional<int> gather_directions;
+  std::optional<int> beam_rays;
+  std::optional<double> tolerance;
+  int max_sweeps = 200;
+};
+
+struct SceneOutput {
+  std::filesystem::path file;  ///< empty: the scene's name in the working directory
+  FluxLevels flux_levels = FluxLevels::all;
+  std::vector<double> heights_m;  ///< ascending, where flux_levels is listed
+  bool absorption = true;
+  bool actinic = false;
+  bool radiance_field = false;
+};
+
+struct Scene {
+  std::filesystem::path path;
+  std::string text;  ///< the TOML as run
+  std::string title;
+  std::optional<SceneCloud> cloud;
+  std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once
+  std::vector<Layer> layers;
+  SceneDomain domain;
+  std::optional<SceneSun> sun;
+  double sky_radiance = 0;
+  double surface_albedo = 0;
+  SceneSolver solver;
+  SceneOutput output;
+  std::map<std::string, std::string>
+      place;  ///< "domain.min_m" to "FILE:LINE", for messages about what only the cloud can tell
+
+  /// "FILE:LINE: KEY", or "FILE: KEY" where the key is not given.
+  std::string where(const std::string& key) const;
+};
+
+/// @param overrides "KEY=VALUE" as in read_config().
+/// @throws InputError with file, line, key, what was found and what is allowed.
+Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides = {});
+
+}  // namespace cloudbow

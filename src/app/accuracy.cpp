@@ -1,0 +1,64 @@
+#include "cloudbow/app/accuracy.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+namespace cloudbow {
+namespace {
+
+struct Level {
+  const char* name;
+  int control_points;
+  const char* directions;
+  int delta_m_order;
+  int beam_delta_m_order;
+  int exact_moments;
+  int beam_half_range_rows;
+  bool minimax;
+  int gather_directions;
+  int beam_rays;
+  double tolerance;
+};
+
+constexpr std::array<Level, 4> kLadder{{
+    {"draft", 42, "double-gauss-6x8", 6, 8, 2, 2, true, 128, 4, 1e-3},
+    {"balanced", 162, "double-gauss-8x16", 8, 12, 3, 3, true, 512, 16, 1e-4},
+    {"fine", 162, "double-gauss-10x16", 10, 14, 3, 3, true, 2048, 16, 1e-5},
+    {"reference", 642, "double-gauss-18x36", 16, 20, 5, 3, false, 4096, 64, 1e-6},
+}};
+// Fewer azimuths near the pole serve vertical fluxes best, horizontal ones worse: for single columns only.
+constexpr Level kFineColumn{"fine", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 2048, 16, 1e-5};
+constexpr int kMeasuredBeamExcess = 2;
+
+}  // namespace
+
+std::vector<std::string> accuracy_names() {
+  std::vector<std::string> names;
+  for (const Level& level : kLadder) names.emplace_back(level.name);
+  return names;
+}
+
+SolverOptions accuracy_options(const std::string& name, bool one_column, bool measured_phase_functions) {
+  const auto* found =
+      std::find_if(kLadder.begin(), kLadder.end(), [&name](const Level& level) { return name == level.name; });
+  assert(found != kLadder.end());
+  const Level& level = one_column && name == kFineColumn.name ? kFineColumn : *found;
+
+  SolverOptions options;
+  options.control_points = level.control_points;
+  options.directions = level.directions;
+  options.fit.delta_m_order = level.delta_m_order;
+  options.fit.beam_delta_m_order =
+      measured_phase_functions ? level.delta_m_order + kMeasuredBeamExcess : level.beam_delta_m_order;
+  options.fit.exact_moments = level.exact_moments;
+  options.fit.beam_half_range_rows = level.beam_half_range_rows;
+  options.fit.minimax = level.minimax;
+  options.gather_directions = level.gather_directions;
+  options.beam_rays = level.beam_rays;
+  options.tolerance = level.tolerance;
+  options.double_precision = one_column;
+  return options;
+}
+
+}  // namespace cloudbow

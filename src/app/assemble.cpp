@@ -1,0 +1,274 @@
+#include "cloudbow/app/assemble.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "cloudbow/app/accuracy.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/delta_m.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Corners of the domain are taken to be meant where they stand this close to a voxel face, in voxels.
+constexpr double kFaceTolerance = 1e-3;
+constexpr double kMaxColumnsPerAxis = 1e6;
+
+struct Domain {
+  std::array<double, 3> min_m{0, 0, 0};
+  std::array<double, 3> max_m{1, 1, 1};
+};
+
+/// Extinction coefficient of droplets, 3 LWC / (2 rho_w r_e) with an extinction efficiency of 2: in 1/m for LWC in
+/// g/m3, r_e in um and rho_w = 1e6 g/m3.
+constexpr double extinction_per_liquid_water(double effective_radius_um) { return 1.5 / effective_radius_um; }
+
+struct OpenedCloud {
+  CloudField field;
+  CloudOptics optics;
+};
+
+OpenedCloud open_cloud(const Scene& scene) {
+  const SceneCloud& cloud = *scene.cloud;
+  OpenedCloud opened{read_cloud_vdb(cloud.file, cloud.read), {}};
+  CloudField& field = opened.field;
+  const std::string quantity = cloud.quantity.empty() ? field.quantity : cloud.quantity;
+  VdbReadOptions companion = cloud.read;
+  companion.scale = 1;
+
+  if (quantity == "liquid_water_content") {
+    if (cloud.effective_radius_um) {
+      opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
+    } else if (!cloud.effective_radius_grid.empty()) {
+      companion.grid = cloud.effective_radius_grid;
+      constexpr double smallest_um = 1e-6;
+      const std::vector<float> radius = read_companion_vdb(cloud.file, field, companion, smallest_um);
+      for (std::size_t n = 0; n < radius.size(); ++n) {
+        field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
+      }
+    } else {
+      throw InputError(
+          fmt::format("{}: missing (found quantity liquid_water_content, allowed with effective_radius_um "
+                      "or effective_radius_grid)",
+                      scene.where("cloud.effective_radius_um")));
+    }
+  } else if (quantity != "extinction") {
+    throw InputError(fmt::format(
+        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, liquid_water_content)",
+        scene.where("cloud.quantity"), cloud.read.grid, cloud.file.string(),
+        quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity)));
+  }
+
+  opened.optics.single_scattering_albedo = cloud.single_scattering_albedo;
+  opened.optics.phase_function = cloud.phase_function;
+  if (!cloud.single_scattering_albedo_grid.empty()) {
+    companion.grid = cloud.single_scattering_albedo_grid;
+    opened.optics.voxel_single_scattering_albedo = read_companion_vdb(cloud.file, field, companion, 0, 1);
+  }
+  return opened;
+}
+
+/// Corners given by the scene, moved onto the faces they are meant to lie on.
+class DomainChecker {
+ public:
+  DomainChecker(const Scene& scene, const CloudField* field) : scene_(scene), field_(field) {
+    if (field != nullptr) {
+      summary_ = summarize(*field);
+      for (int axis = 0; axis < 3; ++axis) {
+        domain_.min_m[axis] = field->min_m[axis];
+        domain_.max_m[axis] = field->max_m(axis);
+      }
+    } else {
+      domain_.min_m[2] = scene.layers.front().bottom_m;
+      domain_.max_m[2] = scene.layers.front().top_m;
+    }
+    for (const Layer& layer : scene.layers) {
+      domain_.min_m[2] = std::min(domain_.min_m[2], layer.bottom_m);
+      domain_.max_m[2] = std::max(domain_.max_m[2], layer.top_m);
+    }
+  }
+
+  Domain check() {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (field_ == nullptr && axis != 2) continue;  // a single column, as wide as one likes
+      if (scene_.domain.min_m) domain_.min_m[axis] = corner("domain.min_m", axis, (*scene_.domain.min_m)[axis]);
+      if (scene_.domain.max_m) domain_.max_m[axis] = corner("domain.max_m", axis, (*scene_.domain.max_m)[axis]);
+      check_order(axis);
+      if (field_ != nullptr) check_contains_cloud(axis);
+    }
+    check_contains_layers();
+    return domain_;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& key, int axis, const std::string& problem, double found,
+                         const std::string& allowed) const {
+    throw InputError(
+        fmt::format("{}: {} in {} (found {} m, allowed {})", scene_.where(key), problem, "xyz"[axis], found, allowed));
+  }
+
+  double corner(const std::string& key, int axis, double value) const {
+    if (field_ == nullptr) return value;
+    const double origin = field_->min_m[axis];
+    const double size = field_->cell_size_m[axis];
+    const double faces = (value - origin) / size;
+    if (std::abs(faces - std::round(faces)) <= kFaceTolerance) return origin + std::round(faces) * size;
+    if (axis == 2) {
+      for (const Layer& layer : scene_.layers) {
+        if (value == layer.bottom_m || value == layer.top_m) return value;
+      }
+    }
+    fail(key, axis, axis == 2 ? "neither on a voxel face nor on a layer's edge" : "not on a voxel face", value,
+         fmt::format("{} m or {} m, the nearest voxel faces", origin + std::floor(faces) * size,
+                     origin + std::ceil(faces) * size));
+  }
+
+  void check_order(int axis) const {
+    const double extent = domain_.max_m[axis] - domain_.min_m[axis];
+    const std::string key = scene_.domain.max_m ? "domain.max_m" : "domain.min_m";
+    if (extent <= 0) {
+      const bool max_given = scene_.domain.max_m.has_value();
+      fail(key, axis, max_given ? "not above the lower corner" : "not below the upper corner",
+           max_given ? domain_.max_m[axis] : domain_.min_m[axis],
+           max_given ? fmt::format("> {} m", domain_.min_m[axis]) : fmt::format("< {} m", domain_.max_m[axis]));
+    }
+    if (field_ != nullptr && axis != 2 && extent / field_->cell_size_m[axis] > kMaxColumnsPerAxis) {
+      fail(key, axis, "too far away: more columns than any memory holds", domain_.max_m[axis],
+           fmt::format("at most {} columns of {} m", kMaxColumnsPerAxis, field_->cell_size_m[axis]));
+    }
+  }
+
+  void check_contains_cloud(int axis) const {
+    const double slack = kFaceTolerance * field_->cell_size_m[axis];
+    if (domain_.min_m[axis] > summary_.cloud_min_m[axis] + slack) {
+      fail("domain.min_m", axis, "cuts the cloud", domain_.min_m[axis],
+           fmt::format("at most {} m, where the cloud begins", summary_.cloud_min_m[axis]));
+    }
+    if (domain_.max_m[axis] < summary_.cloud_max_m[axis] - slack) {
+      fail("domain.max_m", axis, "cuts the cloud", domain_.max_m[axis],
+           fmt::format("at least {} m, where the cloud ends", summary_.cloud_max_m[axis]));
+    }
+  }
+
+  void check_contains_layers() const {
+    for (std::size_t n = 0; n < scene_.layers.size(); ++n) {
+      const Layer& layer = scene_.layers[n];
+      const auto outside = [&](const char* key, double found) {
+        throw InputError(fmt::format("{}: outside the domain (found {} m, allowed {} m to {} m, as [domain] says)",
+                                     scene_.where(fmt::format("layer.{}.{}", n, key)), found, domain_.min_m[2],
+                                     domain_.max_m[2]));
+      };
+      if (layer.bottom_m < domain_.min_m[2]) outside("bottom_m", layer.bottom_m);
+      if (layer.top_m > domain_.max_m[2]) outside("top_m", layer.top_m);
+    }
+  }
+
+  const Scene& scene_;
+  const CloudField* field_;
+  CloudSummary summary_;
+  Domain domain_;
+};
+
+std::filesystem::path cache_directory() {
+  std::filesystem::path folder;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+    folder = cache;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
+    folder = std::filesystem::path(home) / ".cache";
+  } else {
+    return {};
+  }
+  folder /= "cloudbow";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  return error ? std::filesystem::path() : folder;
+}
+
+SolverOptions solver_options(const Scene& scene, bool one_column) {
+  const SceneSolver& solver = scene.solver;
+  const bool measured =
+      std::any_of(scene.phase_functions.begin(), scene.phase_functions.end(), [](const auto& p) { return p.measured; });
+  SolverOptions options = accuracy_options(solver.accuracy, one_column, measured);
+  if (solver.delta_m_order) {
+    options.fit.beam_delta_m_order += *solver.delta_m_order - options.fit.delta_m_order;
+    options.fit.delta_m_order = *solver.delta_m_order;
+  }
+  options.control_points = solver.control_points.value_or(options.control_points);
+  options.directions = solver.directions.value_or(options.directions);
+  options.fit.method = solver.fit.value_or(options.fit.method);
+  options.fit.cache_directory = cache_directory();
+  options.gather_directions = solver.gather_directions.value_or(options.gather_directions);
+  options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
+  options.tolerance = solver.tolerance.value_or(options.tolerance);
+  options.max_sweeps = solver.max_sweeps;
+  options.independent_columns = solver.mode == SolveMode::independent_columns;
+  options.flux_levels = scene.output.flux_levels;
+  options.absorption = scene.output.absorption;
+  options.actinic = scene.output.actinic;
+  options.radiance_field = scene.output.radiance_field;
+  return options;
+}
+
+int nearest_edge(const std::vector<double>& edges, double z) {
+  const auto nearest = std::min_element(edges.begin(), edges.end(),
+                                        [z](double a, double b) { return std::abs(a - z) < std::abs(b - z); });
+  return static_cast<int>(nearest - edges.begin());
+}
+
+}  // namespace
+
+Direction sun_travel(const SceneSun& sun) {
+  const double zenith = sun.zenith_deg * std::numbers::pi / 180;
+  const double azimuth = sun.azimuth_deg * std::numbers::pi / 180;
+  return {-std::sin(zenith) * std::cos(azimuth), -std::sin(zenith) * std::sin(azimuth), -std::cos(zenith)};
+}
+
+AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
+  OpenedCloud cloud;
+  if (scene.cloud) cloud = open_cloud(scene);
+  const CloudField* field = scene.cloud ? &cloud.field : nullptr;
+  const Domain domain = DomainChecker(scene, field).check();
+  for (const double height : scene.output.heights_m) {
+    if (height < domain.min_m[2] || height > domain.max_m[2]) {
+      throw InputError(fmt::format("{}: outside the domain (found {} m, allowed {} m to {} m)",
+                                   scene.where("output.flux_levels"), height, domain.min_m[2], domain.max_m[2]));
+    }
+  }
+
+  AssembledScene assembled;
+  Problem& problem = assembled.problem;
+  for (const ScenePhaseFunction& phase : scene.phase_functions) problem.phase.push_back(phase.function);
+  if (scene.sun) problem.sun = Sun{sun_travel(*scene.sun), scene.sun->irradiance_w_m2};
+  problem.sky_radiance = scene.sky_radiance;
+  problem.surface_albedo = scene.surface_albedo;
+
+  const bool one_column =
+      field == nullptr || (std::lround((domain.max_m[0] - domain.min_m[0]) / field->cell_size_m[0]) == 1 &&
+                           std::lround((domain.max_m[1] - domain.min_m[1]) / field->cell_size_m[1]) == 1);
+  assembled.options = solver_options(scene, one_column);
+
+  std::vector<double> forward_fraction;
+  for (const PhaseFunction& phase : problem.phase) {
+    forward_fraction.push_back(delta_m(phase, assembled.options.fit.delta_m_order).forward_fraction);
+  }
+  LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions::beside_cloud();
+  levels.layer_cells = scene.domain.vertical_cells;
+  levels.edges_m = scene.output.heights_m;
+  levels.memory_limit_bytes = memory_limit_bytes;
+  // Layers without a cloud are the same everywhere: they have no sides.
+  const bool periodic = scene.domain.periodic || field == nullptr;
+  problem.grid = make_optical_grid(field, cloud.optics, scene.layers, domain.min_m, domain.max_m, periodic,
+                                   static_cast<int>(problem.phase.size()), forward_fraction, levels);
+  for (const double height : scene.output.heights_m) {
+    const int level = nearest_edge(problem.grid.box.z_edge_m, height);
+    auto& listed = assembled.options.listed_levels;
+    if (listed.empty() || listed.back() != level) listed.push_back(level);
+  }
+  return assembled;
+}
+
+}  // namespace cloudbow

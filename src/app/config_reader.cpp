@@ -1,0 +1,199 @@
+#include "cloudbow/app/config_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+/// Levenshtein's distance: single letters put in, taken out or changed.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, changed});
+    }
+  }
+  return row.back();
+}
+
+std::string list(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+}  // namespace
+
+bool NumberRange::contains(double value) const {
+  return std::isfinite(value) && (low_included ? value >= low : value > low) &&
+         (high_included ? value <= high : value < high);
+}
+
+ConfigReader::ConfigReader(const ConfigNode& table, std::string path) : table_(table), path_(std::move(path)) {}
+
+const std::string& ConfigReader::place_of(const std::string& key) const {
+  const ConfigNode* node = table_.find(key);
+  return node != nullptr ? node->place : table_.place;
+}
+
+void ConfigReader::fail(const std::string& key, std::string_view problem, std::string_view found,
+                        std::string_view allowed) const {
+  throw InputError(
+      fmt::format("{}: {}: {} (found {}, allowed {})", place_of(key), full_name(key), problem, found, allowed));
+}
+
+void ConfigReader::fail_missing(const std::string& key, std::string_view allowed) const {
+  fail(key, "missing", "no such key", allowed);
+}
+
+void ConfigReader::with_place(const std::string& key, const std::function<void()>& action) const {
+  try {
+    action();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}: {}", place_of(key), full_name(key), error.what()));
+  }
+}
+
+double ConfigReader::as_number(const std::string& key, const ConfigNode& node, const NumberRange& range) const {
+  double value = 0;
+  if (const auto* real = std::get_if<double>(&node.scalar); real != nullptr && node.kind == ConfigNode::Kind::scalar) {
+    value = *real;
+  } else if (const auto* integer = std::get_if<std::int64_t>(&node.scalar);
+             integer != nullptr && node.kind == ConfigNode::Kind::scalar) {
+    value = static_cast<double>(*integer);
+  } else {
+    fail(key, "not a number", describe(node), range.allowed);
+  }
+  if (!range.contains(value)) fail(key, "out of range", describe(node), range.allowed);
+  return value;
+}
+
+std::optional<double> ConfigReader::find_number(const std::string& key, const NumberRange& range) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  return as_number(key, *node, range);
+}
+
+double ConfigReader::number(const std::string& key, const NumberRange& range) const {
+  const auto value = find_number(key, range);
+  if (!value) fail_missing(key, range.allowed);
+  return *value;
+}
+
+std::optional<int> ConfigReader::find_integer(const std::string& key, int low, int high) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const std::string allowed = fmt::format("an integer from {} to {}", low, high);
+  const auto* value = std::get_if<std::int64_t>(&node->scalar);
+  if (node->kind != ConfigNode::Kind::scalar || value == nullptr) fail(key, "not an integer", describe(*node), allowed);
+  if (*value < low || *value > high) fail(key, "out of range", describe(*node), allowed);
+  return static_cast<int>(*value);
+}
+
+std::optional<std::string> ConfigReader::find_text(const std::string& key) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const auto* value = std::get_if<std::string>(&node->scalar);
+  if (node->kind != ConfigNode::Kind::scalar || value == nullptr)
+    fail(key, "not a string", describe(*node), "a string");
+  return *value;
+}
+
+std::string ConfigReader::text(const std::string& key) const {
+  auto value = find_text(key);
+  if (!value) fail_missing(key, "a string");
+  if (value->empty()) fail(key, "empty", "\"\"", "a string that is not empty");
+  return *value;
+}
+
+std::optional<std::string> ConfigReader::find_choice(const std::string& key,
+                                                     const std::vector<std::string>& allowed) const {
+  auto value = find_text(key);
+  if (value && std::find(allowed.begin(), allowed.end(), *value) == allowed.end()) {
+    fail(key, "not one of the choices", describe(*table_.find(key)), list(allowed));
+  }
+  return value;
+}
+
+std::optional<std::vector<double>> ConfigReader::find_numbers(const std::string& key, const NumberRange& range) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != ConfigNode::Kind::array) fail(key, "not a list", describe(*node), "a list of numbers");
+  std::vector<double> values;
+  for (const ConfigNode& item : node->items) values.push_back(as_number(key, item, range));
+  return values;
+}
+
+std::optional<std::array<double, 3>> ConfigReader::find_triple(const std::string& key, const NumberRange& range) const {
+  const auto values = find_numbers(key, range);
+  if (!values) return std::nullopt;
+  if (values->size() != 3) fail(key, "not of length 3", describe(*table_.find(key)), "[x, y, z]");
+  return std::array<double, 3>{(*values)[0], (*values)[1], (*values)[2]};
+}
+
+std::optional<std::vector<std::string>> ConfigReader::find_texts(const std::string& key) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != ConfigNode::Kind::array) fail(key, "not a list", describe(*node), "a list of strings");
+  std::vector<std::string> values;
+  for (const ConfigNode& item : node->items) {
+    const auto* value = std::get_if<std::string>(&item.scalar);
+    if (item.kind != ConfigNode::Kind::scalar || value == nullptr) fail(key, "not a string", describe(item), "strings");
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::optional<ConfigReader> ConfigReader::find_table(const std::string& key) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != ConfigNode::Kind::table)
+    fail(key, "not a table", describe(*node), fmt::format("[{}]", full_name(key)));
+  return ConfigReader(*node, full_name(key));
+}
+
+std::vector<ConfigReader> ConfigReader::tables(const std::string& key) const {
+  std::vector<ConfigReader> readers;
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return readers;
+  const std::string allowed = fmt::format("[[{}]]", full_name(key));
+  if (node->kind != ConfigNode::Kind::array) fail(key, "not an array of tables", describe(*node), allowed);
+  for (const ConfigNode& item : node->items) {
+    if (item.kind != ConfigNode::Kind::table) fail(key, "not an array of tables", describe(item), allowed);
+    readers.emplace_back(item, fmt::format("{}.{}", full_name(key), readers.size()));
+  }
+  return readers;
+}
+
+void ConfigReader::check_keys(const std::vector<std::string>& known,
+                              const std::vector<std::string>& not_available) const {
+  for (const std::string& key : table_.keys) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    if (std::find(not_available.begin(), not_available.end(), key) != not_available.end()) {
+      throw InputError(fmt::format("{}: {}: not available in this version", place_of(key), full_name(key)));
+    }
+    std::string suggestion;
+    std::size_t nearest = std::max<std::size_t>(2, key.size() / 3) + 1;
+    for (const std::string& candidate : known) {
+      const std::size_t distance = edit_distance(key, candidate);
+      if (distance < nearest) {
+        nearest = distance;
+        suggestion = fmt::format("; did you mean {}?", candidate);
+      }
+    }
+    fail(key, "unknown key", key, list(known) + suggestion);
+  }
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,400 @@
+#include "cloudbow/app/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "cloudbow/app/accuracy.hpp"
+#include "cloudbow/app/config_reader.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/sphere/ordinate_set.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr NumberRange kAsymmetry{"-1 < g < 1", -1, 1, false, false};
+constexpr NumberRange kZenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
+constexpr NumberRange kTolerance{"1e-8 to 0.1", 1e-8, 0.1};
+constexpr int kMaxVerticalCells = 100000;
+
+class SceneReader {
+ public:
+  SceneReader(const ConfigTree& tree, const std::filesystem::path& path) : root_(tree.root, "") {
+    scene_.path = path;
+    scene_.text = tree.text;
+  }
+
+  Scene read() {
+    root_.check_keys(
+        {"title", "cloud", "phase_function", "layer", "domain", "sun", "sky", "surface", "solver", "output"},
+        {"radiance", "camera", "spectrum"});
+    scene_.title = root_.find_text("title").value_or(scene_.path.stem().string());
+    read_phase_functions();
+    if (const auto cloud = root_.find_table("cloud")) read_cloud(*cloud);
+    for (const ConfigReader& layer : root_.tables("layer")) read_layer(layer);
+    if (const auto domain = root_.find_table("domain")) read_domain(*domain);
+    if (const auto sun = root_.find_table("sun")) read_sun(*sun);
+    if (const auto sky = root_.find_table("sky")) {
+      sky->check_keys({"radiance_w_m2_sr"});
+      scene_.sky_radiance = sky->find_number("radiance_w_m2_sr", kNotNegative).value_or(0);
+    }
+    if (const auto surface = root_.find_table("surface")) read_surface(*surface);
+    if (const auto solver = root_.find_table("solver")) read_solver(*solver);
+    if (const auto output = root_.find_table("output")) read_output(*output);
+    check_whole();
+    return std::move(scene_);
+  }
+
+ private:
+  struct DefinedPhaseFunction {
+    PhaseFunction function;
+    bool measured = false;
+  };
+
+  std::filesystem::path relative_to_scene(const std::string& file) const {
+    return scene_.path.parent_path() / std::filesystem::path(file);
+  }
+
+  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key) const {
+    const std::filesystem::path file = relative_to_scene(reader.text(key));
+    std::error_code error;
+    const auto status = std::filesystem::status(file, error);
+    if (!std::filesystem::exists(status)) reader.fail(key, "no such file", file.string(), "a file that is there");
+    if (std::filesystem::is_directory(status)) reader.fail(key, "a directory", file.string(), "a file");
+    return file;
+  }
+
+  void remember(const ConfigReader& reader, const std::string& key) {
+    scene_.place[reader.full_name(key)] = reader.place_of(key);
+  }
+
+  // Lines of two numbers; "#" begins a comment.
+  static std::vector<std::pair<double, double>> read_pairs(const std::filesystem::path& file) {
+    constexpr std::uintmax_t max_bytes = 64u << 20;
+    std::error_code error;
+    if (std::filesystem::file_size(file, error) > max_bytes) {
+      throw InputError(fmt::format("{}: too large (allowed at most {} MB)", file.string(), max_bytes >> 20));
+    }
+    std::ifstream stream(file);
+    if (!stream) throw InputError(fmt::format("{}: cannot be opened", file.string()));
+    std::vector<std::pair<double, double>> pairs;
+    std::string line;
+    for (int number = 1; std::getline(stream, line); ++number) {
+      const std::string content = line.substr(0, line.find('#'));
+      if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
+      std::istringstream words(content);
+      std::pair<double, double> pair;
+      std::string rest;
+      if (!(words >> pair.first >> pair.second) || words >> rest || !std::isfinite(pair.first) ||
+          !std::isfinite(pair.second)) {
+        throw InputError(fmt::format("{}:{}: not two numbers (found '{}', allowed two numbers and a # comment)",
+                                     file.string(), number, line.substr(0, 80)));
+      }
+      pairs.push_back(pair);
+    }
+    return pairs;
+  }
+
+  static std::vector<double> read_moments(const std::filesystem::path& file) {
+    std::vector<double> moments;
+    for (const auto& [l, chi] : read_pairs(file)) {
+      if (l != static_cast<double>(moments.size())) {
+        throw InputError(
+            fmt::format("{}: moments out of order (found l = {}, allowed l = {}: 0, 1, 2, ... on lines \"l chi_l\")",
+                        file.string(), l, moments.size()));
+      }
+      moments.push_back(chi);
+    }
+    return moments;
+  }
+
+  void read_phase_functions() {
+    defined_.emplace("isotropic", DefinedPhaseFunction{PhaseFunction::isotropic()});
+    defined_.emplace("rayleigh", DefinedPhaseFunction{PhaseFunction::rayleigh()});
+    const auto table = root_.find_table("phase_function");
+    if (!table) return;
+    for (const std::string& name : root_.find("phase_function")->keys) {
+      const ConfigReader reader = *table->find_table(name);
+      if (defined_.count(name) != 0) table->fail(name, "already defined", name, "a name that is not built in");
+      defined_.emplace(name, read_phase_function(reader));
+    }
+  }
+
+  DefinedPhaseFunction read_phase_function(const ConfigReader& reader) const {
+    const std::string type = reader.text("type");
+    if (type == "isotropic" || type == "rayleigh") {
+      reader.check_keys({"type"});
+      return {type == "isotropic" ? PhaseFunction::isotropic() : PhaseFunction::rayleigh()};
+    }
+    if (type == "henyey-greenstein") {
+      reader.check_keys({"type", "asymmetry_parameter"});
+      return {PhaseFunction::henyey_greenstein(reader.number("asymmetry_parameter", kAsymmetry))};
+    }
+    if (type == "double-henyey-greenstein") {
+      reader.check_keys({"type", "forward_asymmetry_parameter", "backward_asymmetry_parameter", "forward_weight"});
+      return {PhaseFunction::double_henyey_greenstein(reader.number("forward_asymmetry_parameter", kAsymmetry),
+                                                      reader.number("backward_asymmetry_parameter", kAsymmetry),
+                                                      reader.number("forward_weight", kFraction))};
+    }
+    if (type == "legendre") return read_legendre(reader);
+    if (type == "table") return read_table(reader);
+    if (type == "mie" || type == "set") {
+      throw InputError(fmt::format("{}: {}: \"{}\" is not available in this version", reader.place_of("type"),
+                                   reader.full_name("type"), type));
+    }
+    reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
+                "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table");
+  }
+
+  DefinedPhaseFunction read_legendre(const ConfigReader& reader) const {
+    reader.check_keys({"type", "moments", "file"});
+    if (reader.has("moments") == reader.has("file")) {
+      reader.fail(reader.has("file") ? "file" : "moments", "moments = [...] and file exclude each other",
+                  reader.has("file") ? "both" : "neither", "one of the two");
+    }
+    std::optional<PhaseFunction> function;
+    if (reader.has("file")) {
+      const auto file = existing_file(reader, "file");
+      reader.with_place("file", [&] { function = PhaseFunction::legendre(read_moments(file)); });
+    } else {
+      const auto moments = *reader.find_numbers("moments", {"chi_0 = 1, then -1 to 1", -1, 1});
+      reader.with_place("moments", [&] { function = PhaseFunction::legendre(moments); });
+    }
+    return {*function, true};
+  }
+
+  DefinedPhaseFunction read_table(const ConfigReader& reader) const {
+    reader.check_keys({"type", "file"});
+    const auto file = existing_file(reader, "file");
+    std::optional<PhaseFunction> function;
+    reader.with_place("file", [&] {
+      std::vector<double> angle;
+      std::vector<double> value;
+      for (const auto& [a, v] : read_pairs(file)) {
+        angle.push_back(a);
+        value.push_back(v);
+      }
+      function = PhaseFunction::table(angle, value);
+    });
+    return {*function, true};
+  }
+
+  int use_phase_function(const ConfigReader& reader) {
+    const std::string name = reader.text("phase_function");
+    const auto used = std::find_if(scene_.phase_functions.begin(), scene_.phase_functions.end(),
+                                   [&name](const ScenePhaseFunction& phase) { return phase.name == name; });
+    if (used != scene_.phase_functions.end()) return static_cast<int>(used - scene_.phase_functions.begin());
+    const auto defined = defined_.find(name);
+    if (defined == defined_.end()) {
+      std::string names;
+      for (const auto& [known, function] : defined_) names += (names.empty() ? "" : ", ") + known;
+      reader.fail("phase_function", "no phase function of this name", fmt::format("\"{}\"", name),
+                  names + ", or any other with its own [phase_function.NAME]");
+    }
+    scene_.phase_functions.push_back({name, defined->second.function, defined->second.measured});
+    return static_cast<int>(scene_.phase_functions.size()) - 1;
+  }
+
+  void read_cloud(const ConfigReader& reader) {
+    reader.check_keys({"file", "grid", "quantity", "scale", "voxel_size_m", "up_axis", "effective_radius_um",
+                       "effective_radius_grid", "single_scattering_albedo", "single_scattering_albedo_grid",
+                       "phase_function"});
+    SceneCloud cloud;
+    cloud.file = existing_file(reader, "file");
+    if (reader.has("grid")) cloud.read.grid = reader.text("grid");
+    cloud.quantity = reader.find_choice("quantity", {"extinction", "liquid_water_content"}).value_or("");
+    cloud.read.scale = reader.find_number("scale", kPositive).value_or(1);
+    cloud.read.up_axis = reader.find_choice("up_axis", {"x", "y", "z"}).value_or("z");
+    if (const ConfigNode* size = reader.find("voxel_size_m");
+        size != nullptr && size->kind == ConfigNode::Kind::array) {
+      cloud.read.voxel_size_m = reader.find_triple("voxel_size_m", kPositive);
+    } else if (const auto edge = reader.find_number("voxel_size_m", kPositive)) {
+      cloud.read.voxel_size_m = {*edge, *edge, *edge};
+    }
+    cloud.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
+    if (reader.has("effective_radius_grid")) {
+      if (cloud.effective_radius_um) {
+        reader.fail("effective_radius_grid", "excludes effective_radius_um", "both", "one of the two");
+      }
+      cloud.effective_radius_grid = reader.text("effective_radius_grid");
+    }
+    if (reader.has("single_scattering_albedo_grid")) {
+      if (reader.has("single_scattering_albedo")) {
+        reader.fail("single_scattering_albedo_grid", "excludes single_scattering_albedo", "both", "one of the two");
+      }
+      cloud.single_scattering_albedo_grid = reader.text("single_scattering_albedo_grid");
+    } else {
+      cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+    }
+    cloud.phase_function = use_phase_function(reader);
+    for (const char* key : {"file", "quantity", "effective_radius_um"}) remember(reader, key);
+    scene_.cloud = std::move(cloud);
+  }
+
+  void read_layer(const ConfigReader& reader) {
+    reader.check_keys({"name", "bottom_m", "top_m", "optical_depth", "single_scattering_albedo", "phase_function"});
+    reader.find_text("name");
+    Layer layer;
+    layer.bottom_m = reader.number("bottom_m", kFinite);
+    layer.top_m = reader.number("top_m", kFinite);
+    if (layer.top_m <= layer.bottom_m) {
+      reader.fail("top_m", "not above bottom_m", fmt::format("{}", layer.top_m), fmt::format("> {}", layer.bottom_m));
+    }
+    layer.optical_depth = reader.number("optical_depth", kNotNegative);
+    layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+    layer.phase_function = use_phase_function(reader);
+    for (const char* key : {"bottom_m", "top_m"}) remember(reader, key);
+    scene_.layers.push_back(layer);
+  }
+
+  void read_domain(const ConfigReader& reader) {
+    reader.check_keys({"boundary", "min_m", "max_m", "vertical_cells"});
+    SceneDomain& domain = scene_.domain;
+    domain.periodic = reader.find_choice("boundary", {"periodic", "open"}).value_or("periodic") == "periodic";
+    domain.min_m = reader.find_triple("min_m", kFinite);
+    domain.max_m = reader.find_triple("max_m", kFinite);
+    if (domain.min_m && domain.max_m) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((*domain.max_m)[axis] <= (*domain.min_m)[axis]) {
+          reader.fail("max_m", fmt::format("not above min_m in {}", "xyz"[axis]),
+                      fmt::format("{}", (*domain.max_m)[axis]), fmt::format("> {}", (*domain.min_m)[axis]));
+        }
+      }
+    }
+    domain.vertical_cells = reader.find_integer("vertical_cells", 1, kMaxVerticalCells).value_or(0);
+    if (domain.vertical_cells > 0 && scene_.cloud) {
+      reader.fail("vertical_cells", "only for scenes without [cloud]", std::to_string(domain.vertical_cells),
+                  "no such key: the cloud's voxels give the levels");
+    }
+    for (const char* key : {"min_m", "max_m"}) remember(reader, key);
+  }
+
+  void read_sun(const ConfigReader& reader) {
+    reader.check_keys({"zenith_deg", "azimuth_deg", "bearing_deg", "irradiance_w_m2"});
+    SceneSun sun;
+    sun.zenith_deg = reader.number("zenith_deg", kZenith);
+    const auto azimuth = reader.find_number("azimuth_deg", kFinite);
+    const auto bearing = reader.find_number("bearing_deg", kFinite);
+    if (azimuth && bearing) reader.fail("bearing_deg", "excludes azimuth_deg", "both", "one of the two");
+    if (!azimuth && !bearing) {
+      reader.fail("azimuth_deg", "missing", "neither azimuth_deg nor bearing_deg",
+                  "one of the two: azimuth_deg counter-clockwise from +x, or bearing_deg clockwise from +y");
+    }
+    sun.azimuth_deg = azimuth ? *azimuth : 90 - *bearing;
+    sun.irradiance_w_m2 = reader.find_number("irradiance_w_m2", kNotNegative).value_or(1);
+    if (sun.irradiance_w_m2 > 0) scene_.sun = sun;
+  }
+
+  void read_surface(const ConfigReader& reader) {
+    const auto type = reader.find_text("type");
+    if (type == "rpv" || type == "ross-li" || type == "cox-munk") {
+      throw InputError(fmt::format("{}: {}: \"{}\" is not available in this version", reader.place_of("type"),
+                                   reader.full_name("type"), *type));
+    }
+    reader.find_choice("type", {"lambertian"});
+    reader.check_keys({"type", "albedo"}, {"slope_deg", "aspect_deg", "albedo_map"});
+    scene_.surface_albedo = reader.find_number("albedo", kFraction).value_or(0);
+  }
+
+  void read_solver(const ConfigReader& reader) {
+    reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
+                       "beam_rays", "tolerance", "max_sweeps"});
+    SceneSolver& solver = scene_.solver;
+    const std::string mode = reader.find_choice("mode", {"auto", "3d", "independent-columns"}).value_or("auto");
+    if (mode == "3d") solver.mode = SolveMode::three_dimensional;
+    if (mode == "independent-columns") solver.mode = SolveMode::independent_columns;
+    solver.accuracy = reader.find_choice("accuracy", accuracy_names()).value_or("balanced");
+    solver.control_points = reader.find_integer("control_points", 12, 642);
+    if (solver.control_points) {
+      reader.with_place("control_points", [&] { ControlPoints{*solver.control_points}; });
+    }
+    solver.directions = reader.find_text("directions");
+    if (solver.directions) reader.with_place("directions", [&] { make_ordinate_set(*solver.directions); });
+    solver.delta_m_order = reader.find_integer("delta_m_order", 1, 64);
+    if (const auto fit = reader.find_choice("fit", {"linear-programming", "least-squares", "collocation"})) {
+      solver.fit = *fit == "linear-programming" ? FitMethod::linear_programming
+                   : *fit == "least-squares"    ? FitMethod::least_squares
+                                                : FitMethod::collocation;
+    }
+    solver.gather_directions = reader.find_integer("gather_directions", 0, 1000000);
+    solver.beam_rays = reader.find_integer("beam_rays", 1, 1024);
+    if (solver.beam_rays) {
+      const int side = static_cast<int>(std::lround(std::sqrt(*solver.beam_rays)));
+      if (side * side != *solver.beam_rays) {
+        reader.fail("beam_rays", "not a square number", std::to_string(*solver.beam_rays), "1, 4, 9, 16, ..., 1024");
+      }
+    }
+    solver.tolerance = reader.find_number("tolerance", kTolerance);
+    solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);
+  }
+
+  void read_output(const ConfigReader& reader) {
+    reader.check_keys({"flux_levels", "file", "fields"});
+    SceneOutput& output = scene_.output;
+    if (reader.has("file")) output.file = relative_to_scene(reader.text("file"));
+    if (const ConfigNode* levels = reader.find("flux_levels"); levels != nullptr) {
+      if (levels->kind == ConfigNode::Kind::array) {
+        output.flux_levels = FluxLevels::listed;
+        output.heights_m = *reader.find_numbers("flux_levels", kFinite);
+        if (output.heights_m.empty())
+          reader.fail("flux_levels", "empty", "[]", "all, boundaries, or heights in metres");
+        std::sort(output.heights_m.begin(), output.heights_m.end());
+      } else {
+        const auto name = reader.find_text("flux_levels");
+        if (name != "all" && name != "boundaries") {
+          reader.fail("flux_levels", "not one of the choices", describe(*levels),
+                      "all, boundaries, or a list of heights in metres");
+        }
+        if (name == "boundaries") output.flux_levels = FluxLevels::boundaries;
+      }
+    }
+    if (const auto fields = reader.find_texts("fields")) {
+      output.absorption = false;
+      for (const std::string& field : *fields) {
+        if (field == "absorption") {
+          output.absorption = true;
+        } else if (field == "actinic") {
+          output.actinic = true;
+        } else if (field == "radiance_field") {
+          output.radiance_field = true;
+        } else if (field != "fluxes") {
+          reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", field),
+                      "fluxes, absorption, actinic, radiance_field");
+        }
+      }
+    }
+    remember(reader, "flux_levels");
+  }
+
+  void check_whole() const {
+    if (!scene_.cloud && scene_.layers.empty()) {
+      throw InputError(
+          fmt::format("{}: nothing that light could meet (found neither [cloud] nor [[layer]], allowed one or both)",
+                      scene_.path.string()));
+    }
+    if (!scene_.sun && scene_.sky_radiance <= 0) {
+      throw InputError(fmt::format("{}: no light (found neither [sun] nor [sky] that shines, allowed one or both)",
+                                   scene_.path.string()));
+    }
+  }
+
+  ConfigReader root_;
+  Scene scene_;
+  std::map<std::string, DefinedPhaseFunction> defined_;
+};
+
+}  // namespace
+
+std::string Scene::where(const std::string& key) const {
+  const auto known = place.find(key);
+  return fmt::format("{}: {}", known == place.end() ? path.string() : known->second, key);
+}
+
+Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  return SceneReader(read_config(path, overrides), path).read();
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,151 @@
+// From scene to problem. Truth: hand-counted grids, the formulas of the scene format.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cloudbow/app/accuracy.hpp"
+#include "cloudbow/app/assemble.hpp"
+#include "cloudbow/core/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace cloudbow {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
+
+/// 4 x 3 x 2 cells of 25 m from the origin; one voxel (1, 1, 1) of 0.02.
+class AssembleTest : public testing::Test {
+ protected:
+  AssembleTest() {
+    std::vector<float> dense(24, 0.0f);
+    dense[(1 * 3 + 1) * 4 + 1] = 0.02f;
+    write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 25}, {0, 0, 0}, dense, "extinction"));
+  }
+
+  AssembledScene assembled(const std::string& more, const std::string& cloud = "single_scattering_albedo = 0.9") {
+    const std::string text = "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\n" + cloud +
+                             "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" + more;
+    return assemble(read_scene(folder_.write("scene.toml", text)), kMemory);
+  }
+  std::string message(const std::string& more, const std::string& cloud = "single_scattering_albedo = 0.9") {
+    try {
+      assembled(more, cloud);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST(SunTravel, OppositeToWhereTheSunStands) {
+  const double s = std::sin(std::acos(-1.0) / 3);  // 60 degrees
+  EXPECT_NEAR((sun_travel({60, 0, 1}) - Direction(-s, 0, -0.5)).norm(), 0, 1e-15);
+  EXPECT_NEAR((sun_travel({60, 90, 1}) - Direction(0, -s, -0.5)).norm(), 0, 1e-15);
+  EXPECT_EQ(sun_travel({0, 123, 1}).z(), -1);
+}
+
+TEST_F(AssembleTest, GridIsTheFilesDomain) {
+  const AssembledScene scene = assembled("");
+  const BoxGrid& box = scene.problem.grid.box;
+  EXPECT_EQ(box.nx, 4);
+  EXPECT_EQ(box.ny, 3);
+  EXPECT_EQ(box.z_edge_m, (std::vector<double>{0, 25, 50}));
+  ASSERT_EQ(scene.problem.grid.active_cells(), 1u);
+  EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.018f);
+  EXPECT_FLOAT_EQ(scene.problem.grid.absorption[0], 0.002f);
+  EXPECT_FALSE(scene.options.double_precision);
+}
+
+TEST_F(AssembleTest, DomainGivenByTheScene) {
+  const AssembledScene scene =
+      assembled("[domain]\nboundary = \"open\"\nmin_m = [-50, 25, -25]\nmax_m = [75, 100.001, 100]\n");
+  const BoxGrid& box = scene.problem.grid.box;
+  EXPECT_EQ(box.nx, 5);
+  EXPECT_EQ(box.ny, 3);
+  EXPECT_EQ(box.x_min_m, -50);
+  EXPECT_EQ(box.z_edge_m, (std::vector<double>{-25, 25, 50, 100}));
+  EXPECT_FALSE(box.periodic);
+  EXPECT_EQ(scene.problem.grid.spans.at(0).i, 3);
+}
+
+TEST_F(AssembleTest, DomainMistakesNameTheNearestNumbers) {
+  const auto domain = [&](const std::string& corner) { return message("[domain]\n" + corner + "\n"); };
+  EXPECT_THAT(domain("max_m = [110, 75, 50]"), AllOf(HasSubstr("scene.toml:9: domain.max_m"), HasSubstr("in x"),
+                                                     HasSubstr("110"), HasSubstr("100 m or 125 m")));
+  EXPECT_THAT(domain("min_m = [0, 0, -30]"), AllOf(HasSubstr("in z"), HasSubstr("-50 m or -25 m")));
+  EXPECT_THAT(domain("min_m = [50, 0, 0]"),
+              AllOf(HasSubstr("cuts the cloud"), HasSubstr("found 50"), HasSubstr("at most 25 m")));
+  EXPECT_THAT(domain("max_m = [100, 25, 50]"), AllOf(HasSubstr("cuts the cloud in y"), HasSubstr("at least 50 m")));
+  EXPECT_THAT(domain("min_m = [100, 0, 0]"), HasSubstr("domain.min_m"));
+  EXPECT_THAT(domain("max_m = [1e12, 75, 50]"), HasSubstr("too far away"));
+}
+
+TEST_F(AssembleTest, LayersWidenTheDomain) {
+  const std::string layer =
+      "[[layer]]\nbottom_m = -10\ntop_m = 333\noptical_depth = 0.01\nsingle_scattering_albedo = 1\nphase_function = "
+      "\"rayleigh\"\n";
+  EXPECT_EQ(assembled(layer).problem.grid.box.z_edge_m, (std::vector<double>{-10, 25, 50, 333}));
+  EXPECT_THAT(message(layer + "[domain]\nmax_m = [100, 75, 50]\n"),
+              AllOf(HasSubstr("scene.toml:10: layer.0.top_m"), HasSubstr("found 333"), HasSubstr("50")));
+  // A layer's edge is a corner as good as a voxel face.
+  EXPECT_EQ(assembled(layer + "[domain]\nmax_m = [100, 75, 333]\n").problem.grid.box.z_edge_m.back(), 333);
+}
+
+TEST_F(AssembleTest, DropletsFromLiquidWater) {
+  // 3 LWC / (2 rho_w r_e): 0.02 g/m3 of 10 um droplets extinguish 0.003 1/m.
+  const AssembledScene scene =
+      assembled("", "quantity = \"liquid_water_content\"\neffective_radius_um = 10\nsingle_scattering_albedo = 1");
+  EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.003f);
+  EXPECT_THAT(message("", "quantity = \"liquid_water_content\"\nsingle_scattering_albedo = 1"),
+              AllOf(HasSubstr("effective_radius_um"), HasSubstr("missing")));
+}
+
+TEST_F(AssembleTest, QuantityMustBeSaid) {
+  std::vector<float> dense{1.0f};
+  write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({1, 1, 1}, {25, 25, 25}, {0, 0, 0}, dense, ""));
+  EXPECT_THAT(message(""), AllOf(HasSubstr("cloud.quantity"), HasSubstr("extinction, liquid_water_content")));
+  EXPECT_TRUE(assembled("", "quantity = \"extinction\"\nsingle_scattering_albedo = 1").options.double_precision);
+}
+
+TEST_F(AssembleTest, FluxLevelsAtHeights) {
+  const AssembledScene scene = assembled("[output]\nflux_levels = [10.0, 25.0, 50.0]\n");
+  EXPECT_EQ(scene.problem.grid.box.z_edge_m, (std::vector<double>{0, 10, 25, 50}));
+  EXPECT_EQ(scene.options.listed_levels, (std::vector<int>{1, 2, 3}));
+  EXPECT_THAT(message("[output]\nflux_levels = [60.0]\n"),
+              AllOf(HasSubstr("scene.toml:9: output.flux_levels"), HasSubstr("found 60"), HasSubstr("0 m to 50 m")));
+}
+
+TEST_F(AssembleTest, TooLargeForMemoryIsToldBefore) {
+  EXPECT_THAT(message("[domain]\nmax_m = [2500000, 2500000, 50]\n[[layer]]\nbottom_m = 0\ntop_m = 50\noptical_depth = "
+                      "1\nsingle_scattering_albedo = 1\nphase_function = \"rayleigh\"\n"),
+              HasSubstr("memory"));
+}
+
+TEST_F(AssembleTest, SettingsOverrideTheLadder) {
+  const SolverOptions options =
+      assembled("[solver]\naccuracy = \"draft\"\ndelta_m_order = 7\ntolerance = 0.01\nmode = \"independent-columns\"\n")
+          .options;
+  EXPECT_EQ(options.control_points, 42);
+  EXPECT_EQ(options.fit.delta_m_order, 7);
+  EXPECT_EQ(options.fit.beam_delta_m_order, 9);  // stays as far above as in the ladder
+  EXPECT_EQ(options.tolerance, 0.01);
+  EXPECT_TRUE(options.independent_columns);
+}
+
+TEST(Accuracy, ColumnsAreSolvedInDoubleAndFineOnesWithTheirOwnDirections) {
+  EXPECT_TRUE(accuracy_options("balanced", true, false).double_precision);
+  EXPECT_EQ(accuracy_options("balanced", true, false).directions,
+            accuracy_options("balanced", false, false).directions);
+  EXPECT_EQ(accuracy_options("fine", false, false).directions, "double-gauss-10x16");
+  EXPECT_EQ(accuracy_options("fine", true, false).directions, "reduced-double-gauss-12x20");
+  EXPECT_EQ(accuracy_options("fine", true, true).fit.beam_delta_m_order, 14);
+}
+
+}  // namespace
+}  // namespace cloudbow

@@ -1,0 +1,205 @@
+// The command line from arguments to exit code. Truth: the exit codes promised (0 done, 2 wrong input, 3 not
+// converged).
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <thread>
+
+#include "cloudbow/app/command_line.hpp"
+#include "temporary_folder.hpp"
+
+namespace cloudbow {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string kSlab = R"([[layer]]
+bottom_m = 0
+top_m = 100
+optical_depth = 1
+single_scattering_albedo = 0.9
+phase_function = "rayleigh"
+[sun]
+zenith_deg = 60
+azimuth_deg = 0
+[solver]
+accuracy = "draft"
+)";
+
+struct Outcome {
+  int exit_code;
+  std::string output;
+  std::string errors;
+};
+
+Outcome cloudbow(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "cloudbow");
+  std::vector<const char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
+  std::fflush(stdout);
+  return {exit_code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
+}
+
+TEST(CommandLine, HelpAndVersion) {
+  EXPECT_THAT(cloudbow({"--help"}).output, AllOf(HasSubstr("run"), HasSubstr("cloud"), HasSubstr("render")));
+  EXPECT_THAT(cloudbow({"run", "--help"}).output,
+              AllOf(HasSubstr("--set"), HasSubstr("--dry-run"), HasSubstr("--threads")));
+  EXPECT_THAT(cloudbow({"cloud", "make", "--help"}).output, AllOf(HasSubstr("--cells"), HasSubstr("stratocumulus")));
+  const Outcome version = cloudbow({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.output,
+              AllOf(HasSubstr("cloudbow 0."), HasSubstr("OpenVDB 1"), HasSubstr("HDF5 1."), HasSubstr("Eigen 3.")));
+}
+
+TEST(CommandLine, UsageErrors) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {},
+           {"fly"},
+           {"run"},
+           {"run", "--fast", "scene.toml"},
+           {"run", "scene.toml", "--threads", "0"},
+           {"run", "scene.toml", "--threads", "two"},
+           {"cloud"},
+           {"cloud", "make", "slab", "--cells", "4", "4", "--voxel-size-m", "1", "1", "1", "-o", "x.vdb"},
+           {"cloud", "make", "slab", "--cells", "4", "4", "-4", "--voxel-size-m", "1", "1", "1", "-o", "x.vdb"},
+           {"cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "1", "nan", "1", "-o", "x.vdb"},
+           {"cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "1", "1", "1", "--seed", "-1", "-o",
+            "x.vdb"},
+           {"cloud", "make", "cirrus", "--cells", "4", "4", "4", "--voxel-size-m", "1", "1", "1", "-o", "x.vdb"},
+           {"render"},
+           {"mie", "--wavelength-um", "1"},
+       }) {
+    const Outcome outcome = cloudbow(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+    EXPECT_EQ(outcome.output, "");
+  }
+}
+
+TEST(CommandLine, RunsASlab) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("slab.toml", kSlab);
+  const auto result = folder / "result.h5";
+  const Outcome outcome = cloudbow({"run", scene, "-o", result, "--threads", "1"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_TRUE(std::filesystem::exists(result));
+  EXPECT_THAT(outcome.errors, HasSubstr("sweep"));
+  const Outcome quiet = cloudbow({"run", scene, "-o", result, "--quiet", "--set", "sun.zenith_deg=10"});
+  EXPECT_EQ(quiet.exit_code, 0);
+  EXPECT_EQ(quiet.output + quiet.errors, "");
+}
+
+TEST(CommandLine, DryRunWritesNothing) {
+  const TemporaryFolder folder;
+  const Outcome outcome = cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--dry-run"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("memory"), HasSubstr("time")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "result.h5"));
+}
+
+TEST(CommandLine, NotConvergedIsThreeAndStillWritten) {
+  const TemporaryFolder folder;
+  const Outcome outcome = cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--quiet",
+                                    "--set", "solver.max_sweeps=1", "--set", "layer.0.optical_depth=50"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.errors, HasSubstr("not converged"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "result.h5"));
+}
+
+TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("slab.toml", kSlab);
+  const auto result = folder / "result.h5";
+  for (const std::string wrong :
+       {"sun.zenith_deg=95", "sun.zenith=1", "surface.albedo=1.2", "layer.0.single_scattering_albedo=1.01",
+        "sun.zenith_deg=nan", "sun.bearing_deg=3", "solver.max_sweeps=0"}) {
+    const Outcome outcome = cloudbow({"run", scene, "-o", result, "--set", wrong});
+    EXPECT_EQ(outcome.exit_code, 2) << wrong;
+    EXPECT_THAT(outcome.errors, HasSubstr(wrong.substr(0, wrong.find('='))));
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  }
+  EXPECT_EQ(cloudbow({"run", folder / "none.toml", "-o", result}).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(result));
+  EXPECT_EQ(cloudbow({"run", scene, "-o", folder / "nowhere/result.h5"}).exit_code, 2);
+  const Outcome itself = cloudbow({"run", scene, "-o", scene});
+  EXPECT_EQ(itself.exit_code, 2);
+  EXPECT_THAT(itself.errors, HasSubstr("overwrite"));
+}
+
+TEST(CommandLine, MakesAndDescribesAndSolvesACloud) {
+  const TemporaryFolder folder;
+  const auto cloud = folder / "sphere.vdb";
+  ASSERT_EQ(
+      cloudbow({"cloud", "make", "sphere", "--cells", "6", "6", "6", "--voxel-size-m", "50", "50", "50", "-o", cloud})
+          .exit_code,
+      0);
+  EXPECT_THAT(cloudbow({"cloud", "info", cloud}).output, HasSubstr("density"));
+  EXPECT_EQ(cloudbow({"cloud", "info", folder / "none.vdb"}).exit_code, 2);
+  const auto scene =
+      folder.write("scene.toml",
+                   "[cloud]\nfile = \"sphere.vdb\"\nsingle_scattering_albedo = 1\nphase_function = "
+                   "\"isotropic\"\n[sun]\nzenith_deg = 0\nazimuth_deg = 0\n[solver]\naccuracy = \"draft\"\n");
+  EXPECT_EQ(cloudbow({"run", scene, "-o", folder / "result.h5", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(cloudbow({"render", folder / "result.h5", "-o", folder / "picture.png"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "picture.png"));
+  EXPECT_EQ(cloudbow({"render", folder / "result.h5", "-o", folder / "other.png", "--variable", "nothing"}).exit_code,
+            2);
+}
+
+class Signals : public testing::TestWithParam<int> {};
+
+TEST_P(Signals, EndARunBetweenSweepsAndLeaveNothing) {
+  const TemporaryFolder folder;
+  // Thick and conservative with a tolerance that takes many sweeps: still busy when the signal comes.
+  const std::string scene = folder.write("slab.toml", kSlab);
+  const std::string result = folder / "result.h5";
+  const std::string log = folder / "log";
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const int file = open(log.c_str(), O_WRONLY | O_CREAT, 0600);
+    dup2(file, STDERR_FILENO);
+    const std::vector<const char*> argv{"cloudbow",
+                                        "run",
+                                        scene.c_str(),
+                                        "-o",
+                                        result.c_str(),
+                                        "--threads",
+                                        "1",
+                                        "--set",
+                                        "layer.0.optical_depth=2000",
+                                        "--set",
+                                        "layer.0.single_scattering_albedo=1",
+                                        "--set",
+                                        "solver.accuracy=fine",
+                                        "--set",
+                                        "solver.tolerance=1e-8",
+                                        "--set",
+                                        "domain.vertical_cells=20000"};
+    std::_Exit(run_command_line(static_cast<int>(argv.size()), argv.data()));
+  }
+  // The first line of the log says that the solve has begun.
+  for (int n = 0; n < 1000 && (!std::filesystem::exists(log) || std::filesystem::file_size(log) == 0); ++n) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(child, GetParam());
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 128 + GetParam());
+  std::filesystem::remove(log);
+  EXPECT_FALSE(std::filesystem::exists(result));
+}
+
+INSTANTIATE_TEST_SUITE_P(CommandLine, Signals, testing::Values(SIGINT, SIGTERM));
+
+}  // namespace
+}  // namespace cloudbow
