@@ -113,6 +113,8 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       };
       if (low != no_cell) distance += centre_distance(-1);
       if (high != no_cell) distance += centre_distance(+1);
+      // A cloud's side is lit or dark as a whole; extrapolating the gradient behind it overshoots. Top and base keep a one-sided slope.
+      if (axis < 2 && (low == no_cell || high == no_cell)) distance = 0;
       cells.low[axis][c] = low == no_cell ? static_cast<std::uint32_t>(c) : low;
       cells.high[axis][c] = high == no_cell ? static_cast<std::uint32_t>(c) : high;
       cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);

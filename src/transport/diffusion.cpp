@@ -6,6 +6,9 @@
 
 namespace cloudbow {
 
+// Below this many cells a parallel loop costs more than it saves.
+constexpr std::size_t worth_threads = 20000;
+
 // One grid of the multigrid: couplings to the next cell along each axis (periodic neighbour included) and the diagonal.
 struct DiffusionOperator::Level {
   int nx = 1, ny = 1, nz = 1;
@@ -37,7 +40,7 @@ struct DiffusionOperator::Level {
   }
 
   void apply(std::span<const double> x, std::span<double> y) const {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (size() > worth_threads)
     for (int k = 0; k < nz; ++k) {
       for (int j = 0; j < ny; ++j) {
         for (int i = 0; i < nx; ++i) {
@@ -59,7 +62,7 @@ struct DiffusionOperator::Level {
     for (int half = 0; half < 2; ++half) {
       const int colour = reversed ? 1 - half : half;
       // Odd periodic sizes put two columns of one colour side by side at the seam; there the order of rows matters, so it stays serial.
-      const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0);
+      const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0) && size() > worth_threads;
 #pragma omp parallel if (independent)
       {
         std::vector<double> upper(nz), value(nz);

@@ -522,7 +522,10 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
 }  // namespace
 
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
-  if (options.threads > 0) omp_set_num_threads(options.threads);
+  const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
+  // A column or two is solved sooner than threads are woken; the bits are the same.
+  constexpr std::size_t worth_threads = 2000;
+  omp_set_num_threads(problem.grid.active_cells() < worth_threads ? 1 : threads);
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
   if (options.actinic && problem.grid.active_cells() < cells) {
     Problem full = problem;

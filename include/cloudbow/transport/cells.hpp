@@ -38,8 +38,8 @@ struct Cells {
   ActiveRows rows;
   std::vector<Real> extinction;                  ///< [n] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   std::vector<std::vector<Real>> scattered;      ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
-  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a neighbour is missing, the
-  /// cell itself stands in and the difference is one-sided.
+  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a neighbour is missing above or
+  /// below, the cell itself stands in and the difference is one-sided; beside, the slope is zero.
   std::array<std::vector<std::uint32_t>, 3> low;
   std::array<std::vector<std::uint32_t>, 3> high;
   std::array<std::vector<Real>, 3> scale;
