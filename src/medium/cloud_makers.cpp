@@ -1,7 +1,6 @@
 #include "cloudbow/medium/cloud_makers.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +27,9 @@ bool is_random(const std::string& kind) { return kind == "cumulus" || kind == "s
 void check(const CloudMakerOptions& options) {
   const auto& kinds = cloud_maker_kinds();
   if (std::find(kinds.begin(), kinds.end(), options.kind) == kinds.end()) {
-    throw InputError(
-        fmt::format("cloud make: unknown kind (\"{}\" found, {} are allowed)", options.kind, fmt::join(kinds, ", ")));
+    std::string allowed;
+    for (const auto& kind : kinds) allowed += (allowed.empty() ? "" : ", ") + kind;
+    throw InputError(fmt::format("cloud make: unknown kind (\"{}\" found, {} are allowed)", options.kind, allowed));
   }
   double cells = 1;
   for (const int n : options.cells) {
@@ -62,8 +62,10 @@ void check(const CloudMakerOptions& options) {
   }
 
   const auto at_least = [&](int nx, int ny, int nz) {
-    require(options.cells[0] >= nx && options.cells[1] >= ny && options.cells[2] >= nz, "cells",
-            fmt::format("{}", fmt::join(options.cells, " x ")), fmt::format("at least {} x {} x {} for {} are", nx, ny, nz, options.kind));
+    const auto& found = options.cells;
+    require(found[0] >= nx && found[1] >= ny && found[2] >= nz, "cells",
+            fmt::format("{} x {} x {}", found[0], found[1], found[2]),
+            fmt::format("at least {} x {} x {} for {} are", nx, ny, nz, options.kind));
   };
   if (options.kind == "cumulus") at_least(16, 16, 8);
   if (options.kind == "stratocumulus") at_least(8, 1, 4);
