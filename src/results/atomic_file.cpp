@@ -76,7 +76,8 @@ void AtomicFile::commit() {
   if (const int error = sync_to_disk(temporary_, O_RDWR)) throw_unwritable(target_, system_message(error));
   if (rename(temporary_.c_str(), target_.c_str()) != 0) throw_unwritable(target_, system_message(errno));
   committed_ = true;
-  // Some network file systems can't sync a folder and say EINVAL; the file itself is safe by then.
+  // Some network file systems can't sync a folder (EINVAL), and a folder that may be written need not be readable
+  // (EACCES).
   const int error = sync_to_disk(folder_of(target_), O_RDONLY | O_DIRECTORY);
   if (error != 0 && error != EINVAL && error != EACCES) throw_unwritable(target_, system_message(error));
 }

@@ -67,9 +67,8 @@ bool is_picture(hid_t file, const char* name) {
 /// The root variables with the dimensions y, x, in the order of the file.
 std::vector<std::string> pictures(hid_t file) {
   std::vector<std::string> names;
-  const auto take = [](hid_t group, const char* name, const H5L_info_t*, void* result) -> herr_t {
+  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* result) -> herr_t {
     static_cast<std::vector<std::string>*>(result)->emplace_back(name);
-    static_cast<void>(group);
     return 0;
   };
   check(H5Literate(file, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, take, &names), "list a file");
