@@ -255,14 +255,18 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   for (const PhaseFunction& phase : problem.phase) {
     forward_fraction.push_back(delta_m(phase, assembled.options.fit.delta_m_order).forward_fraction);
   }
-  LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions::beside_cloud();
+  LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
   levels.layer_cells = scene.domain.vertical_cells;
   levels.edges_m = scene.output.heights_m;
   levels.memory_limit_bytes = memory_limit_bytes;
   // Layers without a cloud are the same everywhere: they have no sides.
   const bool periodic = scene.domain.periodic || field == nullptr;
-  problem.grid = make_optical_grid(field, cloud.optics, scene.layers, domain.min_m, domain.max_m, periodic,
-                                   static_cast<int>(problem.phase.size()), forward_fraction, levels);
+  try {
+    problem.grid = make_optical_grid(field, cloud.optics, scene.layers, domain.min_m, domain.max_m, periodic,
+                                     static_cast<int>(problem.phase.size()), forward_fraction, levels);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+  }
   for (const double height : scene.output.heights_m) {
     const int level = nearest_edge(problem.grid.box.z_edge_m, height);
     auto& listed = assembled.options.listed_levels;

@@ -58,8 +58,9 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   auto options = std::make_shared<RunOptions>();
   options->command = command;
   CLI::App* run_app = app.add_subcommand("run", "Solve a scene file and write one HDF5 file");
-  run_app->add_option("scene", options->scene, "Scene file (TOML)")->required();
-  run_app->add_option("-o,--output", options->output, "Result file (default: the scene's name with .h5, here)");
+  run_app->add_option("scene", options->scene, "Scene file (TOML)")->type_name("FILE")->required();
+  run_app->add_option("-o,--output", options->output, "Result file (default: the scene's name with .h5, here)")
+      ->type_name("FILE");
   run_app
       ->add_option(
           "--set", options->overrides,
@@ -102,7 +103,7 @@ void add_cloud_make(CLI::App& cloud_app, Action& action) {
       ->capture_default_str()
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
   make_app->add_flag("--half", options->write.half, "Store 16 bits a value: half the size");
-  make_app->add_option("-o,--output", options->output, "VDB file")->required();
+  make_app->add_option("-o,--output", options->output, "VDB file")->type_name("FILE")->required();
   make_app->callback([&action, options] {
     action = [options] {
       std::copy(options->cells.begin(), options->cells.end(), options->maker.cells.begin());
@@ -121,7 +122,7 @@ void add_cloud(CLI::App& app, Action& action) {
   auto file = std::make_shared<std::filesystem::path>();
   CLI::App* info_app =
       cloud_app->add_subcommand("info", "Grids, size, voxel size, active voxels, values, column optical depth, fill");
-  info_app->add_option("file", *file, "VDB file")->required();
+  info_app->add_option("file", *file, "VDB file")->type_name("FILE")->required();
   info_app->callback([&action, file] {
     action = [file] {
       fmt::print("{}", format_cloud_info(describe_cloud_vdb(*file)));
@@ -138,8 +139,8 @@ void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   RenderOptions& render_options = options->render;
   CLI::App* render_app = app.add_subcommand("render", "Draw a flux field of a result file");
-  render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->required();
-  render_app->add_option("-o,--output", render_options.image_file, "Picture (PNG)")->required();
+  render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->type_name("FILE")->required();
+  render_app->add_option("-o,--output", render_options.image_file, "Picture (PNG)")->type_name("FILE")->required();
   render_app->add_option("--variable", render_options.variable, "Variable to draw")->capture_default_str();
   render_app->add_option("--level", render_options.level, "top, bottom or a height in metres")->capture_default_str();
   render_app->add_option("--range", options->range, "Values of the first and the last colour (default: those there)")

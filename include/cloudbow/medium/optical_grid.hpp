@@ -85,13 +85,6 @@ struct LevelOptions {
     options.min_levels = 12;
     return options;
   }
-  /// Beside a cloud every level costs a whole plane of cells.
-  static LevelOptions beside_cloud() {
-    LevelOptions options;
-    options.edge_optical_depth = 0.1;
-    options.growth = 0.3;
-    return options;
-  }
 };
 
 /// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the

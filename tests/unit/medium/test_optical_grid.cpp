@@ -58,7 +58,7 @@ TEST(OpticalGrid, VoxelFacesJoinLayerEdgesAndEmptyPlanesStayWhole) {
   const CloudField cloud = small_cloud();
   // The layer cuts the voxels of the plane 120 to 150 m; it is thin enough not to be cut outside the cloud.
   const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, kOrigin, {40, 60, 300}, true, 2,
-                                             {0, 0}, LevelOptions::beside_cloud());
+                                             {0, 0}, LevelOptions{});
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 40, 90, 120, 130, 150, 180, 300}));
   EXPECT_EQ(grid.box.nx, 4);
   EXPECT_EQ(grid.box.ny, 3);
@@ -93,8 +93,8 @@ TEST(OpticalGrid, ColumnsKeepTheirOpticalDepth) {
   CloudOptics optics;
   optics.extinction_per_value = 2.5;
   optics.single_scattering_albedo = 0.97;
-  const OpticalGrid grid = make_optical_grid(&cloud, optics, layers, {-20, -20, 0}, {40, 60, 300}, false, 3,
-                                             {0.2, 0, 0.4}, LevelOptions::beside_cloud());
+  const OpticalGrid grid =
+      make_optical_grid(&cloud, optics, layers, {-20, -20, 0}, {40, 60, 300}, false, 3, {0.2, 0, 0.4}, LevelOptions{});
   ASSERT_EQ(grid.box.nx, 6);
   ASSERT_EQ(grid.box.ny, 4);
   const std::vector<double> depth = column_optical_depth(grid);
@@ -118,7 +118,7 @@ TEST(OpticalGrid, WeakAbsorptionKeepsItsDigits) {
   CloudOptics optics;
   optics.single_scattering_albedo = 1 - std::ldexp(1.0, -40);
   const OpticalGrid grid =
-      make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions::beside_cloud());
+      make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions{});
   ASSERT_EQ(grid.active_cells(), cloud.active_voxels());
   for (std::size_t cell = 0; cell < grid.active_cells(); ++cell) {
     // 1 - ssa is a power of two: the product is exact.
@@ -133,7 +133,7 @@ TEST(OpticalGrid, AlbedoByVoxel) {
     optics.voxel_single_scattering_albedo.push_back(voxel % 2 == 0 ? 1.0f : 0.25f);
   }
   const OpticalGrid grid =
-      make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions::beside_cloud());
+      make_optical_grid(&cloud, optics, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions{});
   for (std::size_t cell = 0; cell < grid.active_cells(); ++cell) {
     EXPECT_EQ(grid.absorption[cell], cell % 2 == 0 ? 0.0f : 0.75f * cloud.value[cell]);
     EXPECT_EQ(grid.scattering[0][cell], cell % 2 == 0 ? cloud.value[cell] : 0.25f * cloud.value[cell]);
@@ -142,8 +142,8 @@ TEST(OpticalGrid, AlbedoByVoxel) {
 
 TEST(OpticalGrid, LayersOnlyIsTheLayersAsOneColumn) {
   const CloudField cloud = small_cloud();
-  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.9, 0.5, 1}}, kOrigin, {40, 60, 300}, false, 2,
-                                             {0, 0}, LevelOptions::beside_cloud());
+  const OpticalGrid grid =
+      make_optical_grid(&cloud, {}, {{40, 130, 0.9, 0.5, 1}}, kOrigin, {40, 60, 300}, false, 2, {0, 0}, LevelOptions{});
   const OpticalGrid column = layers_only(grid);
   EXPECT_EQ(column.box.columns(), 1u);
   EXPECT_TRUE(column.box.periodic);
@@ -206,7 +206,7 @@ TEST(OpticalGrid, LevelsByHand) {
 TEST(OpticalGrid, EdgesThatCoincideBecomeOne) {
   const CloudField cloud = small_cloud();
   const OpticalGrid grid = make_optical_grid(&cloud, {}, {{90 + 1e-8, 150 - 1e-8, 0.01, 1.0, 0}}, {0, 0, 60},
-                                             {40, 60, 210}, true, 1, {0}, LevelOptions::beside_cloud());
+                                             {40, 60, 210}, true, 1, {0}, LevelOptions{});
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{60, 90, 120, 150, 180, 210}));
 }
 
