@@ -75,10 +75,9 @@ struct LevelOptions {
   double deep_growth = 0.02;
   int min_levels = 1;           ///< of each stretch of the same optics
   std::vector<double> edges_m;  ///< heights at which levels must end, beside those of cloud and layers
-  int layer_cells = 0;  ///< > 0: this many levels of equal thickness between any two layer edges, whatever the optics
-
-  std::uint64_t memory_limit_bytes =
-      std::numeric_limits<std::uint64_t>::max();  ///< of the grid, told before it is taken
+  int layer_cells = 0;          ///< > 0: this many equal levels between any two layer edges, whatever the optics
+  /// Of the grid's coefficients; exceeding it is told before memory is taken.
+  std::uint64_t memory_limit_bytes = std::numeric_limits<std::uint64_t>::max();
 
   static LevelOptions layers_only() {
     LevelOptions options;
