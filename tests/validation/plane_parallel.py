@@ -103,15 +103,20 @@ def layers_scene(case, accuracy, moments_file):
     return support.scene_text(tables), heights
 
 
-def voxel_count(tau, tau_per_voxel):
-    """A multiple of 20, so that all levels of the reference (tenths and quarters) fall on voxel faces."""
-    return 20 * min(100, max(1, math.ceil(tau / tau_per_voxel / 20)))
+def voxel_count(case, tau_per_voxel):
+    """A multiple of 20, so that all levels of the reference (tenths and quarters) fall on voxel faces.
+
+    A voxel's light is known by its mean and slope, so it must be thin for the sunlight that falls off in it: on the sun's slanted path it has at
+    most twice the optical depth asked for. (Layers are cut so by the program itself; voxels are the user's.)"""
+    if case["F0"] > 0:
+        tau_per_voxel = min(tau_per_voxel, 2 * case["mu0"] * tau_per_voxel)
+    return 20 * min(100, max(1, math.ceil(case["layers"][0]["tau"] / tau_per_voxel / 20)))
 
 
 def voxels_scene(case, accuracy, moments_file, cloudbow, folder, tau_per_voxel):
     """Scene with a uniform slab of cubic voxels, and the height of every reference level."""
     layer, = case["layers"]
-    n = voxel_count(layer["tau"], tau_per_voxel)
+    n = voxel_count(case, tau_per_voxel)
     size = SCENE_HEIGHT_M / n
     cloud = folder / f"{case['id']}.vdb"
     cloudbow.call("cloud", "make", "slab", "--cells", 4, 4, n, "--voxel-size-m", size, size, size,
@@ -163,6 +168,18 @@ def solve_case(case, options, cloudbow, folder):
             "seconds": result.cpu_seconds, **errors(case, result, heights)}
 
 
+def line(row):
+    if "failure" in row:
+        return f"{row['case']}: {row['failure']}"
+    return (f"{row['case']:48s} up {row['up']:.4f}  diffuse {row['diffuse']:.4f}  direct {row['direct']:.4f}  profile {row['profile']:.4f}  "
+            f"ledger {row['ledger']:.1e}  sweeps {row['sweeps']}  {row['seconds']:.2f} s{'' if row['converged'] else '  NOT CONVERGED'}")
+
+
+def percent(value, digits):
+    """A number for the table; a solution that ran away is not worth its digits."""
+    return f"{value:.{digits}f}" if value < 100 else "> 100"
+
+
 def report(rows, limit):
     """The table by group, and what is over the limit by name."""
     table = []
@@ -173,15 +190,18 @@ def report(rows, limit):
         cells = [f"{GROUPS[group]} ({group})" if group else "**all**", len(of_group)]
         for quantity in ("up", "diffuse", "direct", "profile"):
             values = [row[quantity] for row in of_group]
-            cells.append(f"{max(values):.3f} / {support.median(values):.4f}")
+            cells.append(f"{percent(max(values), 3)} / {percent(support.median(values), 4)}")
         table.append([*cells, f"`{worst['case']}`"])
     text = support.markdown_table(["group", "cases", "up at top", "diffuse down at bottom", "direct down at bottom", "whole profile", "worst case"],
                                   table)
     over = sorted((row for row in rows if row["profile"] > limit), key=lambda row: -row["profile"])
     if over:
-        text += f"\nOver {limit} %: " + ", ".join(f"`{row['case']}` {row['profile']:.2f}" for row in over) + ".\n"
+        text += f"\nOver {limit} %: " + ", ".join(f"`{row['case']}` {percent(row['profile'], 2)}" for row in over) + ".\n"
     else:
         text += f"\nNone is over {limit} %.\n"
+    unfinished = [row["case"] for row in rows if not row["converged"]]
+    if unfinished:
+        text += "\nNot converged: " + ", ".join(f"`{case}`" for case in unfinished) + ".\n"
     return text
 
 
@@ -212,18 +232,15 @@ def main():
     with support.Workspace(options.keep) as folder:
         def attempt(case):
             try:
-                return solve_case(case, options, cloudbow, folder)
+                row = solve_case(case, options, cloudbow, folder)
             except Failure as failure:
-                return {"case": case["id"], "failure": str(failure)}
+                row = {"case": case["id"], "failure": str(failure)}
+            print(line(row), flush=True)
+            return row
         rows = support.in_parallel(options.jobs, attempt, cases)
 
     failed = [row for row in rows if "failure" in row]
     rows = [row for row in rows if "failure" not in row]
-    for row in sorted(rows, key=lambda row: -row["profile"]):
-        print(f"{row['case']:48s} up {row['up']:.4f}  diffuse {row['diffuse']:.4f}  direct {row['direct']:.4f}  profile {row['profile']:.4f}  "
-              f"ledger {row['ledger']:.1e}  sweeps {row['sweeps']}  {row['seconds']:.2f} s{'' if row['converged'] else '  NOT CONVERGED'}")
-    for row in failed:
-        print(f"{row['case']}: {row['failure']}")
     if not rows:
         return 1
     text = report(rows, options.limit)

@@ -18,8 +18,8 @@ import support
 
 FLUXES = ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux")
 AZIMUTHS = (37.0, 180.0)
-DOMAIN_LIMIT = 0.3   # % of incident: the angular error of `balanced` (docs/accuracy.md), in both of the two solutions
-COLUMN_LIMIT = 1.5   # % RMS / mean: likewise, of the column fluxes
+DOMAIN_LIMIT = 0.03  # % of incident: ordinates and fitted moments turn with the scene, so only the fit's higher moments differ
+COLUMN_LIMIT = 1.5   # % RMS / mean: the error of column fluxes at `balanced` (docs/accuracy.md), in both of the two solutions
 
 
 def scene(cloud, sun, **solver):
@@ -134,7 +134,9 @@ def check_open_sides(driver):
         driver.check(residual <= 1e-5, f"open sides, {name}: energy residual {residual:.1e} (limit 1e-5)")
         # Through a side that faces the azimuth 0, a beam of irradiance 1 at 60 degrees from the zenith carries sin(60) W m-2; nothing is above the cloud.
         expected = math.sin(math.radians(60)) * (high - low) * width
-        driver.check(abs(power[name]["side_gain"] / expected - 1) < 1e-5, f"open sides, {name}: the beam enters through the sunlit side "
+        # The beam's rays, 4 positions across a column, come in as whole rays: the last of the tan(60) * n columns that one crosses may or may not count.
+        tolerance = 0.5 / (4 * n * math.tan(math.radians(60))) * 4
+        driver.check(abs(power[name]["side_gain"] / expected - 1) < tolerance, f"open sides, {name}: the beam enters through the sunlit side "
                      f"({power[name]['side_gain']:.0f} W, expected {expected:.0f})")
     tight, wide = power["tight"], power["wide"]
     change = wide["absorptance"] / tight["absorptance"] - 1
