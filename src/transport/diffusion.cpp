@@ -137,15 +137,14 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
   level->nz = box.nz();
   const std::size_t n = box.columns() * static_cast<std::size_t>(box.nz());
   const double depth = box.z_edge_m.back() - box.z_edge_m.front();
-  double smallest = std::min(box.nx > 1 ? box.dx_m : depth, box.ny > 1 ? box.dy_m : depth);
-  for (int k = 0; k < box.nz(); ++k) smallest = std::min(smallest, box.thickness_m(k));
   // Voids would diffuse infinitely fast and thick cells too slowly: both are bounded, or the correction makes the iteration diverge.
-  const double longest_free_path = std::max(4 * smallest, .05 * depth);
   std::vector<double> diffusivity(n);
   for (std::size_t c = 0; c < n; ++c) {
-    const double x = 1.5 * given.extinction[c] * smallest;
+    const double edge = std::min({box.nx > 1 ? box.dx_m : depth, box.ny > 1 ? box.dy_m : depth, box.thickness_m(static_cast<int>(c / box.columns()))});
+    const double longest_free_path = std::max(4 * edge, .05 * depth);
+    const double x = 1.5 * given.extinction[c] * edge;
     const double thick = x < 1e-2 ? x / 6 : 1 / std::tanh(x / 2) - 2 / x;
-    diffusivity[c] = 1 / (3 * std::max<double>(given.transport[c], 1 / longest_free_path)) + smallest / 4 * thick;
+    diffusivity[c] = 1 / (3 * std::max<double>(given.transport[c], 1 / longest_free_path)) + edge / 4 * thick;
   }
 
   level->east.assign(n, 0.);
