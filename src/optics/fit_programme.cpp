@@ -73,6 +73,7 @@ std::optional<Eigen::VectorXd> solve(const FitProgramme& programme, Simplex algo
                                   columns.row.data(), columns.start.data(), nullptr);
     ClpSimplex simplex;
     simplex.setLogLevel(0);
+    simplex.scaling(0);  // weights lie in 0 to 1 as they are: scaling them costs a third of the time or more
     simplex.loadProblem(matrix, columns.lower.data(), columns.upper.data(), columns.cost.data(), row_lower.data(),
                         row_upper.data());
     simplex.setPrimalTolerance(1e-9);
