@@ -134,8 +134,8 @@ def check_open_sides(driver):
         driver.check(residual <= 1e-5, f"open sides, {name}: energy residual {residual:.1e} (limit 1e-5)")
         # Through a side that faces the azimuth 0, a beam of irradiance 1 at 60 degrees from the zenith carries sin(60) W m-2; nothing is above the cloud.
         expected = math.sin(math.radians(60)) * (high - low) * width
-        # The beam's rays, 4 positions across a column, come in as whole rays: the last of the tan(60) * n columns that one crosses may or may not count.
-        tolerance = 0.5 / (4 * n * math.tan(math.radians(60))) * 4
+        # The beam comes in as whole rays: of the n tan(60) columns that one crosses on its way down, the last may count or not.
+        tolerance = 0.5 / (n * math.tan(math.radians(60)))
         driver.check(abs(power[name]["side_gain"] / expected - 1) < tolerance, f"open sides, {name}: the beam enters through the sunlit side "
                      f"({power[name]['side_gain']:.0f} W, expected {expected:.0f})")
     tight, wide = power["tight"], power["wide"]
