@@ -1,6 +1,7 @@
 #include "cloudbow/medium/vdb_file.hpp"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "cloudbow/core/error.hpp"
+#include "rehearsal.hpp"
 #include "row_spans.hpp"
 #include "vdb_input.hpp"
 
@@ -88,7 +90,12 @@ Placement place(const openvdb::math::Transform& transform, const VdbReadOptions&
         "to boxes along the axes",
         transform.mapType());
   }
-  const auto matrix = transform.baseMap()->getAffineMap()->getMat4();
+  openvdb::Mat4d matrix;
+  try {
+    matrix = transform.baseMap()->getAffineMap()->getMat4();
+  } catch (const openvdb::ArithmeticError&) {
+    where.fail("the transform is singular (a positive scale along the axes with a translation is allowed)");
+  }
   double largest = 0;
   for (int a = 0; a < 3; ++a) largest = std::max(largest, std::abs(matrix(a, a)));
   for (int row = 0; row < 3; ++row) {
@@ -322,10 +329,7 @@ std::string text_metadata(const openvdb::GridBase& grid, const char* name) {
   return item ? item->value() : "";
 }
 
-}  // namespace
-
-CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
-  check_options(options);
+CloudField read_cloud(const std::filesystem::path& path, const VdbReadOptions& options) {
   const Place where{path, options.grid};
   VdbInput input(path, options.grid);
   const auto& entry = input.find(options.grid);
@@ -369,9 +373,8 @@ CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOption
   return field;
 }
 
-std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
-                                      const VdbReadOptions& options, double lowest, double highest) {
-  check_options(options);
+std::vector<float> read_companion(const std::filesystem::path& path, const CloudField& cloud,
+                                  const VdbReadOptions& options, double lowest, double highest) {
   const Place where{path, options.grid};
   VdbInput input(path, options.grid);
   const auto& entry = input.find(options.grid);
@@ -420,22 +423,56 @@ std::vector<float> read_companion_vdb(const std::filesystem::path& path, const C
   return values;
 }
 
-CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
-  const VdbInput input(path, "");
-  CloudInfo info{.path = path, .bytes = input.bytes(), .grids = {}};
+/// Some damaged files make OpenVDB overflow its heap, spin or ask for all memory: the file is first parsed in a child
+/// process. OpenVDB works on one thread here and there: a child inherits no others, and would wait for them.
+template <class Read>
+auto after_rehearsal(const std::filesystem::path& path, const std::string& grid, Read read) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  rehearse(path, [&] {
+    VdbInput input(path, grid);
+    input.load(input.find(grid));
+  });
+  return read();
+}
+
+std::vector<VdbGridInfo> list_grids(const VdbInput& input) {
+  std::vector<VdbGridInfo> grids;
   for (const auto& entry : input.entries()) {
-    VdbGridInfo grid{.name = entry.name,
+    grids.push_back({.name = entry.name,
                      .type = entry.type,
                      .quantity = text_metadata(*entry.grid, "quantity"),
                      .units = text_metadata(*entry.grid, "units"),
                      .cloud = std::nullopt,
-                     .reason = {}};
+                     .reason = {}});
+  }
+  return grids;
+}
+
+}  // namespace
+
+CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
+  check_options(options);
+  return after_rehearsal(path, options.grid, [&] { return read_cloud(path, options); });
+}
+
+std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
+                                      const VdbReadOptions& options, double lowest, double highest) {
+  check_options(options);
+  return after_rehearsal(path, options.grid, [&] { return read_companion(path, cloud, options, lowest, highest); });
+}
+
+CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
+  CloudInfo info{.path = path, .bytes = 0, .grids = {}};
+  info.grids = after_rehearsal(path, "", [&] { return list_grids(VdbInput(path, "")); });
+  info.bytes = std::filesystem::file_size(path);
+  for (auto& grid : info.grids) {
     try {
-      grid.cloud = summarize(read_cloud_vdb(path, {.grid = entry.name}));
+      VdbReadOptions options;
+      options.grid = grid.name;
+      grid.cloud = summarize(read_cloud_vdb(path, options));
     } catch (const InputError& error) {
       grid.reason = error.what();
     }
-    info.grids.push_back(std::move(grid));
   }
   return info;
 }

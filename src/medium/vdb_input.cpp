@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <new>
 #include <system_error>
 
 #include "cloudbow/core/error.hpp"
@@ -28,6 +29,8 @@ void VdbInput::reading(Function function) const {
   try {
     function();
   } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::ios_base::failure&) {
     throw InputError(

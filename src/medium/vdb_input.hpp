@@ -31,7 +31,6 @@ class VdbInput : private openvdb::io::Archive {
   VdbInput(const std::filesystem::path& path, const std::string& wanted);
 
   const std::vector<Entry>& entries() const { return entries_; }
-  std::uint64_t bytes() const { return bytes_; }
 
   /// The grid of this name with its metadata and transform. @throws InputError that lists the grids there.
   const Entry& find(const std::string& name) const;

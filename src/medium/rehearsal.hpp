@@ -1,0 +1,14 @@
+// Reading a file of a stranger: first in a child process, whose death is an answer and not the end of the program.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+namespace cloudbow {
+
+/// Runs `parse` in a child process with limits on CPU time and memory that grow with the file. InputError there is
+/// ignored: the caller will meet it again. The child has no thread but one: `parse` must not wait for others.
+/// @throws InputError where the child crashes, runs out of memory or out of time.
+void rehearse(const std::filesystem::path& path, const std::function<void()>& parse);
+
+}  // namespace cloudbow
