@@ -81,6 +81,22 @@ Eigen::VectorXd corrected(const ExactRows& rows, Eigen::VectorXd x) {
   return x + size.cwiseProduct(rows.matrix.transpose() * lambda);
 }
 
+/// Solves the programme with these rows; false where there is no solution or none that stands up to checking.
+bool fit_with_rows(FittedColumn& column, FitProgramme& programme, ExactRows rows) {
+  programme.rows = std::move(rows.matrix);
+  programme.right = std::move(rows.right);
+  for (const Simplex algorithm : {Simplex::primal, Simplex::dual}) {
+    ++column.linear_programmes;
+    const auto x = solve(programme, algorithm);
+    if (!x || !x->allFinite()) continue;
+    const double off = (programme.rows * *x - programme.right).cwiseAbs().maxCoeff();
+    if (off > row_tolerance || x->minCoeff() < programme.lower - bound_tolerance) continue;
+    column.value = x->cwiseMax(programme.lower);
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 ColumnFit::ColumnFit(const ControlPoints& points, const OrdinateSet& ordinates, const FitOptions& options)
@@ -172,21 +188,13 @@ void ColumnFit::fit_by_programme(FittedColumn& column, const PhaseFunction& phas
   programme.lower = std::min(0.0, least_value(phase));
 
   // What is asked for may have no solution that is positive (a coarse set of points, a strong peak): then fewer
-  // moments.
-  for (int degree = options_.exact_moments; degree >= std::min(1, options_.exact_moments); --degree) {
-    ExactRows rows = exact_rows(phase, travel, degree, half_range_rows);
-    programme.rows = std::move(rows.matrix);
-    programme.right = std::move(rows.right);
-    for (const Simplex algorithm : {Simplex::primal, Simplex::dual}) {
-      ++column.linear_programmes;
-      const auto x = solve(programme, algorithm);
-      if (!x || !x->allFinite()) continue;
-      const double off = (programme.rows * *x - programme.right).cwiseAbs().maxCoeff();
-      if (off > row_tolerance || x->minCoeff() < programme.lower - bound_tolerance) continue;
-      column.value = x->cwiseMax(programme.lower);
-      return;
+  // moments, then fewer half-range rows. The integral alone can always be held.
+  for (int half_range = half_range_rows; half_range >= 0; --half_range) {
+    for (int degree = options_.exact_moments; degree >= (half_range > 0 ? std::min(1, options_.exact_moments) : 0);
+         --degree) {
+      if (fit_with_rows(column, programme, exact_rows(phase, travel, degree, half_range))) return;
+      column.fell_back = true;
     }
-    column.fell_back = true;
   }
   const ExactRows rows = exact_rows(phase, travel, std::min(3, options_.exact_moments), 0);
   column.value = corrected(rows, least_squares(programme.value));
