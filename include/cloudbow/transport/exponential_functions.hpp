@@ -21,7 +21,8 @@ struct ExponentialFunctions {
 /// Beyond this optical path a cell is opaque to 1e-5 and powers of t would leave the range of float.
 inline constexpr float largest_optical_path = 1e5F;
 
-inline ExponentialFunctions<float> exponential_functions(float t) {
+// Inlined always: a call inside a loop over rays would keep it from being vectorised.
+[[gnu::always_inline]] inline ExponentialFunctions<float> exponential_functions(float t) {
   t = t < largest_optical_path ? t : largest_optical_path;
   const float n = 1.F + t * (.2356420609F + t * (.06120111118F + t * (.009783008893F + t * (.001078225308F + t * .0001481520364F))));
   const float b = .5F + t * (.2011543638F + t * (.05017445831F + t * (.008730071922F + t * (.0009299086192F + t * .0001481520364F))));
@@ -45,7 +46,7 @@ inline ExponentialFunctions<double> exponential_functions(double t) {
 }
 
 /// e^-x for x >= 0 in float, relative error 1e-7 down to e^-87, branch-free so that loops over rays vectorise.
-inline float transmission(float x) {
+[[gnu::always_inline]] inline float transmission(float x) {
   const float scaled = std::min(x * 1.44269504F, 126.F);
   const float n = std::nearbyint(scaled);
   float f = n * 0.693145752F - std::min(x, 87.3365F);  // Cody-Waite: n ln 2 - x without cancellation

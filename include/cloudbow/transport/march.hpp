@@ -99,6 +99,43 @@ inline void spread_on_columns(double x, double y, double width, int nx, int ny, 
 template <class Real>
 void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x, Real* slope_y, Real* slope_z);
 
+/// A segment in the precision of the kernel: its length, its share of the level's chord, and where in the cell it begins and ends.
+template <class Real>
+struct SegmentGeometry {
+  Real length, share;
+  Real from_x, from_y, from_z;
+  Real to_x, to_y, to_z;
+
+  SegmentGeometry(const Segment& segment, double chord)
+      : length(static_cast<Real>(chord * segment.fraction)),
+        share(static_cast<Real>(segment.fraction)),
+        from_x(static_cast<Real>(segment.from[0])),
+        from_y(static_cast<Real>(segment.from[1])),
+        from_z(static_cast<Real>(segment.from[2])),
+        to_x(static_cast<Real>(segment.to[0])),
+        to_y(static_cast<Real>(segment.to[1])),
+        to_z(static_cast<Real>(segment.to[2])) {}
+};
+
+/// `count` rays cross `count` cells of linear source (S1 where they enter, S2 where they leave; docs/theory.md, "March along a ray"):
+///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
+///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
+template <class Real, bool keep_mean>
+inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __restrict extinction, const Real* __restrict source,
+                        const Real* __restrict slope_x, const Real* __restrict slope_y, const Real* __restrict slope_z, Real* __restrict ray,
+                        Real* __restrict mean) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real t = extinction[i] * g.length;
+    const ExponentialFunctions<Real> phi = exponential_functions(t);
+    const Real entry = source[i] + g.from_x * slope_x[i] + g.from_y * slope_y[i] + g.from_z * slope_z[i];
+    const Real exit = source[i] + g.to_x * slope_x[i] + g.to_y * slope_y[i] + g.to_z * slope_z[i];
+    const Real in = ray[i];
+    if constexpr (keep_mean) mean[i] += g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
+    ray[i] = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
+  }
+}
+
 /// What one direction's march left behind.
 struct MarchTotals {
   double entered_sides = 0;  ///< sum of radiances of the rays that came in through open sides
@@ -138,29 +175,11 @@ MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool per
     previous = level;
     Real* const mean = work.mean[level & 1].data();
     if (keep_mean) std::fill_n(mean, n, Real(0));
-    const Real chord = static_cast<Real>(pattern.chord_m[step]);
+    const double chord = pattern.chord_m[step];
     const auto kernel = [&](std::size_t ray, std::size_t cell, int count, const Segment& segment) {
-      Real* __restrict const p = rays + ray;
-      const Real* __restrict const sigma = cells.extinction.data() + cell;
-      const Real* __restrict const s = source + cell;
-      const Real* __restrict const gx = work.slope_x.data() + (cell - first);
-      const Real* __restrict const gy = work.slope_y.data() + (cell - first);
-      const Real* __restrict const gz = work.slope_z.data() + (cell - first);
-      Real* __restrict const j = mean + (cell - first);
-      const Real share = static_cast<Real>(segment.fraction);
-      const Real length = chord * share;
-      const Real fx = static_cast<Real>(segment.from[0]), fy = static_cast<Real>(segment.from[1]), fz = static_cast<Real>(segment.from[2]);
-      const Real tx = static_cast<Real>(segment.to[0]), ty = static_cast<Real>(segment.to[1]), tz = static_cast<Real>(segment.to[2]);
-#pragma omp simd
-      for (int i = 0; i < count; ++i) {
-        const Real t = sigma[i] * length;
-        const auto phi = exponential_functions(t);
-        const Real entry = s[i] + fx * gx[i] + fy * gy[i] + fz * gz[i];
-        const Real exit = s[i] + tx * gx[i] + ty * gy[i] + tz * gz[i];
-        const Real in = p[i];
-        if constexpr (keep_mean) j[i] += share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
-        p[i] = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
-      }
+      const std::size_t here = cell - first;
+      cross_cells<Real, keep_mean>({segment, chord}, count, cells.extinction.data() + cell, source + cell, work.slope_x.data() + here, work.slope_y.data() + here,
+                                   work.slope_z.data() + here, rays + ray, mean + here);
     };
     const auto enter = [&](const Segment& segment, double at) {
       if (periodic) return;
