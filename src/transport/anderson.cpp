@@ -48,7 +48,8 @@ void AndersonMixer<Real>::advance(std::span<Real> x, std::span<const Real> g) {
     Eigen::MatrixXd normal(depth, depth);
     Eigen::VectorXd right(depth);
     for (Eigen::Index i = 0; i < depth; ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = ordered_dot<Real>(residual_change_[i], residual_change_[j]);
+      for (Eigen::Index j = 0; j <= i; ++j)
+        normal(i, j) = normal(j, i) = ordered_dot<Real>(residual_change_[i], residual_change_[j]);
       right[i] = ordered_dot<Real>(residual_change_[i], residual);
     }
     normal.diagonal() *= 1 + 1e-7;  // keeps nearly dependent histories solvable

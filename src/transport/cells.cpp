@@ -72,7 +72,8 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   cells.scattered.assign(grid.scattering.size(), std::vector<Real>(n));
   for (std::size_t c = 0; c < n; ++c) {
     double extinction = grid.absorption[c];
-    for (std::size_t p = 0; p < grid.scattering.size(); ++p) extinction += (1 - forward_fraction[p]) * grid.scattering[p][c];
+    for (std::size_t p = 0; p < grid.scattering.size(); ++p)
+      extinction += (1 - forward_fraction[p]) * grid.scattering[p][c];
     cells.extinction[c] = static_cast<Real>(extinction);
     for (std::size_t p = 0; p < grid.scattering.size(); ++p) {
       const double scattered = (1 - forward_fraction[p]) * grid.scattering[p][c];
@@ -113,7 +114,8 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       };
       if (low != no_cell) distance += centre_distance(-1);
       if (high != no_cell) distance += centre_distance(+1);
-      // A cloud's side is lit or dark as a whole; extrapolating the gradient behind it overshoots. Top and base keep a one-sided slope.
+      // A cloud's side is lit or dark as a whole; extrapolating the gradient behind it overshoots. Top and base keep a
+      // one-sided slope.
       if (axis < 2 && (low == no_cell || high == no_cell)) distance = 0;
       cells.low[axis][c] = low == no_cell ? static_cast<std::uint32_t>(c) : low;
       cells.high[axis][c] = high == no_cell ? static_cast<std::uint32_t>(c) : high;

@@ -47,8 +47,8 @@ struct DiffusionOperator::Level {
           const std::size_t c = at(i, j, k);
           const std::size_t west = at(before(i, nx), j, k);
           const std::size_t south = at(i, before(j, ny), k);
-          double sum = diagonal[c] * x[c] - east[c] * x[at(next(i, nx), j, k)] - east[west] * x[west] - north[c] * x[at(i, next(j, ny), k)] -
-                       north[south] * x[south];
+          double sum = diagonal[c] * x[c] - east[c] * x[at(next(i, nx), j, k)] - east[west] * x[west] -
+                       north[c] * x[at(i, next(j, ny), k)] - north[south] * x[south];
           if (k + 1 < nz) sum -= up[c] * x[at(i, j, k + 1)];
           if (k > 0) sum -= up[at(i, j, k - 1)] * x[at(i, j, k - 1)];
           y[c] = sum;
@@ -61,7 +61,8 @@ struct DiffusionOperator::Level {
   void smooth(std::span<double> x, std::span<const double> b, bool reversed) const {
     for (int half = 0; half < 2; ++half) {
       const int colour = reversed ? 1 - half : half;
-      // Odd periodic sizes put two columns of one colour side by side at the seam; there the order of rows matters, so it stays serial.
+      // Odd periodic sizes put two columns of one colour side by side at the seam; there the order of rows matters, so
+      // it stays serial.
       const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0) && size() > worth_threads;
 #pragma omp parallel if (independent)
       {
@@ -74,7 +75,8 @@ struct DiffusionOperator::Level {
     }
   }
 
-  void solve_column(int i, int j, std::span<double> x, std::span<const double> b, std::vector<double>& upper, std::vector<double>& value) const {
+  void solve_column(int i, int j, std::span<double> x, std::span<const double> b, std::vector<double>& upper,
+                    std::vector<double>& value) const {
     const int east_i = next(i, nx), west_i = before(i, nx), north_j = next(j, ny), south_j = before(j, ny);
     for (int k = 0; k < nz; ++k) {
       const std::size_t c = at(i, j, k);
@@ -137,10 +139,12 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
   level->nz = box.nz();
   const std::size_t n = box.columns() * static_cast<std::size_t>(box.nz());
   const double depth = box.z_edge_m.back() - box.z_edge_m.front();
-  // Voids would diffuse infinitely fast and thick cells too slowly: both are bounded, or the correction makes the iteration diverge.
+  // Voids would diffuse infinitely fast and thick cells too slowly: both are bounded, or the correction makes the
+  // iteration diverge.
   std::vector<double> diffusivity(n);
   for (std::size_t c = 0; c < n; ++c) {
-    const double edge = std::min({box.nx > 1 ? box.dx_m : depth, box.ny > 1 ? box.dy_m : depth, box.thickness_m(static_cast<int>(c / box.columns()))});
+    const double edge = std::min({box.nx > 1 ? box.dx_m : depth, box.ny > 1 ? box.dy_m : depth,
+                                  box.thickness_m(static_cast<int>(c / box.columns()))});
     const double longest_free_path = std::max(4 * edge, .05 * depth);
     const double x = 1.5 * given.extinction[c] * edge;
     const double thick = x < 1e-2 ? x / 6 : 1 / std::tanh(x / 2) - 2 / x;
@@ -164,12 +168,14 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
         const double d = diffusivity[c];
         leakage[c] = given.absorption[c] * box.dx_m * box.dy_m * dz;
         const auto harmonic = [&](std::size_t other) { return 2 * d * diffusivity[other] / (d + diffusivity[other]); };
-        const auto side = [&](std::vector<double>& coupling, int position, int count, std::size_t other, double area, double width) {
+        const auto side = [&](std::vector<double>& coupling, int position, int count, std::size_t other, double area,
+                              double width) {
           if (given.vertical || (count == 1 && box.periodic)) return;
           if (position + 1 < count || (box.periodic && count > 1)) {
             coupling[c] = harmonic(other) * area / width;
           }
-          if (!box.periodic) leakage[c] += ((position == 0) + (position == count - 1)) * boundary(area, width / 2, d, .5);
+          if (!box.periodic)
+            leakage[c] += ((position == 0) + (position == count - 1)) * boundary(area, width / 2, d, .5);
         };
         side(level->east, i, box.nx, level->at(level->next(i, box.nx), j, k), box.dy_m * dz, box.dx_m);
         side(level->north, j, box.ny, level->at(i, level->next(j, box.ny), k), box.dx_m * dz, box.dy_m);
@@ -185,7 +191,8 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
     }
   }
   level->close(std::move(leakage));
-  // A wholly closed system (white surface, no absorption) leaks through the top alone, which is enough for a unique solution.
+  // A wholly closed system (white surface, no absorption) leaks through the top alone, which is enough for a unique
+  // solution.
   levels_.push_back(std::move(level));
   while (auto coarse = levels_.back()->coarser()) levels_.push_back(std::move(coarse));
 }
@@ -227,13 +234,16 @@ void DiffusionOperator::solve(std::span<const double> source, std::span<double> 
         const Level& coarse = *levels_[l + 1];
         for (int k = 0; k < level.nz; ++k)
           for (int j = 0; j < level.ny; ++j)
-            for (int i = 0; i < level.nx; ++i) x[l][level.at(i, j, k)] += x[l + 1][coarse.at(i / coarse.factor_x, j / coarse.factor_y, k)];
+            for (int i = 0; i < level.nx; ++i)
+              x[l][level.at(i, j, k)] += x[l + 1][coarse.at(i / coarse.factor_x, j / coarse.factor_y, k)];
       }
       level.smooth(x[l], right[l], true);
     }
     std::copy(x[0].begin(), x[0].end(), out.begin());
   };
-  const auto dot = [](std::span<const double> a, std::span<const double> b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.); };
+  const auto dot = [](std::span<const double> a, std::span<const double> b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.);
+  };
 
   std::fill(correction.begin(), correction.end(), 0.);
   std::vector<double> r(source.begin(), source.end()), z(n), p, ap(n);

@@ -36,8 +36,8 @@ struct Accumulator {
 }  // namespace
 
 template <class Real>
-DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::span<const Real> extinction, std::span<const double> layer_extinction,
-                             const Sun& sun, const BeamOptions& options) {
+DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::span<const Real> extinction,
+                             std::span<const double> layer_extinction, const Sun& sun, const BeamOptions& options) {
   const double mu0 = -sun.travel.z();
   const int across = static_cast<int>(std::lround(std::sqrt(options.rays)));
   const bool still_x = options.vertical || (box.periodic && box.nx == 1);
@@ -65,14 +65,17 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     std::vector<Real> beam(columns);
     for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
       // The nudge keeps rays off the faces when the sun stands on an axis.
-      const PathPattern pattern = make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
-                                                    options.vertical, {0, box.nz()});
+      const PathPattern pattern =
+          make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
+                            options.vertical, {0, box.nz()});
       std::fill(beam.begin(), beam.end(), static_cast<Real>(sun.irradiance));
       const auto record = [&](int step) {
         double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
         const double scale = mu0 / rays;
         spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
-                          [&](std::size_t column, std::size_t m, double weight) { flux[column] += scale * weight * static_cast<double>(beam[m]); });
+                          [&](std::size_t column, std::size_t m, double weight) {
+                            flux[column] += scale * weight * static_cast<double>(beam[m]);
+                          });
       };
       record(0);
       for (int step = 0; step < box.nz(); ++step) {
@@ -120,8 +123,9 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
   return result;
 }
 
-template DirectBeam<float> direct_beam<float>(const BoxGrid&, const ActiveRows&, std::span<const float>, std::span<const double>, const Sun&, const BeamOptions&);
-template DirectBeam<double> direct_beam<double>(const BoxGrid&, const ActiveRows&, std::span<const double>, std::span<const double>, const Sun&,
-                                                const BeamOptions&);
+template DirectBeam<float> direct_beam<float>(const BoxGrid&, const ActiveRows&, std::span<const float>,
+                                              std::span<const double>, const Sun&, const BeamOptions&);
+template DirectBeam<double> direct_beam<double>(const BoxGrid&, const ActiveRows&, std::span<const double>,
+                                                std::span<const double>, const Sun&, const BeamOptions&);
 
 }  // namespace cloudbow

@@ -20,9 +20,11 @@ std::vector<double> Discretisation::gather_fraction() const {
   return f;
 }
 
-Discretisation discretise(const std::vector<PhaseFunction>& phase, const std::optional<Direction>& sun_travel, const SolverOptions& options) {
+Discretisation discretise(const std::vector<PhaseFunction>& phase, const std::optional<Direction>& sun_travel,
+                          const SolverOptions& options) {
   OrdinateSet ordinates = make_ordinate_set(options.directions);
-  ControlPoints points(options.control_points, ordinates.is_control_points ? control_point_frame_rotation() : Eigen::Matrix3d::Identity());
+  ControlPoints points(options.control_points,
+                       ordinates.is_control_points ? control_point_frame_rotation() : Eigen::Matrix3d::Identity());
   Discretisation result{std::move(points), std::move(ordinates), {}, {}, {}};
   for (const PhaseFunction& p : phase) {
     result.table.push_back(make_scattering_table(p, result.points, result.ordinates, sun_travel, options.fit));

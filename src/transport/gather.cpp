@@ -8,13 +8,13 @@ namespace cloudbow {
 namespace {
 
 constexpr double golden = .6180339887498949;
-constexpr double sun_asymmetry = .85;     // how the extra directions crowd about the sun
-constexpr double band_growth = 1.6;       // each distance band ends this many times as far as the last
-constexpr double class_growth = 1.4;      // directions of one class differ in spread by at most this factor
+constexpr double sun_asymmetry = .85;  // how the extra directions crowd about the sun
+constexpr double band_growth = 1.6;    // each distance band ends this many times as far as the last
+constexpr double class_growth = 1.4;   // directions of one class differ in spread by at most this factor
 constexpr int most_classes = 16;
-constexpr double blur_per_spread = .3;    // Gaussian width as a fraction of the beam's spread
-constexpr double least_blur = .15;        // columns; below it a blur changes nothing
-constexpr std::size_t batch = 16;         // directions marched side by side and then added in order
+constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
+constexpr double least_blur = .15;      // columns; below it a blur changes nothing
+constexpr std::size_t batch = 16;       // directions marched side by side and then added in order
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -40,7 +40,8 @@ std::vector<Band> distance_bands(const BoxGrid& box, const ActiveRows& rows, con
   std::vector<Band> bands;
   double distance = 0;
   for (int first = 0; first < pattern.levels();) {
-    const int last = first == 0 ? 1 : std::min(pattern.levels(), std::max(static_cast<int>(band_growth * first), first + 1));
+    const int last =
+        first == 0 ? 1 : std::min(pattern.levels(), std::max(static_cast<int>(band_growth * first), first + 1));
     double thickness = 0;
     bool empty = true;
     for (int step = first; step < last; ++step) {
@@ -61,7 +62,9 @@ std::vector<double> gaussian_kernel(double sigma, int n) {
   std::vector<double> kernel(2 * reach + 1, 1.);
   double sum = 0;
   for (int i = -reach; i <= reach; ++i) {
-    if (reach > 0) kernel[i + reach] = .5 * (std::erf((i + .5) / sigma / std::numbers::sqrt2) - std::erf((i - .5) / sigma / std::numbers::sqrt2));
+    if (reach > 0)
+      kernel[i + reach] =
+          .5 * (std::erf((i + .5) / sigma / std::numbers::sqrt2) - std::erf((i - .5) / sigma / std::numbers::sqrt2));
     sum += kernel[i + reach];
   }
   for (double& k : kernel) k /= sum;
@@ -69,7 +72,8 @@ std::vector<double> gaussian_kernel(double sigma, int n) {
 }
 
 // Spreads each value over its row; what would fall out of an open side stays in the part of the kernel that is inside.
-void blur_row(std::vector<double>& row, const std::vector<double>& kernel, bool periodic, std::vector<double>& scratch) {
+void blur_row(std::vector<double>& row, const std::vector<double>& kernel, bool periodic,
+              std::vector<double>& scratch) {
   const int n = static_cast<int>(row.size());
   const int reach = static_cast<int>(kernel.size()) / 2;
   scratch.assign(row.size(), 0.);
@@ -115,10 +119,12 @@ struct GatherWorkspace {
   std::vector<Real> source, slope_x, slope_y, slope_z, gathered, transmitted;
 };
 
-// One direction, marched backwards from the plane: per band what its cells send, and what comes from beyond the last level or the sides.
+// One direction, marched backwards from the plane: per band what its cells send, and what comes from beyond the last
+// level or the sides.
 template <class Real>
-void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands, const Direction& travel, GatherWorkspace<Real>& work,
-                std::vector<std::vector<Real>>& of_band, std::vector<Real>& beyond) {
+void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,
+                const Direction& travel, GatherWorkspace<Real>& work, std::vector<std::vector<Real>>& of_band,
+                std::vector<Real>& beyond) {
   const BoxGrid& box = scene.box;
   const ActiveRows& rows = scene.cells.rows;
   const std::size_t n = rows.size();
@@ -129,7 +135,8 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
   work.gathered.assign(columns, Real(0));
   work.transmitted.assign(columns, Real(1));
   beyond.assign(columns, Real(0));
-  const std::vector<double> side = !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
+  const std::vector<double> side =
+      !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
 
   for (std::size_t b = 0; b < bands.size(); ++b) {
     for (int step = bands[b].first_step; step < bands[b].last_step; ++step) {
@@ -144,8 +151,10 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
         const Real* __restrict const gy = work.slope_y.data() + cell;
         const Real* __restrict const gz = work.slope_z.data() + cell;
         const Real length = chord * static_cast<Real>(segment.fraction);
-        const Real fx = static_cast<Real>(segment.from[0]), fy = static_cast<Real>(segment.from[1]), fz = static_cast<Real>(segment.from[2]);
-        const Real tx = static_cast<Real>(segment.to[0]), ty = static_cast<Real>(segment.to[1]), tz = static_cast<Real>(segment.to[2]);
+        const Real fx = static_cast<Real>(segment.from[0]), fy = static_cast<Real>(segment.from[1]),
+                   fz = static_cast<Real>(segment.from[2]);
+        const Real tx = static_cast<Real>(segment.to[0]), ty = static_cast<Real>(segment.to[1]),
+                   tz = static_cast<Real>(segment.to[2]);
 #pragma omp simd
         for (int i = 0; i < count; ++i) {
           const Real t = sigma[i] * length;
@@ -181,7 +190,8 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
     for (int m = 0; m < box.nx; ++m) {
       const std::size_t ray = static_cast<std::size_t>(r) * box.nx + m;
       const std::size_t hit = static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
-      beyond[ray] += work.transmitted[ray] * (travel.z() > 0 ? scene.surface_radiance[hit] : static_cast<Real>(scene.sky_radiance));
+      beyond[ray] += work.transmitted[ray] *
+                     (travel.z() > 0 ? scene.surface_radiance[hit] : static_cast<Real>(scene.sky_radiance));
     }
   }
 }
@@ -202,7 +212,8 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
   const Direction a = sun_travel->unitOrthogonal();
   const Direction b = sun_travel->cross(a);
   const double g = sun_asymmetry;
-  constexpr double grazing = 1e-4;  // nothing arrives through a plane from below it, and grazing rays cross endless cells
+  constexpr double grazing =
+      1e-4;  // nothing arrives through a plane from below it, and grazing rays cross endless cells
   for (int i = 0; i < extra; ++i) {
     const double q = (1 - g * g) / (1 - g + 2 * g * (i + .5) / extra);
     const double cosine = (1 + g * g - q * q) / (2 * g);
@@ -212,13 +223,15 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
     if (travel.z() * side > grazing) set.push_back({travel, 0.});
   }
   for (GatherDirection& d : set) {
-    d.weight = 1 / (count * std::abs(d.travel.z()) / std::numbers::pi + extra * henyey_greenstein_density(d.travel.dot(*sun_travel)));
+    d.weight = 1 / (count * std::abs(d.travel.z()) / std::numbers::pi +
+                    extra * henyey_greenstein_density(d.travel.dot(*sun_travel)));
   }
   return set;
 }
 
 template <class Real>
-std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward, const std::vector<GatherDirection>& directions) {
+std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
+                                const std::vector<GatherDirection>& directions) {
   const BoxGrid& box = scene.box;
   const std::size_t columns = box.columns();
   const LevelRange levels = upward ? LevelRange{0, edge} : LevelRange{edge, box.nz()};
@@ -227,10 +240,12 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   double least = beam_spread(directions.front());
   for (const auto& d : directions) least = std::min(least, beam_spread(d));
   const auto class_of = [&](const GatherDirection& d) {
-    return std::min(most_classes - 1, static_cast<int>(std::log(beam_spread(d) / least * (1 + 1e-12)) / std::log(class_growth)));
+    return std::min(most_classes - 1,
+                    static_cast<int>(std::log(beam_spread(d) / least * (1 + 1e-12)) / std::log(class_growth)));
   };
   std::vector<GatherDirection> sorted = directions;
-  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto& a, const auto& b) { return class_of(a) < class_of(b); });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](const auto& a, const auto& b) { return class_of(a) < class_of(b); });
 
   const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
   const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
@@ -296,7 +311,8 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
 }
 
 template <class Real>
-std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward, const std::vector<GatherDirection>& directions) {
+std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward,
+                                      const std::vector<GatherDirection>& directions) {
   const BoxGrid& box = scene.box;
   const std::size_t columns = box.columns();
   const int levels = box.nz() + 1;
@@ -325,12 +341,14 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
         side.assign(by_height.begin(), by_height.end());
         if (!upward) std::reverse(side.begin(), side.end());
       }
-      march<Real, false>(pattern, scene.cells, box.periodic, side, source.data(), rays.data(), work, [&](int step, const Real* p) {
-        float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
-        spread_on_columns(pattern.x[step], pattern.y[step], 1., box.nx, box.ny, box.periodic, [&](std::size_t column, std::size_t ray, double weight) {
-          at[column] += power * static_cast<float>(weight) * static_cast<float>(p[ray]);
-        });
-      });
+      march<Real, false>(
+          pattern, scene.cells, box.periodic, side, source.data(), rays.data(), work, [&](int step, const Real* p) {
+            float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
+            spread_on_columns(pattern.x[step], pattern.y[step], 1., box.nx, box.ny, box.periodic,
+                              [&](std::size_t column, std::size_t ray, double weight) {
+                                at[column] += power * static_cast<float>(weight) * static_cast<float>(p[ray]);
+                              });
+          });
     }
   }
   for (std::size_t g = 1; g < groups; ++g) {
@@ -339,9 +357,13 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
   return of_group[0];
 }
 
-template std::vector<double> gather_flux<float>(const GatherScene<float>&, int, bool, const std::vector<GatherDirection>&);
-template std::vector<double> gather_flux<double>(const GatherScene<double>&, int, bool, const std::vector<GatherDirection>&);
-template std::vector<float> march_level_fluxes<float>(const GatherScene<float>&, bool, const std::vector<GatherDirection>&);
-template std::vector<float> march_level_fluxes<double>(const GatherScene<double>&, bool, const std::vector<GatherDirection>&);
+template std::vector<double> gather_flux<float>(const GatherScene<float>&, int, bool,
+                                                const std::vector<GatherDirection>&);
+template std::vector<double> gather_flux<double>(const GatherScene<double>&, int, bool,
+                                                 const std::vector<GatherDirection>&);
+template std::vector<float> march_level_fluxes<float>(const GatherScene<float>&, bool,
+                                                      const std::vector<GatherDirection>&);
+template std::vector<float> march_level_fluxes<double>(const GatherScene<double>&, bool,
+                                                       const std::vector<GatherDirection>&);
 
 }  // namespace cloudbow

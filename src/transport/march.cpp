@@ -5,7 +5,8 @@
 namespace cloudbow {
 
 template <class Real>
-void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x, Real* slope_y, Real* slope_z) {
+void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x,
+                   Real* slope_y, Real* slope_z) {
   const std::uint32_t* __restrict const xl = cells.low[0].data() + first;
   const std::uint32_t* __restrict const xh = cells.high[0].data() + first;
   const std::uint32_t* __restrict const yl = cells.low[1].data() + first;
@@ -30,6 +31,7 @@ void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, c
 }
 
 template void source_slopes<float>(const Cells<float>&, std::size_t, std::size_t, const float*, float*, float*, float*);
-template void source_slopes<double>(const Cells<double>&, std::size_t, std::size_t, const double*, double*, double*, double*);
+template void source_slopes<double>(const Cells<double>&, std::size_t, std::size_t, const double*, double*, double*,
+                                    double*);
 
 }  // namespace cloudbow

@@ -29,7 +29,8 @@ double next_face(double position, double slope, int cell) {
 
 }  // namespace
 
-PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y, bool vertical, LevelRange levels) {
+PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
+                              bool vertical, LevelRange levels) {
   assert(travel.z() != 0);
   const Slope per_metre = horizontal_slope(box, travel, vertical);
   PathPattern pattern;
@@ -57,7 +58,10 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
       const double face = std::min(to_x, to_y);
       const bool last = face >= 1 - 1e-9;  // a face met at the level's end is crossed in the next level
       const double end = last ? 1. : std::max(t, face);
-      pattern.segments.push_back({cell_x, cell_y, entry, end - t,
+      pattern.segments.push_back({cell_x,
+                                  cell_y,
+                                  entry,
+                                  end - t,
                                   {x + tx * t - cell_x - .5, y + ty * t - cell_y - .5, side * (t - .5)},
                                   {x + tx * end - cell_x - .5, y + ty * end - cell_y - .5, side * (end - .5)}});
       entry = Entry::none;

@@ -5,7 +5,8 @@
 namespace cloudbow {
 namespace {
 
-// Cells a tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on the number of threads.
+// Cells a tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on the
+// number of threads.
 constexpr std::size_t tile_cells = 128;
 
 template <class Real>
@@ -18,8 +19,8 @@ void load(const AngularField<Real>& field, std::size_t first, std::size_t n, Til
 
 // sum_p scattered_p * (matrix_p * radiance), leaving out phase functions that scatter nothing in this tile.
 template <class Real>
-void scatter_tile(std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, std::size_t first, std::size_t n, const Tile<Real>& radiance,
-                  Tile<Real>& product, Tile<Real>& source) {
+void scatter_tile(std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, std::size_t first, std::size_t n,
+                  const Tile<Real>& radiance, Tile<Real>& product, Tile<Real>& source) {
   source.setZero();
   for (std::size_t p = 0; p < matrix.size(); ++p) {
     const Real* const share = cells.scattered[p].data() + first;
@@ -50,8 +51,9 @@ DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::spa
 }
 
 template <class Real>
-void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, std::span<const BeamSource<Real>> beam,
-                      std::span<const Real> correction, const DenseMatrix<Real>& correction_shape) {
+void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
+                      std::span<const BeamSource<Real>> beam, std::span<const Real> correction,
+                      const DenseMatrix<Real>& correction_shape) {
   const std::size_t tiles = (field.cells + tile_cells - 1) / tile_cells;
 #pragma omp parallel
   {
@@ -82,13 +84,15 @@ void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Rea
           for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
         }
       }
-      for (int d = 0; d < field.rows; ++d) std::copy_n(source.data() + d * static_cast<Eigen::Index>(tile_cells), n, field.row(d) + first);
+      for (int d = 0; d < field.rows; ++d)
+        std::copy_n(source.data() + d * static_cast<Eigen::Index>(tile_cells), n, field.row(d) + first);
     }
   }
 }
 
 template <class Real>
-void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, AngularField<Real>& source) {
+void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
+                AngularField<Real>& source) {
   const std::size_t tiles = (radiance.cells + tile_cells - 1) / tile_cells;
 #pragma omp parallel
   {
@@ -101,7 +105,8 @@ void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<
       const std::size_t n = std::min(tile_cells, radiance.cells - first);
       load(radiance, first, n, in);
       scatter_tile(matrix, cells, first, n, in, product, out);
-      for (int d = 0; d < source.rows; ++d) std::copy_n(out.data() + d * static_cast<Eigen::Index>(tile_cells), n, source.row(d) + first);
+      for (int d = 0; d < source.rows; ++d)
+        std::copy_n(out.data() + d * static_cast<Eigen::Index>(tile_cells), n, source.row(d) + first);
     }
   }
 }
@@ -113,7 +118,8 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
   for (std::size_t tile = 0; tile < tiles; ++tile) {
     const std::size_t first = tile * tile_cells;
     const std::size_t n = std::min(tile_cells, radiance.cells - first);
-    for (Eigen::Index m = 0; m < weights.rows(); ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
+    for (Eigen::Index m = 0; m < weights.rows(); ++m)
+      std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
     for (int d = 0; d < radiance.rows; ++d) {
       const Real* __restrict const from = radiance.row(d) + first;
       for (Eigen::Index m = 0; m < weights.rows(); ++m) {
@@ -125,11 +131,13 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                                              \
-  template DenseMatrix<Real> rounded_conservatively<Real>(const Eigen::MatrixXd&, std::span<const double>);                                     \
-  template void scatter_in_place<Real>(AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&,                             \
-                                       std::span<const BeamSource<Real>>, std::span<const Real>, const DenseMatrix<Real>&);                    \
-  template void scatter_to<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, AngularField<Real>&);      \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
+  template DenseMatrix<Real> rounded_conservatively<Real>(const Eigen::MatrixXd&, std::span<const double>);         \
+  template void scatter_in_place<Real>(AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
+                                       std::span<const BeamSource<Real>>, std::span<const Real>,                    \
+                                       const DenseMatrix<Real>&);                                                   \
+  template void scatter_to<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
+                                 AngularField<Real>&);                                                              \
   template void moments_of<Real>(const AngularField<Real>&, const DenseMatrix<Real>&, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

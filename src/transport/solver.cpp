@@ -23,7 +23,9 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 double cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
@@ -50,27 +52,31 @@ std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<d
 std::vector<double> scaled_layer_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction) {
   std::vector<double> extinction = grid.layer_absorption;
   for (std::size_t p = 0; p < grid.layer_scattering.size(); ++p) {
-    for (std::size_t k = 0; k < extinction.size(); ++k) extinction[k] += (1 - forward_fraction[p]) * grid.layer_scattering[p][k];
+    for (std::size_t k = 0; k < extinction.size(); ++k)
+      extinction[k] += (1 - forward_fraction[p]) * grid.layer_scattering[p][k];
   }
   return extinction;
 }
 
 template <class Real>
-DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction, const SolverOptions& options) {
+DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
+                           const SolverOptions& options) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
-  return direct_beam<Real>(problem.grid.box, rows, extinction, scaled_layer_extinction(problem.grid, forward_fraction), *problem.sun,
-                           {options.beam_rays, options.independent_columns});
+  return direct_beam<Real>(problem.grid.box, rows, extinction, scaled_layer_extinction(problem.grid, forward_fraction),
+                           *problem.sun, {options.beam_rays, options.independent_columns});
 }
 
 template <class Real>
-TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options) {
+TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
+                                  const SolverOptions& options) {
   TransportSystem<Real> system;
   system.box = problem.grid.box;
   system.vertical = options.independent_columns;
   system.cells = make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.vertical);
   system.ordinates = discretisation.ordinates;
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
-    system.scattering.push_back(rounded_conservatively<Real>(discretisation.table[p].ordinates_from_ordinates, system.ordinates.weight));
+    system.scattering.push_back(
+        rounded_conservatively<Real>(discretisation.table[p].ordinates_from_ordinates, system.ordinates.weight));
     system.truncated_asymmetry.push_back(discretisation.diffuse[p].truncated.asymmetry_parameter());
   }
   system.absorption.assign(problem.grid.absorption.begin(), problem.grid.absorption.end());
@@ -89,12 +95,14 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
       for (std::size_t c = 0; c < source.intensity.size(); ++c) {
         const double scattered = (1 - fraction[p]) * problem.grid.scattering[p][c];
         any = any || scattered > 0;
-        source.intensity[c] = scattered > 0 ? static_cast<Real>(scattered * static_cast<double>(beam.irradiance[c]) / static_cast<double>(system.cells.extinction[c]))
+        source.intensity[c] = scattered > 0 ? static_cast<Real>(scattered * static_cast<double>(beam.irradiance[c]) /
+                                                                static_cast<double>(system.cells.extinction[c]))
                                             : Real(0);
       }
       if (any) system.beam.push_back(std::move(source));
     }
-    system.beam_surface_flux.assign(beam.level_flux.begin(), beam.level_flux.begin() + static_cast<std::ptrdiff_t>(system.box.columns()));
+    system.beam_surface_flux.assign(beam.level_flux.begin(),
+                                    beam.level_flux.begin() + static_cast<std::ptrdiff_t>(system.box.columns()));
     system.beam_side_gain = beam.side_gain;
     system.beam_side_loss = beam.side_loss;
     system.beam_irradiance = std::move(beam.irradiance);
@@ -102,12 +110,17 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
   return system;
 }
 
-// Source in any direction of the converged radiance. The beam that lights it is the one truncated at the gather's order; light that the iteration's
-// own truncation calls unscattered but that one does not is added with the truncated phase function (theory.md, "The peak on the true beam").
+// Source in any direction of the converged radiance. The beam that lights it is the one truncated at the gather's
+// order; light that the iteration's own truncation calls unscattered but that one does not is added with the truncated
+// phase function (theory.md, "The peak on the true beam").
 template <class Real>
-DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
-                                                const AngularField<Real>& radiance, const DirectBeam<Real>* gather_beam, const SolverOptions& options) {
-  DirectionalSource<Real> source{discretisation.points, AngularField<Real>(discretisation.points.size(), system.cells.size()), -Direction::UnitZ(), {}};
+DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
+                                                const TransportSystem<Real>& system, const AngularField<Real>& radiance,
+                                                const DirectBeam<Real>* gather_beam, const SolverOptions& options) {
+  DirectionalSource<Real> source{discretisation.points,
+                                 AngularField<Real>(discretisation.points.size(), system.cells.size()),
+                                 -Direction::UnitZ(),
+                                 {}};
   std::vector<DenseMatrix<Real>> to_points;
   for (const auto& table : discretisation.table) to_points.push_back(table.points_from_ordinates.template cast<Real>());
   scatter_to<Real>(radiance, to_points, system.cells, source.at_points);
@@ -124,11 +137,12 @@ DirectionalSource<Real> make_directional_source(const Problem& problem, const Di
       const double scattering = problem.grid.scattering[p][c];
       if (scattering == 0) continue;
       any = true;
-      const double per_extinction = scattering / static_cast<double>(system.cells.extinction[c]) / (4 * std::numbers::pi);
+      const double per_extinction =
+          scattering / static_cast<double>(system.cells.extinction[c]) / (4 * std::numbers::pi);
       const double beam = static_cast<double>(gather_beam->irradiance[c]);
       first.intensity[c] = static_cast<Real>((1 - gather_fraction[p]) * per_extinction * beam);
-      unscattered.intensity[c] =
-          static_cast<Real>((1 - diffuse_fraction[p]) * per_extinction * std::max(0., static_cast<double>(scaled.irradiance[c]) - beam));
+      unscattered.intensity[c] = static_cast<Real>((1 - diffuse_fraction[p]) * per_extinction *
+                                                   std::max(0., static_cast<double>(scaled.irradiance[c]) - beam));
     }
     if (!any) continue;
     source.first_order.push_back(std::move(first));
@@ -145,10 +159,12 @@ class Surroundings {
     SolverOptions column = options;
     column.independent_columns = false;
     system_ = make_system<double>(problem_, discretisation, column);
-    IterationResult<double> solved = iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
+    IterationResult<double> solved =
+        iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
     std::optional<DirectBeam<double>> beam;
     if (problem_.sun) beam = beam_with<double>(problem_, system_.cells.rows, discretisation.gather_fraction(), column);
-    source_.emplace(make_directional_source(problem_, discretisation, system_, solved.radiance, beam ? &*beam : nullptr, column));
+    source_.emplace(
+        make_directional_source(problem_, discretisation, system_, solved.radiance, beam ? &*beam : nullptr, column));
   }
 
   /// Diffuse radiance along a direction at each interface, by height.
@@ -159,8 +175,9 @@ class Surroundings {
     source_->query(travel, source.data());
     std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
     MarchWorkspace<double> work;
-    march<double, false>(pattern, system_.cells, true, {}, source.data(), ray.data(), work,
-                         [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
+    march<double, false>(
+        pattern, system_.cells, true, {}, source.data(), ray.data(), work,
+        [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
     return at_edge;
   }
 
@@ -212,23 +229,36 @@ struct LevelFlux {
   std::vector<double> down;  // diffuse beside gather_direct
 };
 
-// Turns the converged radiance into fluxes through planes: by the gather where columns exchange light, by the ordinates themselves where they do not.
+// Turns the converged radiance into fluxes through planes: by the gather where columns exchange light, by the ordinates
+// themselves where they do not.
 template <class Real>
 class FluxFields {
  public:
-  FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options, const TransportSystem<Real>& system,
-             const IterationResult<Real>& solved, const Surroundings* surroundings, const ProgressCallback& progress)
-      : problem_(problem), options_(options), system_(system), solved_(solved), progress_(progress), columns_(system.box.columns()) {
+  FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+             const TransportSystem<Real>& system, const IterationResult<Real>& solved, const Surroundings* surroundings,
+             const ProgressCallback& progress)
+      : problem_(problem),
+        options_(options),
+        system_(system),
+        solved_(solved),
+        progress_(progress),
+        columns_(system.box.columns()) {
     const bool by_ordinates = !solved.fluxes.column_up.empty();
     if (problem.sun) {
       true_beam_ = beam_with<Real>(problem, system.cells.rows, std::vector<double>(problem.phase.size(), 0.), options);
       // Columns by themselves keep the iteration's own beam: their fluxes are the iteration's.
-      flux_beam_ = beam_with<Real>(problem, system.cells.rows, by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(), options);
-      solver_beam_ = by_ordinates ? flux_beam_ : beam_with<Real>(problem, system.cells.rows, discretisation.beam_fraction(), options);
+      flux_beam_ =
+          beam_with<Real>(problem, system.cells.rows,
+                          by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(), options);
+      solver_beam_ = by_ordinates
+                         ? flux_beam_
+                         : beam_with<Real>(problem, system.cells.rows, discretisation.beam_fraction(), options);
     }
     if (!by_ordinates) {
-      source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance, problem.sun ? &*flux_beam_ : nullptr, options));
-      if (surroundings != nullptr) side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
+      source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance,
+                                              problem.sun ? &*flux_beam_ : nullptr, options));
+      if (surroundings != nullptr)
+        side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
     }
   }
 
@@ -256,7 +286,8 @@ class FluxFields {
         flux.up = slice(solved_.fluxes.column_up, edge);
         flux.down = slice(solved_.fluxes.column_down, edge);
       } else if (inner && edge > 0 && edge < system_.box.nz()) {
-        flux.up.assign(inner_up.begin() + static_cast<std::ptrdiff_t>(edge * columns_), inner_up.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
+        flux.up.assign(inner_up.begin() + static_cast<std::ptrdiff_t>(edge * columns_),
+                       inner_up.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
         flux.down.assign(inner_down.begin() + static_cast<std::ptrdiff_t>(edge * columns_),
                          inner_down.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
         rescale(flux.up, profile_up(edge));
@@ -274,10 +305,13 @@ class FluxFields {
     return problem_.sun->travel;
   }
 
-  GatherScene<Real> gather_scene() const { return {system_.box, system_.cells, *source_, side_radiance_, problem_.sky_radiance, surface_radiance_}; }
+  GatherScene<Real> gather_scene() const {
+    return {system_.box, system_.cells, *source_, side_radiance_, problem_.sky_radiance, surface_radiance_};
+  }
 
   void report_progress(double fraction) const {
-    if (progress_) progress_({"gather", solved_.report.sweeps, solved_.report.estimated_error, solved_.ledger.residual, fraction});
+    if (progress_)
+      progress_({"gather", solved_.report.sweeps, solved_.report.estimated_error, solved_.ledger.residual, fraction});
   }
 
   std::vector<double> slice(const std::vector<double>& levels, int edge) const {
@@ -302,20 +336,23 @@ class FluxFields {
   }
 
   void note_factor(Solution& solution, double factor) const {
-    if (std::abs(factor - 1) > std::abs(solution.report.gather_rescaling - 1)) solution.report.gather_rescaling = factor;
+    if (std::abs(factor - 1) > std::abs(solution.report.gather_rescaling - 1))
+      solution.report.gather_rescaling = factor;
   }
 
   void gather_ends(Solution& solution) {
     surface_radiance_.assign(columns_, Real(0));
     report_progress(0);
-    bottom_down_ = gather_flux<Real>(gather_scene(), 0, false, gather_directions(options_.gather_directions, false, sun_direction()));
+    bottom_down_ = gather_flux<Real>(gather_scene(), 0, false,
+                                     gather_directions(options_.gather_directions, false, sun_direction()));
     note_factor(solution, rescale(bottom_down_, profile_down(0)));
     for (std::size_t c = 0; c < columns_; ++c) {
       const double direct = problem_.sun ? flux_beam_->level_flux[c] : 0;
       surface_radiance_[c] = static_cast<Real>(problem_.surface_albedo / std::numbers::pi * (bottom_down_[c] + direct));
     }
     report_progress(.25);
-    top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true, gather_directions(options_.gather_directions, true, std::nullopt));
+    top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,
+                                gather_directions(options_.gather_directions, true, std::nullopt));
     note_factor(solution, rescale(top_up_, profile_up(system_.box.nz())));
     report_progress(.5);
   }
@@ -326,13 +363,16 @@ class FluxFields {
     if (edge == 0) {
       flux.down = bottom_down_;
       flux.up.resize(columns_);
-      for (std::size_t c = 0; c < columns_; ++c) flux.up[c] = std::numbers::pi * static_cast<double>(surface_radiance_[c]);
+      for (std::size_t c = 0; c < columns_; ++c)
+        flux.up[c] = std::numbers::pi * static_cast<double>(surface_radiance_[c]);
     } else if (edge == top) {
       flux.up = top_up_;
       flux.down.assign(columns_, std::numbers::pi * problem_.sky_radiance);
     } else {
-      flux.up = gather_flux<Real>(gather_scene(), edge, true, gather_directions(options_.gather_directions, true, std::nullopt));
-      flux.down = gather_flux<Real>(gather_scene(), edge, false, gather_directions(options_.gather_directions, false, sun_direction()));
+      flux.up = gather_flux<Real>(gather_scene(), edge, true,
+                                  gather_directions(options_.gather_directions, true, std::nullopt));
+      flux.down = gather_flux<Real>(gather_scene(), edge, false,
+                                    gather_directions(options_.gather_directions, false, sun_direction()));
       note_factor(solution, rescale(flux.up, profile_up(edge)));
       note_factor(solution, rescale(flux.down, profile_down(edge)));
     }
@@ -384,14 +424,15 @@ class FluxFields {
 };
 
 template <class Real>
-void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                      Solution& solution) {
+void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system,
+                      const IterationResult<Real>& solved, Solution& solution) {
   const auto dense = dense_indices(system.cells.rows);
   const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
   if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
   if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t c = 0; c < dense.size(); ++c) {
-    const double actinic = static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam_irradiance[c]) : 0.);
+    const double actinic =
+        static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam_irradiance[c]) : 0.);
     if (options.absorption) solution.absorbed_power[dense[c]] = static_cast<float>(system.absorption[c] * actinic);
     if (options.actinic) solution.actinic_flux[dense[c]] = static_cast<float>(actinic);
   }
@@ -399,11 +440,13 @@ void fill_cell_fields(const Problem& problem, const SolverOptions& options, cons
 
 // Voxel-mean radiance of the delta-scaled problem along the control points of a frame in which none is horizontal.
 template <class Real>
-RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-                                  const TransportSystem<Real>& system, const IterationResult<Real>& solved, const Surroundings* surroundings) {
+RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
+                                  const SolverOptions& options, const TransportSystem<Real>& system,
+                                  const IterationResult<Real>& solved, const Surroundings* surroundings) {
   std::optional<DirectBeam<Real>> beam;
   if (problem.sun) beam = beam_with<Real>(problem, system.cells.rows, discretisation.gather_fraction(), options);
-  const DirectionalSource<Real> source = make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr, options);
+  const DirectionalSource<Real> source =
+      make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr, options);
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;
   field.direction.assign(points.directions().begin(), points.directions().end());
@@ -411,7 +454,8 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   const std::size_t m = field.direction.size();
   const std::size_t columns = system.box.columns();
   for (const std::uint32_t c : dense_indices(system.cells.rows)) {
-    field.voxel.push_back({static_cast<std::int32_t>(c % system.box.nx), static_cast<std::int32_t>(c / system.box.nx % system.box.ny),
+    field.voxel.push_back({static_cast<std::int32_t>(c % system.box.nx),
+                           static_cast<std::int32_t>(c / system.box.nx % system.box.ny),
                            static_cast<std::int32_t>(c / columns)});
   }
   field.radiance.resize(n * m);
@@ -423,7 +467,8 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
     for (std::size_t d = 0; d < m; ++d) {
       const Direction& travel = field.direction[d];
       const StartFraction start = start_for_centred_exit(system.box, travel, system.vertical);
-      const PathPattern pattern = make_path_pattern(system.box, travel, start.x, start.y, system.vertical, {0, system.box.nz()});
+      const PathPattern pattern =
+          make_path_pattern(system.box, travel, start.x, start.y, system.vertical, {0, system.box.nz()});
       std::vector<Real> rays(columns, static_cast<Real>(problem.sky_radiance));
       if (pattern.upward) {
         for (std::size_t c = 0; c < columns; ++c) {
@@ -437,7 +482,8 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
         if (!pattern.upward) std::reverse(side.begin(), side.end());
       }
       source.query(travel, radiance.data());
-      march<Real, true>(pattern, system.cells, system.box.periodic, side, radiance.data(), rays.data(), work, [](int, const Real*) {});
+      march<Real, true>(pattern, system.cells, system.box.periodic, side, radiance.data(), rays.data(), work,
+                        [](int, const Real*) {});
       for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
     }
   }
@@ -471,8 +517,9 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   phase_start = Clock::now();
   TransportSystem<Real> system = make_system<Real>(problem, discretisation, options);
   std::optional<Surroundings> surroundings;
-  const bool lit_from_outside = problem.sky_radiance > 0 || std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
-                                                                        [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
+  const bool lit_from_outside = problem.sky_radiance > 0 ||
+                                std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
+                                            [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
   if (!problem.grid.box.periodic && !options.independent_columns && lit_from_outside) {
     surroundings.emplace(problem, discretisation, options);
     for (const Direction& d : system.ordinates.direction) {
@@ -484,9 +531,10 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   report.seconds_beam = seconds_since(phase_start);
 
   const IterationResult<Real> solved =
-      iterate_source<Real>(system, {options.tolerance, options.energy_tolerance, options.max_sweeps}, [&](int sweep, double error, double residual) {
-        if (progress) progress({"sweep", sweep, error, residual, 0});
-      });
+      iterate_source<Real>(system, {options.tolerance, options.energy_tolerance, options.max_sweeps},
+                           [&](int sweep, double error, double residual) {
+                             if (progress) progress({"sweep", sweep, error, residual, 0});
+                           });
   solution.ledger = solved.ledger;
   report.converged = solved.report.converged;
   report.sweeps = solved.report.sweeps;
@@ -496,10 +544,12 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   report.seconds_acceleration = solved.report.seconds_acceleration;
 
   phase_start = Clock::now();
-  FluxFields<Real>(problem, discretisation, options, system, solved, surroundings ? &*surroundings : nullptr, progress).fill(solution);
+  FluxFields<Real>(problem, discretisation, options, system, solved, surroundings ? &*surroundings : nullptr, progress)
+      .fill(solution);
   fill_cell_fields(problem, options, system, solved, solution);
   if (options.radiance_field) {
-    solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, surroundings ? &*surroundings : nullptr);
+    solution.radiance_field =
+        make_radiance_field(problem, discretisation, options, system, solved, surroundings ? &*surroundings : nullptr);
   }
   report.seconds_gather = seconds_since(phase_start);
 
@@ -530,9 +580,11 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
   if (options.actinic && problem.grid.active_cells() < cells) {
     Problem full = problem;
     full.grid = with_empty_cells(problem.grid);
-    return options.double_precision ? solve_as<double>(full, options, progress) : solve_as<float>(full, options, progress);
+    return options.double_precision ? solve_as<double>(full, options, progress)
+                                    : solve_as<float>(full, options, progress);
   }
-  return options.double_precision ? solve_as<double>(problem, options, progress) : solve_as<float>(problem, options, progress);
+  return options.double_precision ? solve_as<double>(problem, options, progress)
+                                  : solve_as<float>(problem, options, progress);
 }
 
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options) {
@@ -544,10 +596,12 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   const auto points = static_cast<std::size_t>(options.control_points);
   const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
   // Grid, cells with their neighbours, and the beams.
-  const std::size_t system = active * (4 * (1 + phases) + real * (1 + 2 * phases) + 3 * (8 + real) + 8 + 2 * real) + dense * 8;
+  const std::size_t system =
+      active * (4 * (1 + phases) + real * (1 + 2 * phases) + 3 * (8 + real) + 8 + 2 * real) + dense * 8;
   const std::size_t iteration = iteration_memory(active, dense, static_cast<int>(ordinates), real);
   // While the gather runs: radiance at the ordinates, source at the points, a direction's work arrays on each thread.
-  const std::size_t gather = active * real * (ordinates + points + 4 * phases + 4 * threads + 4) + dense * (8 * 3 + 4 * 10 + 12);
+  const std::size_t gather =
+      active * real * (ordinates + points + 4 * phases + 4 * threads + 4) + dense * (8 * 3 + 4 * 10 + 12);
   const std::size_t radiance_field = options.radiance_field ? active * (points * 4 + 12) : 0;
   constexpr std::size_t program = 60'000'000;  // libraries, tables, the cloud as read
   return program + system + std::max(iteration, gather) + radiance_field;
@@ -563,11 +617,15 @@ double predict_seconds(const Problem& problem, const SolverOptions& options) {
   const BoxGrid& box = problem.grid.box;
   const double dz = (box.z_edge_m.back() - box.z_edge_m.front()) / box.nz();
   double segments = 0;
-  for (const Direction& d : ordinates.direction) segments += 1 + (std::abs(d.x()) * dz / box.dx_m + std::abs(d.y()) * dz / box.dy_m) / std::abs(d.z());
-  const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz()) : problem.grid.active_cells());
+  for (const Direction& d : ordinates.direction)
+    segments += 1 + (std::abs(d.x()) * dz / box.dx_m + std::abs(d.y()) * dz / box.dy_m) / std::abs(d.z());
+  const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz())
+                                                           : problem.grid.active_cells());
   const double directions = ordinates.size();
-  const double sweep = cells * (segments * seconds_a_segment + directions * seconds_a_cell_and_direction + directions * directions * seconds_a_multiply);
-  const double gather = cells * (3.5 * options.gather_directions) * (3 * seconds_a_segment + seconds_a_cell_and_direction);
+  const double sweep = cells * (segments * seconds_a_segment + directions * seconds_a_cell_and_direction +
+                                directions * directions * seconds_a_multiply);
+  const double gather =
+      cells * (3.5 * options.gather_directions) * (3 * seconds_a_segment + seconds_a_cell_and_direction);
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   return (sweep * usual_sweeps + gather) / threads + .2;
 }

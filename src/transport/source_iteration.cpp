@@ -39,7 +39,8 @@ std::vector<std::size_t> columns_at_exit(const BoxGrid& box, const PathPattern& 
   std::vector<std::size_t> column(box.columns());
   for (int r = 0; r < box.ny; ++r) {
     for (int m = 0; m < box.nx; ++m) {
-      column[static_cast<std::size_t>(r) * box.nx + m] = static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
+      column[static_cast<std::size_t>(r) * box.nx + m] =
+          static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
     }
   }
   return column;
@@ -51,7 +52,8 @@ struct LowMoments {
   DenseMatrix<Real> weights;  // low_moments x D
   DenseMatrix<Real> shape;    // D x low_moments
 
-  explicit LowMoments(const OrdinateSet& ordinates) : weights(low_moments, ordinates.size()), shape(ordinates.size(), low_moments) {
+  explicit LowMoments(const OrdinateSet& ordinates)
+      : weights(low_moments, ordinates.size()), shape(ordinates.size(), low_moments) {
     Eigen::Vector3d squares = Eigen::Vector3d::Zero();
     for (int d = 0; d < ordinates.size(); ++d) squares += ordinates.weight[d] * ordinates.direction[d].cwiseAbs2();
     for (int d = 0; d < ordinates.size(); ++d) {
@@ -77,7 +79,8 @@ class Acceleration {
     for (std::size_t c = 0; c < n; ++c) {
       double scattered = 0;
       for (const auto& share : system.cells.scattered) scattered += static_cast<double>(share[c]);
-      const double volume = system.box.dx_m * system.box.dy_m * system.box.thickness_m(static_cast<int>(dense_[c] / columns));
+      const double volume =
+          system.box.dx_m * system.box.dy_m * system.box.thickness_m(static_cast<int>(dense_[c] / columns));
       power_per_change_[c] = scattered * static_cast<double>(system.cells.extinction[c]) * volume;
     }
     source_.resize(columns * static_cast<std::size_t>(system.box.nz()));
@@ -87,13 +90,15 @@ class Acceleration {
   // g[c] += e(change of the scalar flux in one sweep)
   void correct(std::span<const Real> change, std::span<Real> g) {
     std::fill(source_.begin(), source_.end(), 0.);
-    for (std::size_t c = 0; c < dense_.size(); ++c) source_[dense_[c]] = power_per_change_[c] * static_cast<double>(change[c]);
+    for (std::size_t c = 0; c < dense_.size(); ++c)
+      source_[dense_[c]] = power_per_change_[c] * static_cast<double>(change[c]);
     operator_.solve(source_, correction_);
     for (std::size_t c = 0; c < dense_.size(); ++c) g[c] += static_cast<Real>(correction_[dense_[c]]);
   }
 
  private:
-  static DiffusionCoefficients coefficients(const TransportSystem<Real>& system, const std::vector<std::uint32_t>& dense) {
+  static DiffusionCoefficients coefficients(const TransportSystem<Real>& system,
+                                            const std::vector<std::uint32_t>& dense) {
     DiffusionCoefficients result;
     const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
     result.extinction.assign(cells, 0.F);
@@ -103,7 +108,8 @@ class Acceleration {
       const double extinction = static_cast<double>(system.cells.extinction[c]);
       double transport = system.absorption[c];
       for (std::size_t p = 0; p < system.cells.scattered.size(); ++p) {
-        transport += static_cast<double>(system.cells.scattered[p][c]) * extinction * (1 - system.truncated_asymmetry[p]);
+        transport +=
+            static_cast<double>(system.cells.scattered[p][c]) * extinction * (1 - system.truncated_asymmetry[p]);
       }
       result.extinction[dense[c]] = static_cast<float>(extinction);
       result.transport[dense[c]] = static_cast<float>(transport);
@@ -122,12 +128,14 @@ class Acceleration {
 };
 
 template <class Real>
-EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& fluxes, std::span<const Real> scalar_flux, std::span<const double> volume) {
+EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& fluxes,
+                       std::span<const Real> scalar_flux, std::span<const double> volume) {
   const double columns = static_cast<double>(system.box.columns());
   const double top_area = columns * system.box.dx_m * system.box.dy_m;
   double absorbed = 0;
   for (std::size_t c = 0; c < system.absorption.size(); ++c) {
-    const double actinic = static_cast<double>(scalar_flux[c]) + (system.beam_irradiance.empty() ? 0. : static_cast<double>(system.beam_irradiance[c]));
+    const double actinic = static_cast<double>(scalar_flux[c]) +
+                           (system.beam_irradiance.empty() ? 0. : static_cast<double>(system.beam_irradiance[c]));
     absorbed += system.absorption[c] * actinic * volume[c];
   }
   double surface = 0;
@@ -141,7 +149,8 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& f
   ledger.surface_absorptance = (1 - system.surface_albedo) * surface / system.power_in;
   ledger.side_gain = (fluxes.side_gain + system.beam_side_gain) / system.power_in;
   ledger.side_loss = (fluxes.side_loss + system.beam_side_loss) / system.power_in;
-  ledger.residual = 1 + ledger.side_gain - (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
+  ledger.residual =
+      1 + ledger.side_gain - (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
   return ledger;
 }
 
@@ -186,8 +195,10 @@ SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field
           totals.profile[edge] = sum;
           if (keep_columns) std::copy_n(p, columns, passing[d].data() + edge * columns);
         };
-        const std::span<const Real> side = system.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system.side_radiance[d]);
-        totals.sides = march<Real, true>(pattern, system.cells, box.periodic, side, field.row(d), rays.data(), work, at_level);
+        const std::span<const Real> side =
+            system.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system.side_radiance[d]);
+        totals.sides =
+            march<Real, true>(pattern, system.cells, box.periodic, side, field.row(d), rays.data(), work, at_level);
         exit[d].resize(columns);
         const auto column = columns_at_exit(box, pattern);
         for (std::size_t m = 0; m < columns; ++m) {
@@ -239,7 +250,8 @@ SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field
 }
 
 template <class Real>
-IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options, const IterationCallback& progress) {
+IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
+                                     const IterationCallback& progress) {
   const std::size_t n = system.cells.size();
   const std::size_t columns = system.box.columns();
   IterationResult<Real> result;
@@ -287,17 +299,21 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     for (std::size_t c = 0; c < n; ++c) change[c] = g[c] - x[c];
     acceleration->correct(change, std::span<Real>(g).first(n));
     for (std::size_t c = 0; c < n; ++c) change[c] = g[c] - x[c];
-    const double size = std::sqrt(ordered_dot<Real>(std::span<const Real>(g).first(n), std::span<const Real>(g).first(n)));
+    const double size =
+        std::sqrt(ordered_dot<Real>(std::span<const Real>(g).first(n), std::span<const Real>(g).first(n)));
     const double step = size > 0 ? std::sqrt(ordered_dot<Real>(change, change)) / size : 0;
     steps.push_back(step);
-    // The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to rho/(1 - rho).
+    // The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
+    // rho/(1 - rho).
     double rho = .5;
-    if (steps.size() >= 3 && steps[steps.size() - 3] > 0) rho = std::clamp(std::sqrt(step / steps[steps.size() - 3]), .2, .95);
+    if (steps.size() >= 3 && steps[steps.size() - 3] > 0)
+      rho = std::clamp(std::sqrt(step / steps[steps.size() - 3]), .2, .95);
     report.estimated_error = step * std::max(.5, rho / (1 - rho));
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
     const bool was_recorded = last_try;
-    within_tolerance = report.estimated_error <= options.tolerance && std::abs(result.ledger.residual) <= options.energy_tolerance;
+    within_tolerance =
+        report.estimated_error <= options.tolerance && std::abs(result.ledger.residual) <= options.energy_tolerance;
     if (was_recorded && (within_tolerance || report.sweeps >= options.max_sweeps)) {
       report.converged = within_tolerance;
       break;
@@ -309,16 +325,21 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   return result;
 }
 
-std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates, std::size_t size_of_real) {
+std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates,
+                             std::size_t size_of_real) {
   const std::size_t history = 2 * (anderson_depth + 1) + 6;
-  const std::size_t a_cell = size_of_real * (static_cast<std::size_t>(ordinates) + low_moments * history + 8) + 8 * 4 + 12 * 3;
-  const std::size_t a_place = 12 + 8 * (4 + 2 + 3 + 4) * 4 / 3;  // diffusion: coefficients, vectors, and a third more for the coarser grids
+  const std::size_t a_cell =
+      size_of_real * (static_cast<std::size_t>(ordinates) + low_moments * history + 8) + 8 * 4 + 12 * 3;
+  const std::size_t a_place =
+      12 + 8 * (4 + 2 + 3 + 4) * 4 / 3;  // diffusion: coefficients, vectors, and a third more for the coarser grids
   return active_cells * a_cell + dense_cells * a_place;
 }
 
 template SweepFluxes sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
 template SweepFluxes sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
-template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&, const IterationCallback&);
-template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&, const IterationCallback&);
+template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&,
+                                                      const IterationCallback&);
+template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&,
+                                                        const IterationCallback&);
 
 }  // namespace cloudbow

@@ -1,4 +1,5 @@
-// The active cells as the kernels see them: delta-M scaled coefficients in contiguous arrays, rows that hold any, and each cell's neighbours.
+// The active cells as the kernels see them: delta-M scaled coefficients in contiguous arrays, rows that hold any, and
+// each cell's neighbours.
 #pragma once
 
 #include <array>
@@ -21,7 +22,7 @@ struct ActiveRows {
   int nx = 1;
   int ny = 1;
   int nz = 1;
-  std::vector<std::uint32_t> level_row;   ///< [nz + 1] rows of level k are rows[level_row[k] .. level_row[k+1])
+  std::vector<std::uint32_t> level_row;  ///< [nz + 1] rows of level k are rows[level_row[k] .. level_row[k+1])
   std::vector<ActiveRow> rows;
   std::vector<RowSpan> spans;
   std::vector<std::uint32_t> level_cell;  ///< [nz + 1] cells of level k are [level_cell[k], level_cell[k+1])
@@ -36,10 +37,12 @@ ActiveRows active_rows(const OpticalGrid& grid);
 template <class Real>
 struct Cells {
   ActiveRows rows;
-  std::vector<Real> extinction;                  ///< [n] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
-  std::vector<std::vector<Real>> scattered;      ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
-  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a neighbour is missing above or
-  /// below, the cell itself stands in and the difference is one-sided; beside, the slope is zero.
+  std::vector<Real> extinction;  ///< [n] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
+  std::vector<std::vector<Real>>
+      scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
+  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a
+  /// neighbour is missing above or below, the cell itself stands in and the difference is one-sided; beside, the slope
+  /// is zero.
   std::array<std::vector<std::uint32_t>, 3> low;
   std::array<std::vector<std::uint32_t>, 3> high;
   std::array<std::vector<Real>, 3> scale;

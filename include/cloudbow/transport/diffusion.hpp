@@ -1,5 +1,6 @@
-// Diffusion synthetic acceleration: what is left of the error after a sweep is nearly isotropic and obeys a diffusion equation, which is solved here
-// for the correction of the scalar flux (docs/theory.md, "Acceleration"; Alcouffe 1977, Larsen 1982).
+// Diffusion synthetic acceleration: what is left of the error after a sweep is nearly isotropic and obeys a diffusion
+// equation, which is solved here for the correction of the scalar flux (docs/theory.md, "Acceleration"; Alcouffe 1977,
+// Larsen 1982).
 #pragma once
 
 #include <memory>
@@ -12,15 +13,16 @@ namespace cloudbow {
 
 /// Coefficients by dense cell (k*ny + j)*nx + i, all >= 0.
 struct DiffusionCoefficients {
-  std::vector<float> extinction;        ///< sigma' 1/m
-  std::vector<float> transport;         ///< sigma' - sum_p scattering'_p chi'_1p, 1/m
-  std::vector<float> absorption;        ///< 1/m
+  std::vector<float> extinction;  ///< sigma' 1/m
+  std::vector<float> transport;   ///< sigma' - sum_p scattering'_p chi'_1p, 1/m
+  std::vector<float> absorption;  ///< 1/m
   double surface_albedo = 0;
-  bool vertical = false;                ///< independent columns: no coupling across
+  bool vertical = false;  ///< independent columns: no coupling across
 };
 
-/// Seven-point finite volumes with harmonic face coefficients, Marshak conditions at top and bottom (and open sides), solved by conjugate gradients with
-/// one multigrid V-cycle (z-line smoothing, coarsening across) as preconditioner. Deterministic.
+/// Seven-point finite volumes with harmonic face coefficients, Marshak conditions at top and bottom (and open sides),
+/// solved by conjugate gradients with one multigrid V-cycle (z-line smoothing, coarsening across) as preconditioner.
+/// Deterministic.
 class DiffusionOperator {
  public:
   DiffusionOperator(const BoxGrid& box, const DiffusionCoefficients& coefficients);

@@ -1,4 +1,5 @@
-// The converged source in any direction: scattered light from the control points, the direct beam's first scattering from its phase function itself.
+// The converged source in any direction: scattered light from the control points, the direct beam's first scattering
+// from its phase function itself.
 #pragma once
 
 #include <vector>
@@ -23,7 +24,8 @@ struct DirectionalSource {
   Direction sun_travel = -Direction::UnitZ();
   std::vector<SingleScattering<Real>> first_order;
 
-  /// Source of all cells for light that travels along `direction`: three streams times three weights, and one more a beam.
+  /// Source of all cells for light that travels along `direction`: three streams times three weights, and one more a
+  /// beam.
   void query(const Direction& direction, Real* source) const;
 };
 

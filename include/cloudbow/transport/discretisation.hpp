@@ -15,9 +15,10 @@ struct Discretisation {
   OrdinateSet ordinates;
   std::vector<ScatteringTable> table;  ///< [p]
   std::vector<DeltaM> diffuse;         ///< [p] truncated at N: what the iteration scatters
-  std::vector<DeltaM> gather;          ///< [p] truncated at gather_order: what the gather's single scattering still resolves
+  std::vector<DeltaM> gather;  ///< [p] truncated at gather_order: what the gather's single scattering still resolves
 
-  /// Order to which the gather's directions about the sun (some two degrees apart) resolve a forward peak; a narrower core stays in the beam.
+  /// Order to which the gather's directions about the sun (some two degrees apart) resolve a forward peak; a narrower
+  /// core stays in the beam.
   static constexpr int gather_order = 48;
 
   std::vector<double> diffuse_fraction() const;
@@ -26,6 +27,7 @@ struct Discretisation {
 };
 
 /// @throws InputError for names and counts that do not exist.
-Discretisation discretise(const std::vector<PhaseFunction>& phase, const std::optional<Direction>& sun_travel, const SolverOptions& options);
+Discretisation discretise(const std::vector<PhaseFunction>& phase, const std::optional<Direction>& sun_travel,
+                          const SolverOptions& options);
 
 }  // namespace cloudbow

@@ -1,8 +1,8 @@
 // The functions that carry light through a cell of optical path t (docs/theory.md, "March along a ray"):
 //   phi1 = (1 - e^-t)/t,  phi_{k+1} = (1/k! - phi_k)/t.
-// Float: one rational approximation for all three, phi1 = N/Q, phi2 = B/Q, phi3 = C/Q with Q = N + t B. What enters and is emitted then leaves or
-// stays to the last digit, whatever the error of the fit (2e-6); all coefficients are positive, so all three are.
-// Double: exact to rounding.
+// Float: one rational approximation for all three, phi1 = N/Q, phi2 = B/Q, phi3 = C/Q with Q = N + t B. What enters and
+// is emitted then leaves or stays to the last digit, whatever the error of the fit (2e-6); all coefficients are
+// positive, so all three are. Double: exact to rounding.
 #pragma once
 
 #include <algorithm>
@@ -24,10 +24,13 @@ inline constexpr float largest_optical_path = 1e5F;
 // Inlined always: a call inside a loop over rays would keep it from being vectorised.
 [[gnu::always_inline]] inline ExponentialFunctions<float> exponential_functions(float t) {
   t = t < largest_optical_path ? t : largest_optical_path;
-  const float n = 1.F + t * (.2356420609F + t * (.06120111118F + t * (.009783008893F + t * (.001078225308F + t * .0001481520364F))));
-  const float b = .5F + t * (.2011543638F + t * (.05017445831F + t * (.008730071922F + t * (.0009299086192F + t * .0001481520364F))));
+  const float n = 1.F + t * (.2356420609F +
+                             t * (.06120111118F + t * (.009783008893F + t * (.001078225308F + t * .0001481520364F))));
+  const float b = .5F + t * (.2011543638F +
+                             t * (.05017445831F + t * (.008730071922F + t * (.0009299086192F + t * .0001481520364F))));
   const float c =
-      .1666666667F + t * (.08100327917F + t * (.02124866168F + t * (.003974239996F + t * (.0003908782914F + t * .0000740760182F))));
+      .1666666667F +
+      t * (.08100327917F + t * (.02124866168F + t * (.003974239996F + t * (.0003908782914F + t * .0000740760182F))));
   const float inverse = 1.F / (n + t * b);
   return {n * inverse, b * inverse, c * inverse};
 }

@@ -17,11 +17,13 @@ struct GatherDirection {
   double weight;  ///< sr
 };
 
-/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, count/4 more that crowd about its direction as HG(.85) does.
-/// Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance heuristic: Veach 1997).
+/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, count/4 more that crowd about its direction
+/// as HG(.85) does. Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance
+/// heuristic: Veach 1997).
 std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel);
 
-/// Radiance that comes in through open sides along a direction, at each interface by height [nz+1]; an empty vector: none.
+/// Radiance that comes in through open sides along a direction, at each interface by height [nz+1]; an empty vector:
+/// none.
 using SideRadiance = std::function<std::vector<double>(const Direction&)>;
 
 template <class Real>
@@ -29,18 +31,20 @@ struct GatherScene {
   const BoxGrid& box;
   const Cells<Real>& cells;
   const DirectionalSource<Real>& source;
-  SideRadiance side_radiance;             ///< asked only where the box is open; may be empty
+  SideRadiance side_radiance;  ///< asked only where the box is open; may be empty
   double sky_radiance = 0;
-  std::vector<Real> surface_radiance;     ///< [columns] leaving the surface upward
+  std::vector<Real> surface_radiance;  ///< [columns] leaving the surface upward
 };
 
-/// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from the plane; what distant cells send
-/// is smoothed over the spread of the beams that stand for it (distance bands).
+/// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from
+/// the plane; what distant cells send is smoothed over the spread of the beams that stand for it (distance bands).
 template <class Real>
-std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward, const std::vector<GatherDirection>& directions);
+std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
+                                const std::vector<GatherDirection>& directions);
 
 /// Diffuse fluxes at all interfaces from a forward march, unsmoothed: [nz+1][columns].
 template <class Real>
-std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward, const std::vector<GatherDirection>& directions);
+std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward,
+                                      const std::vector<GatherDirection>& directions);
 
 }  // namespace cloudbow

@@ -1,5 +1,6 @@
-// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). A ray is known by its launch column; in a segment
-// of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo the box. Rays never move in memory.
+// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). A ray is known by its
+// launch column; in a segment of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo the box.
+// Rays never move in memory.
 #pragma once
 
 #include <span>
@@ -16,10 +17,12 @@ inline int wrapped(int i, int n) {
   return r < 0 ? r + n : r;
 }
 
-/// Calls `kernel(ray, cell, n, segment)` for every run of n rays from index `ray` that lie in n cells from index `cell`, segment by segment of the
-/// level that `step` of the pattern crosses, and `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
+/// Calls `kernel(ray, cell, n, segment)` for every run of n rays from index `ray` that lie in n cells from index
+/// `cell`, segment by segment of the level that `step` of the pattern crosses, and `enter(segment, at)` before a
+/// segment that begins at a horizontal face, at = fraction of the level done.
 template <class Kernel, class Enter>
-inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Kernel& kernel, const Enter& enter) {
+inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Kernel& kernel,
+                        const Enter& enter) {
   const std::uint32_t first_row = rows.level_row[level];
   const std::uint32_t last_row = rows.level_row[level + 1];
   const int nx = rows.nx;
@@ -60,8 +63,8 @@ inline void for_rays_through_side(const Segment& segment, int nx, int ny, const 
   }
 }
 
-/// Adds rays that leave a level at fractional position (x, y) columns from their launch column to the columns they overlap: each ray is as wide as
-/// `width` columns. Call with n = nx*ny values; `add(column, ray, weight)`.
+/// Adds rays that leave a level at fractional position (x, y) columns from their launch column to the columns they
+/// overlap: each ray is as wide as `width` columns. Call with n = nx*ny values; `add(column, ray, weight)`.
 template <class Add>
 inline void spread_on_columns(double x, double y, double width, int nx, int ny, bool periodic, const Add& add) {
   struct Overlap {
@@ -95,11 +98,14 @@ inline void spread_on_columns(double x, double y, double width, int nx, int ny, 
   }
 }
 
-/// Slopes of a source over the cells [first, first + n), limited so that the linear source stays positive in every cell.
+/// Slopes of a source over the cells [first, first + n), limited so that the linear source stays positive in every
+/// cell.
 template <class Real>
-void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x, Real* slope_y, Real* slope_z);
+void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x,
+                   Real* slope_y, Real* slope_z);
 
-/// A segment in the precision of the kernel: its length, its share of the level's chord, and where in the cell it begins and ends.
+/// A segment in the precision of the kernel: its length, its share of the level's chord, and where in the cell it
+/// begins and ends.
 template <class Real>
 struct SegmentGeometry {
   Real length, share;
@@ -117,13 +123,14 @@ struct SegmentGeometry {
         to_z(static_cast<Real>(segment.to[2])) {}
 };
 
-/// `count` rays cross `count` cells of linear source (S1 where they enter, S2 where they leave; docs/theory.md, "March along a ray"):
+/// `count` rays cross `count` cells of linear source (S1 where they enter, S2 where they leave; docs/theory.md, "March
+/// along a ray"):
 ///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
 ///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
 template <class Real, bool keep_mean>
-inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __restrict extinction, const Real* __restrict source,
-                        const Real* __restrict slope_x, const Real* __restrict slope_y, const Real* __restrict slope_z, Real* __restrict ray,
-                        Real* __restrict mean) {
+inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __restrict extinction,
+                        const Real* __restrict source, const Real* __restrict slope_x, const Real* __restrict slope_y,
+                        const Real* __restrict slope_z, Real* __restrict ray, Real* __restrict mean) {
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
     const Real t = extinction[i] * g.length;
@@ -131,7 +138,8 @@ inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __
     const Real entry = source[i] + g.from_x * slope_x[i] + g.from_y * slope_y[i] + g.from_z * slope_z[i];
     const Real exit = source[i] + g.to_x * slope_x[i] + g.to_y * slope_y[i] + g.to_z * slope_z[i];
     const Real in = ray[i];
-    if constexpr (keep_mean) mean[i] += g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
+    if constexpr (keep_mean)
+      mean[i] += g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
     ray[i] = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
   }
 }
@@ -149,12 +157,14 @@ struct MarchWorkspace {
   std::array<std::vector<Real>, 2> mean;
 };
 
-/// One direction through all levels. `source` [n] becomes the voxel-mean radiance if keep_mean; `rays` [nx*ny] hold the radiance at the start and at the
-/// end. at_level(step, rays) is called before the first level and after each.
-/// @param side_radiance [nz + 1] in marching order: radiance coming in through open sides at each interface; empty: none.
+/// One direction through all levels. `source` [n] becomes the voxel-mean radiance if keep_mean; `rays` [nx*ny] hold the
+/// radiance at the start and at the end. at_level(step, rays) is called before the first level and after each.
+/// @param side_radiance [nz + 1] in marching order: radiance coming in through open sides at each interface; empty:
+/// none.
 template <class Real, bool keep_mean, class AtLevel>
-MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool periodic, std::span<const Real> side_radiance, Real* source, Real* rays,
-                        MarchWorkspace<Real>& work, const AtLevel& at_level) {
+MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool periodic,
+                  std::span<const Real> side_radiance, Real* source, Real* rays, MarchWorkspace<Real>& work,
+                  const AtLevel& at_level) {
   const ActiveRows& rows = cells.rows;
   MarchTotals totals;
   const std::size_t largest = rows.largest_level();
@@ -163,7 +173,8 @@ MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool per
   int previous = -1;  // level whose mean waits to replace its source: its neighbour's slopes still need the source
   const auto flush = [&] {
     if (keep_mean && previous >= 0) {
-      std::copy_n(work.mean[previous & 1].data(), rows.level_cell[previous + 1] - rows.level_cell[previous], source + rows.level_cell[previous]);
+      std::copy_n(work.mean[previous & 1].data(), rows.level_cell[previous + 1] - rows.level_cell[previous],
+                  source + rows.level_cell[previous]);
     }
   };
   for (int step = 0; step < pattern.levels(); ++step) {
@@ -178,13 +189,15 @@ MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool per
     const double chord = pattern.chord_m[step];
     const auto kernel = [&](std::size_t ray, std::size_t cell, int count, const Segment& segment) {
       const std::size_t here = cell - first;
-      cross_cells<Real, keep_mean>({segment, chord}, count, cells.extinction.data() + cell, source + cell, work.slope_x.data() + here, work.slope_y.data() + here,
-                                   work.slope_z.data() + here, rays + ray, mean + here);
+      cross_cells<Real, keep_mean>({segment, chord}, count, cells.extinction.data() + cell, source + cell,
+                                   work.slope_x.data() + here, work.slope_y.data() + here, work.slope_z.data() + here,
+                                   rays + ray, mean + here);
     };
     const auto enter = [&](const Segment& segment, double at) {
       if (periodic) return;
-      const Real outside = side_radiance.empty() ? Real(0)
-                                                 : static_cast<Real>((1 - at) * side_radiance[step] + at * side_radiance[step + 1]);
+      const Real outside = side_radiance.empty()
+                               ? Real(0)
+                               : static_cast<Real>((1 - at) * side_radiance[step] + at * side_radiance[step + 1]);
       for_rays_through_side(segment, rows.nx, rows.ny, [&](std::size_t ray) {
         totals.left_sides += rays[ray];
         totals.entered_sides += outside;

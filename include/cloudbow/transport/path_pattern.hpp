@@ -1,5 +1,6 @@
-// The path of one direction through the levels of a box, shared by all its rays. Rays start at the same fraction of every column, so in a level
-// each crosses the same short list of segments; the list is made once per direction (docs/theory.md, "Shared pattern").
+// The path of one direction through the levels of a box, shared by all its rays. Rays start at the same fraction of
+// every column, so in a level each crosses the same short list of segments; the list is made once per direction
+// (docs/theory.md, "Shared pattern").
 #pragma once
 
 #include <cstdint>
@@ -17,10 +18,10 @@ enum class Entry : std::int8_t { none, x_low, x_high, y_low, y_high };
 struct Segment {
   int shift_x;
   int shift_y;
-  Entry entry;       ///< x_low: through the face at the cell's lower x, coming from the neighbour below
-  double fraction;   ///< of the level's chord; the fractions of a level sum to 1
-  /// Where it enters and leaves the cell, in cell units from the centre, less the level's chord-weighted mean so that a linear source keeps
-  /// the cell's mean source exactly.
+  Entry entry;      ///< x_low: through the face at the cell's lower x, coming from the neighbour below
+  double fraction;  ///< of the level's chord; the fractions of a level sum to 1
+  /// Where it enters and leaves the cell, in cell units from the centre, less the level's chord-weighted mean so that a
+  /// linear source keeps the cell's mean source exactly.
   std::array<double, 3> from;
   std::array<double, 3> to;
 };
@@ -30,7 +31,7 @@ struct PathPattern {
   int first_level;                         ///< lowest level crossed
   std::vector<std::uint32_t> level_begin;  ///< in marching order, nz + 1
   std::vector<Segment> segments;
-  std::vector<double> chord_m;             ///< [level in marching order] thickness / |mu|
+  std::vector<double> chord_m;  ///< [level in marching order] thickness / |mu|
   /// Position after each level (nz + 1, the first is the start) in columns from the launch column's lower corner.
   std::vector<double> x;
   std::vector<double> y;
@@ -50,7 +51,8 @@ struct LevelRange {
 /// @param start_x, start_y start within the launch column, in [0, 1).
 /// @param vertical light stays in its column (independent columns): horizontal motion is ignored, chords are not.
 /// A periodic axis of one column is likewise not crossed: the field does not vary along it.
-PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y, bool vertical, LevelRange levels);
+PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
+                              bool vertical, LevelRange levels);
 
 /// Start fraction at which rays leave the last level at the centre of a column.
 struct StartFraction {

@@ -9,10 +9,12 @@
 
 namespace cloudbow {
 
-/// Low moments of the radiance of a cell: integral of J over the sphere, and of J times the x, y and z components of the direction.
+/// Low moments of the radiance of a cell: integral of J over the sphere, and of J times the x, y and z components of
+/// the direction.
 inline constexpr int low_moments = 4;
 
-/// D values a cell, one row an ordinate: value(d, c) at data[d * stride + c]. Holds source or voxel-mean radiance, each in the other's place.
+/// D values a cell, one row an ordinate: value(d, c) at data[d * stride + c]. Holds source or voxel-mean radiance, each
+/// in the other's place.
 template <class Real>
 struct AngularField {
   int rows = 0;
@@ -22,7 +24,10 @@ struct AngularField {
 
   AngularField() = default;
   AngularField(int row_count, std::size_t cell_count)
-      : rows(row_count), cells(cell_count), stride((cell_count + 15) / 16 * 16 + 16), data(static_cast<std::size_t>(row_count) * stride, Real(0)) {}
+      : rows(row_count),
+        cells(cell_count),
+        stride((cell_count + 15) / 16 * 16 + 16),
+        data(static_cast<std::size_t>(row_count) * stride, Real(0)) {}
   Real* row(int d) { return data.data() + static_cast<std::size_t>(d) * stride; }
   const Real* row(int d) const { return data.data() + static_cast<std::size_t>(d) * stride; }
 };
@@ -30,8 +35,8 @@ struct AngularField {
 template <class Real>
 using DenseMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rounds a scattering matrix to Real so that every column keeps its integral: sum_i weight_i m(i, j) differs from the double's by less than a unit
-/// in the last place of one element.
+/// Rounds a scattering matrix to Real so that every column keeps its integral: sum_i weight_i m(i, j) differs from the
+/// double's by less than a unit in the last place of one element.
 template <class Real>
 DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::span<const double> weight);
 
@@ -42,16 +47,20 @@ struct BeamSource {
   std::vector<Real> intensity;                       ///< [n]
 };
 
-/// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + sum of beam sources.
-/// @param correction [low_moments][n] added to the moments of J before it scatters (from the acceleration); empty: none.
+/// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + sum of beam
+/// sources.
+/// @param correction [low_moments][n] added to the moments of J before it scatters (from the acceleration); empty:
+/// none.
 /// @param correction_shape D x low_moments: what a unit of each moment adds to J_d.
 template <class Real>
-void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, std::span<const BeamSource<Real>> beam,
-                      std::span<const Real> correction, const DenseMatrix<Real>& correction_shape);
+void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
+                      std::span<const BeamSource<Real>> beam, std::span<const Real> correction,
+                      const DenseMatrix<Real>& correction_shape);
 
 /// The same without beam and correction into another field: the scattered source at the control points.
 template <class Real>
-void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, AngularField<Real>& source);
+void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
+                AngularField<Real>& source);
 
 /// moments[m * n + c] = sum_d weights(m, d) J_d(c).
 template <class Real>

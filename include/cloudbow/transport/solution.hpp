@@ -1,4 +1,5 @@
-// What is solved and what comes out, in plain arrays. Conventions: z up, k and z_edge ascend; light is given by its direction of travel.
+// What is solved and what comes out, in plain arrays. Conventions: z up, k and z_edge ascend; light is given by its
+// direction of travel.
 #pragma once
 
 #include <array>
@@ -15,16 +16,16 @@
 namespace cloudbow {
 
 struct Sun {
-  Direction travel;         ///< direction in which sunlight travels, z < 0
-  double irradiance = 1;    ///< W m-2 through a surface that faces the sun
+  Direction travel;       ///< direction in which sunlight travels, z < 0
+  double irradiance = 1;  ///< W m-2 through a surface that faces the sun
 };
 
 struct Problem {
   OpticalGrid grid;
   std::vector<PhaseFunction> phase;  ///< one for each of grid.scattering
   std::optional<Sun> sun;
-  double sky_radiance = 0;           ///< W m-2 sr-1, uniform diffuse light from above
-  double surface_albedo = 0;         ///< Lambertian, 0 to 1
+  double sky_radiance = 0;    ///< W m-2 sr-1, uniform diffuse light from above
+  double surface_albedo = 0;  ///< Lambertian, 0 to 1
 };
 
 enum class FluxLevels { all, boundaries, listed };
@@ -33,22 +34,23 @@ struct SolverOptions {
   int control_points = 162;
   std::string directions = "double-gauss-8x16";  ///< an ordinate set by name
   FitOptions fit;
-  int gather_directions = 512;   ///< directions a hemisphere in the last gather; 0: fluxes from the ordinates themselves
-  int beam_rays = 16;            ///< rays of the direct beam a column, a square number
-  double tolerance = 1e-4;       ///< estimated true relative error of the iteration
+  int gather_directions = 512;  ///< directions a hemisphere in the last gather; 0: fluxes from the ordinates themselves
+  int beam_rays = 16;           ///< rays of the direct beam a column, a square number
+  double tolerance = 1e-4;      ///< estimated true relative error of the iteration
   double energy_tolerance = 1e-5;
   int max_sweeps = 200;
   bool independent_columns = false;  ///< no light crosses from column to column
   bool double_precision = false;     ///< 1D scenes cost nothing in double
   FluxLevels flux_levels = FluxLevels::all;
-  std::vector<int> listed_levels;    ///< indices of z_edge, ascending, where flux_levels is listed
+  std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed
   bool absorption = true;
   bool actinic = false;
   bool radiance_field = false;
-  int threads = 0;                   ///< 0: all that OpenMP gives
+  int threads = 0;  ///< 0: all that OpenMP gives
 };
 
-/// Fractions of the solar power through the horizontal top (with sky: of all power that enters through the top). docs/theory.md, "Energy".
+/// Fractions of the solar power through the horizontal top (with sky: of all power that enters through the top).
+/// docs/theory.md, "Energy".
 struct EnergyLedger {
   double reflectance = 0;
   double transmittance = 0;         ///< direct and diffuse
@@ -61,13 +63,14 @@ struct EnergyLedger {
 };
 
 struct SolverReport {
-  bool converged = false;         ///< estimated error within tolerance and ledger within energy_tolerance
+  bool converged = false;  ///< estimated error within tolerance and ledger within energy_tolerance
   int sweeps = 0;
   double estimated_error = 0;
-  double gather_rescaling = 1;    ///< factor that brought the gathered diffuse flux to the solver's mean (the one farthest from 1)
+  double gather_rescaling =
+      1;  ///< factor that brought the gathered diffuse flux to the solver's mean (the one farthest from 1)
   int control_points = 0;
   std::string directions;
-  std::string mode;               ///< "1d", "2d", "3d" or "independent-columns"
+  std::string mode;  ///< "1d", "2d", "3d" or "independent-columns"
   std::size_t active_voxels = 0;
   int threads = 1;
   double seconds_total = 0;
@@ -85,9 +88,9 @@ struct SolverReport {
 };
 
 struct RadianceField {
-  std::vector<Direction> direction;               ///< M control points
-  std::vector<std::array<std::int32_t, 3>> voxel; ///< n active voxels: i, j, k
-  std::vector<float> radiance;                    ///< n x M, W m-2 sr-1, voxel mean, diffuse
+  std::vector<Direction> direction;                ///< M control points
+  std::vector<std::array<std::int32_t, 3>> voxel;  ///< n active voxels: i, j, k
+  std::vector<float> radiance;                     ///< n x M, W m-2 sr-1, voxel mean, diffuse
 };
 
 struct Solution {
@@ -99,8 +102,9 @@ struct Solution {
   std::vector<double> profile_upwelling_flux;   ///< [nz+1] domain means
   std::vector<double> profile_downwelling_diffuse_flux;
   std::vector<double> profile_direct_flux;
-  std::vector<float> absorbed_power;            ///< [nz][ny][nx] W m-3, empty unless asked
-  std::vector<float> actinic_flux;              ///< [nz][ny][nx] W m-2, empty unless asked; NaN where no light was computed (empty cells)
+  std::vector<float> absorbed_power;  ///< [nz][ny][nx] W m-3, empty unless asked
+  std::vector<float>
+      actinic_flux;  ///< [nz][ny][nx] W m-2, empty unless asked; NaN where no light was computed (empty cells)
   std::optional<RadianceField> radiance_field;
   EnergyLedger ledger;
   SolverReport report;
@@ -108,11 +112,11 @@ struct Solution {
 
 /// Told after each sweep and phase; may throw to stop the solve.
 struct SolverProgress {
-  std::string phase;           ///< "tables", "beam", "sweep", "gather"
+  std::string phase;  ///< "tables", "beam", "sweep", "gather"
   int sweep = 0;
   double estimated_error = 0;
   double energy_residual = 0;
-  double fraction = 0;         ///< of this phase
+  double fraction = 0;  ///< of this phase
 };
 using ProgressCallback = std::function<void(const SolverProgress&)>;
 

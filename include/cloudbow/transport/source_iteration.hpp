@@ -1,5 +1,5 @@
-// Source iteration: scatter, sweep, accelerate, until the estimated true error and the energy ledger are within tolerance
-// (docs/theory.md, "Iteration").
+// Source iteration: scatter, sweep, accelerate, until the estimated true error and the energy ledger are within
+// tolerance (docs/theory.md, "Iteration").
 #pragma once
 
 #include <functional>
@@ -22,17 +22,17 @@ struct TransportSystem {
   bool vertical = false;  ///< independent columns
   Cells<Real> cells;
   OrdinateSet ordinates;
-  std::vector<DenseMatrix<Real>> scattering;   ///< [p] D x D, ordinates from ordinates
-  std::vector<double> truncated_asymmetry;     ///< [p] chi'_1
-  std::vector<BeamSource<Real>> beam;          ///< the direct beam's first scattering at the ordinates
-  std::vector<double> absorption;              ///< [n] 1/m
-  std::vector<Real> beam_irradiance;           ///< [n] of the solver's own beam (order N_b); empty without sun
-  std::vector<double> beam_surface_flux;       ///< [columns] of that beam at the surface; empty without sun
-  double beam_side_gain = 0;                   ///< W m-2 of the top
+  std::vector<DenseMatrix<Real>> scattering;  ///< [p] D x D, ordinates from ordinates
+  std::vector<double> truncated_asymmetry;    ///< [p] chi'_1
+  std::vector<BeamSource<Real>> beam;         ///< the direct beam's first scattering at the ordinates
+  std::vector<double> absorption;             ///< [n] 1/m
+  std::vector<Real> beam_irradiance;          ///< [n] of the solver's own beam (order N_b); empty without sun
+  std::vector<double> beam_surface_flux;      ///< [columns] of that beam at the surface; empty without sun
+  double beam_side_gain = 0;                  ///< W m-2 of the top
   double beam_side_loss = 0;
   double sky_radiance = 0;
   double surface_albedo = 0;
-  double power_in = 1;                         ///< W m-2 through the top, direct and diffuse
+  double power_in = 1;  ///< W m-2 through the top, direct and diffuse
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
 };
@@ -40,13 +40,13 @@ struct TransportSystem {
 /// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.
 struct SweepFluxes {
   double up_top = 0;
-  double down_surface = 0;   ///< diffuse
-  double side_gain = 0;      ///< diffuse
+  double down_surface = 0;  ///< diffuse
+  double side_gain = 0;     ///< diffuse
   double side_loss = 0;
-  std::vector<double> surface_flux;     ///< [columns] direct and diffuse, downward
-  std::vector<double> profile_up;       ///< [nz+1] domain means, only from a recording sweep
+  std::vector<double> surface_flux;  ///< [columns] direct and diffuse, downward
+  std::vector<double> profile_up;    ///< [nz+1] domain means, only from a recording sweep
   std::vector<double> profile_down;
-  std::vector<double> column_up;        ///< [nz+1][columns], only from a recording sweep of columns that exchange no light
+  std::vector<double> column_up;  ///< [nz+1][columns], only from a recording sweep of columns that exchange no light
   std::vector<double> column_down;
 };
 
@@ -70,20 +70,22 @@ struct IterationResult {
   AngularField<Real> radiance;  ///< voxel-mean diffuse radiance at the ordinates
   std::vector<Real> moments;    ///< [low_moments][n] of it
   SweepFluxes fluxes;
-  EnergyLedger ledger;          ///< transmittance_direct left for the caller
+  EnergyLedger ledger;  ///< transmittance_direct left for the caller
   IterationReport report;
 };
 
 using IterationCallback = std::function<void(int sweep, double estimated_error, double energy_residual)>;
 
 template <class Real>
-IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options, const IterationCallback& progress);
+IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
+                                     const IterationCallback& progress);
 
 /// One sweep: source at the ordinates becomes voxel-mean radiance.
 template <class Real>
 SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record);
 
 /// Bytes that iterate_source holds at its peak, beside the system.
-std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates, std::size_t size_of_real);
+std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates,
+                             std::size_t size_of_real);
 
 }  // namespace cloudbow
