@@ -8,21 +8,14 @@ namespace {
 // Rays are shared out over this many accumulators whatever the number of threads, so that sums have one order.
 constexpr int groups = 4;
 
+// (1 - e^-t)/t: mean over the path of what enters as 1. Below one half (1 - e)/t loses digits in float; the series to
+// t^7 does not.
 template <class Real>
-struct Attenuation {
-  Real transmission;
-  Real mean;  // (1 - e^-t)/t: mean over the path of what enters as 1
-};
-
-template <class Real>
-inline Attenuation<Real> attenuation(Real t) {
-  const Real e = transmission(t);
-  // Below one half (1 - e)/t loses digits in float; the series to t^7 does not.
+[[gnu::always_inline]] inline Real mean_transmission(Real t) {
   Real series = Real(1) - t * Real(1. / 8);
   for (int k = 7; k >= 2; --k) series = Real(1) - t * series * (Real(1) / static_cast<Real>(k));
-  const bool thin = t < Real(.5);
-  const Real mean = thin ? series : (Real(1) - e) / (t + std::numeric_limits<Real>::min());
-  return {thin ? Real(1) - t * mean : e, mean};
+  const Real thick = (Real(1) - transmission(t)) / (t + std::numeric_limits<Real>::min());
+  return t < Real(.5) ? series : thick;
 }
 
 template <class Real>
@@ -46,7 +39,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
   const int rays_y = still_y ? 1 : across;
   const int rays = rays_x * rays_y;
   const double width = 1. / across;
-  const Real share_of_ray = static_cast<Real>(1. / rays);
+  const Real irradiance_of_ray = static_cast<Real>(sun.irradiance / rays);
   const std::size_t columns = box.columns();
 
   // Optical path from the top down to each interface, in marching order, of the layers alone.
@@ -62,45 +55,45 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     Accumulator<Real>& sum = sums[g];
     sum.irradiance.assign(rows.size(), Real(0));
     sum.level_flux.assign(columns * (box.nz() + 1), 0.);
-    std::vector<Real> beam(columns);
+    // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
+    std::vector<Real> path(columns);
     for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
       // The nudge keeps rays off the faces when the sun stands on an axis.
       const PathPattern pattern =
           make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
                             options.vertical, {0, box.nz()});
-      std::fill(beam.begin(), beam.end(), static_cast<Real>(sun.irradiance));
+      std::fill(path.begin(), path.end(), Real(0));
       const auto record = [&](int step) {
         double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
-        const double scale = mu0 / rays;
+        const double scale = mu0 * sun.irradiance / rays;
         spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
                           [&](std::size_t column, std::size_t m, double weight) {
-                            flux[column] += scale * weight * static_cast<double>(beam[m]);
+                            flux[column] += scale * weight * static_cast<double>(transmission(path[m]));
                           });
       };
       record(0);
       for (int step = 0; step < box.nz(); ++step) {
         const Real chord = static_cast<Real>(pattern.chord_m[step]);
         const auto kernel = [&](std::size_t m, std::size_t cell, int count, const Segment& segment) {
-          Real* __restrict const p = beam.data() + m;
+          Real* __restrict const before = path.data() + m;
           const Real* __restrict const sigma = extinction.data() + cell;
           Real* __restrict const mean = sum.irradiance.data() + cell;
           const Real length = chord * static_cast<Real>(segment.fraction);
-          const Real share = static_cast<Real>(segment.fraction) * share_of_ray;
+          const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
 #pragma omp simd
           for (int i = 0; i < count; ++i) {
-            const Attenuation<Real> a = attenuation(sigma[i] * length);
-            mean[i] += share * a.mean * p[i];
-            p[i] *= a.transmission;
+            const Real t = sigma[i] * length;
+            mean[i] += share * mean_transmission(t) * transmission(before[i]);
+            before[i] += t;
           }
         };
         const auto enter = [&](const Segment& segment, double at) {
           if (box.periodic) return;
-          const double path = (1 - at) * layer_path[step] + at * layer_path[step + 1];
-          const Real outside = static_cast<Real>(sun.irradiance * std::exp(-path));
+          const Real outside = static_cast<Real>((1 - at) * layer_path[step] + at * layer_path[step + 1]);
           for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
-            sum.loss += beam[m];
-            sum.gain += outside;
-            beam[m] = outside;
+            sum.loss += static_cast<double>(transmission(path[m]));
+            sum.gain += static_cast<double>(transmission(outside));
+            path[m] = outside;
           });
         };
         cross_level(pattern, step, pattern.level(step), rows, kernel, enter);
@@ -117,8 +110,8 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sums[g].level_flux[c];
   }
   for (const auto& sum : sums) {
-    result.side_gain += sum.gain * mu0 / rays / static_cast<double>(columns);
-    result.side_loss += sum.loss * mu0 / rays / static_cast<double>(columns);
+    result.side_gain += sum.gain * mu0 * sun.irradiance / rays / static_cast<double>(columns);
+    result.side_loss += sum.loss * mu0 * sun.irradiance / rays / static_cast<double>(columns);
   }
   return result;
 }

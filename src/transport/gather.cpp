@@ -157,7 +157,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
                    tz = static_cast<Real>(segment.to[2]);
 #pragma omp simd
         for (int i = 0; i < count; ++i) {
-          const Real t = sigma[i] * length;
+          const Real t = std::min(sigma[i] * length, static_cast<Real>(largest_optical_path));
           const auto phi = exponential_functions(t);
           const Real near = s[i] + fx * gx[i] + fy * gy[i] + fz * gz[i];
           const Real far = s[i] + tx * gx[i] + ty * gy[i] + tz * gz[i];
