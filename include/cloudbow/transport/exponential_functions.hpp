@@ -1,8 +1,8 @@
 // The functions that carry light through a cell of optical path t (docs/theory.md, "March along a ray"):
 //   phi1 = (1 - e^-t)/t,  phi_{k+1} = (1/k! - phi_k)/t.
 // Float: one rational approximation for all three, phi1 = N/Q, phi2 = B/Q, phi3 = C/Q with Q = N + t B. What enters and
-// is emitted then leaves or stays to the last digit, whatever the error of the fit (2e-6); all coefficients are
-// positive, so all three are. Double: exact to rounding.
+// is emitted then leaves or stays to the last digit, whatever the error of the fit (2e-6 of phi1, 3e-6 in t phi2 and
+// t phi3); all coefficients are positive, so all three are. Double: exact to rounding.
 #pragma once
 
 #include <algorithm>
@@ -18,12 +18,12 @@ struct ExponentialFunctions {
   Real phi3;
 };
 
-/// Beyond this optical path a cell is opaque to 1e-5 and powers of t would leave the range of float.
-inline constexpr float largest_optical_path = 1e5F;
+/// Longer optical paths are taken as this one: mean radiance and source then agree to the last digit of float, and the
+/// sixth power of t is still in its range.
+inline constexpr float largest_optical_path = 5e6F;
 
-// Inlined always: a call inside a loop over rays would keep it from being vectorised.
+// Up to largest_optical_path. Inlined always: a call inside a loop over rays would keep it from being vectorised.
 [[gnu::always_inline]] inline ExponentialFunctions<float> exponential_functions(float t) {
-  t = t < largest_optical_path ? t : largest_optical_path;
   const float n = 1.F + t * (.2356420609F +
                              t * (.06120111118F + t * (.009783008893F + t * (.001078225308F + t * .0001481520364F))));
   const float b = .5F + t * (.2011543638F +

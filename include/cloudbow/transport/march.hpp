@@ -133,7 +133,7 @@ inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __
                         const Real* __restrict slope_z, Real* __restrict ray, Real* __restrict mean) {
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
-    const Real t = extinction[i] * g.length;
+    const Real t = std::min(extinction[i] * g.length, static_cast<Real>(largest_optical_path));
     const ExponentialFunctions<Real> phi = exponential_functions(t);
     const Real entry = source[i] + g.from_x * slope_x[i] + g.from_y * slope_y[i] + g.from_z * slope_z[i];
     const Real exit = source[i] + g.to_x * slope_x[i] + g.to_y * slope_y[i] + g.to_z * slope_z[i];
