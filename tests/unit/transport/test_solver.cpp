@@ -527,8 +527,6 @@ TEST(Solve, LayersShineInThroughOpenSides) {
   const Solution open = solve(problem_of(grid(false), PhaseFunction::isotropic()), options);
   const Solution periodic = solve(problem_of(grid(true), PhaseFunction::isotropic()), options);
   expect_finite_and_closed(open, 1e-5);
-  printf("open %g %g periodic %g %g gain %g loss %g\n", open.ledger.reflectance, open.ledger.transmittance,
-         periodic.ledger.reflectance, periodic.ledger.transmittance, open.ledger.side_gain, open.ledger.side_loss);
   // What shines in is linear between the 16 levels' interfaces, where radiance is concave: .1 % of it is missing.
   EXPECT_NEAR(open.ledger.reflectance, periodic.ledger.reflectance, 1e-3);
   EXPECT_NEAR(open.ledger.transmittance, periodic.ledger.transmittance, 1e-3);
