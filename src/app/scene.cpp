@@ -319,7 +319,7 @@ class SceneReader {
                    : *fit == "least-squares"    ? FitMethod::least_squares
                                                 : FitMethod::collocation;
     }
-    solver.gather_directions = reader.find_integer("gather_directions", 0, 1000000);
+    solver.gather_directions = reader.find_integer("gather_directions", 1, 1000000);
     solver.beam_rays = reader.find_integer("beam_rays", 1, 1024);
     if (solver.beam_rays) {
       const int side = static_cast<int>(std::lround(std::sqrt(*solver.beam_rays)));

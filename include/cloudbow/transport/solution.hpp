@@ -34,13 +34,14 @@ struct SolverOptions {
   int control_points = 162;
   std::string directions = "double-gauss-8x16";  ///< an ordinate set by name
   FitOptions fit;
-  int gather_directions = 512;  ///< directions a hemisphere in the last gather; 0: fluxes from the ordinates themselves
-  int beam_rays = 16;           ///< rays of the direct beam a column, a square number
-  double tolerance = 1e-4;      ///< estimated true relative error of the iteration
+  int gather_directions =
+      512;             ///< directions a hemisphere in the last gather, >= 1; columns that exchange no light do without
+  int beam_rays = 16;  ///< rays of the direct beam a column, a square number
+  double tolerance = 1e-4;  ///< estimated true relative error of the iteration
   double energy_tolerance = 1e-5;
   int max_sweeps = 200;
   bool independent_columns = false;  ///< no light crosses from column to column
-  bool double_precision = false;     ///< 1D scenes cost nothing in double
+  bool double_precision = false;     ///< 1D scenes cost nothing in double; very thick cells take it by themselves
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed
   bool absorption = true;

@@ -123,7 +123,7 @@ control_points = 42
 directions = "double-gauss-6x8"
 delta_m_order = 5
 fit = "least-squares"
-gather_directions = 0
+gather_directions = 64
 beam_rays = 9
 tolerance = 1e-6
 max_sweeps = 17
@@ -152,7 +152,7 @@ fields = ["fluxes", "actinic"]
   EXPECT_EQ(scene.solver.directions, "double-gauss-6x8");
   EXPECT_EQ(scene.solver.delta_m_order, 5);
   EXPECT_EQ(scene.solver.fit, FitMethod::least_squares);
-  EXPECT_EQ(scene.solver.gather_directions, 0);
+  EXPECT_EQ(scene.solver.gather_directions, 64);
   EXPECT_EQ(scene.solver.beam_rays, 9);
   EXPECT_EQ(scene.solver.tolerance, 1e-6);
   EXPECT_EQ(scene.solver.max_sweeps, 17);
