@@ -7,7 +7,7 @@
 namespace cloudbow {
 
 // Below this many cells a parallel loop costs more than it saves.
-constexpr std::size_t worth_threads = 20000;
+constexpr std::size_t worth_threads = 100000;
 
 // One grid of the multigrid: couplings to the next cell along each axis (periodic neighbour included) and the diagonal.
 struct DiffusionOperator::Level {
