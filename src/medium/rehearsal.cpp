@@ -6,10 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <exception>
 #include <fstream>
 #include <new>
+#include <string>
 #include <system_error>
 
 #include "cloudbow/core/error.hpp"
@@ -18,7 +20,8 @@ namespace cloudbow {
 
 namespace {
 
-constexpr int out_of_memory = 1;
+constexpr int found_an_error = 1;
+constexpr int out_of_memory = 2;
 
 struct Limits {
   rlim_t cpu_seconds;
@@ -52,7 +55,25 @@ void impose(const Limits& limits) {
 #endif
 }
 
-[[noreturn]] void perform(const Limits& limits, const std::function<void()>& parse) {
+void write_all(int file, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const auto written = write(file, text.data() + done, text.size() - done);
+    if (written < 0 && errno != EINTR) return;
+    if (written > 0) done += static_cast<std::size_t>(written);
+  }
+}
+
+std::string read_all(int file) {
+  std::string text;
+  std::array<char, 512> buffer{};
+  while (true) {
+    const auto bytes = read(file, buffer.data(), buffer.size());
+    if (bytes == 0 || (bytes < 0 && errno != EINTR)) return text;
+    if (bytes > 0) text.append(buffer.data(), static_cast<std::size_t>(bytes));
+  }
+}
+
+[[noreturn]] void perform(const Limits& limits, const std::function<void()>& parse, int answer) {
   impose(limits);
   // What the library says, it will say again.
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
@@ -64,7 +85,9 @@ void impose(const Limits& limits) {
     parse();
   } catch (const std::bad_alloc&) {
     status = out_of_memory;
-  } catch (const std::exception&) {
+  } catch (const std::exception& error) {
+    status = found_an_error;
+    write_all(answer, error.what());
   }
   _exit(status);
 }
@@ -73,9 +96,16 @@ void impose(const Limits& limits) {
 
 void rehearse(const std::filesystem::path& path, const std::function<void()>& parse) {
   const Limits limits = limits_for(path);
+  std::array<int, 2> answer{};
+  if (pipe2(answer.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe2");
   const pid_t child = fork();
-  if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
-  if (child == 0) perform(limits, parse);
+  if (child == 0) perform(limits, parse, answer[1]);
+  const int fork_error = errno;
+  close(answer[1]);
+  const std::string message = child > 0 ? read_all(answer[0]) : "";
+  close(answer[0]);
+  if (child < 0) throw std::system_error(fork_error, std::generic_category(), "fork");
+
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {
     if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "waitpid");
@@ -87,6 +117,7 @@ void rehearse(const std::filesystem::path& path, const std::function<void()>& pa
     if (WTERMSIG(status) != SIGXCPU && WTERMSIG(status) != SIGKILL) throw damaged("OpenVDB crashes on it");
     throw damaged(fmt::format("OpenVDB needs more than {} s for it", limits.cpu_seconds));
   }
+  if (WEXITSTATUS(status) == found_an_error) throw InputError(message);
   if (WEXITSTATUS(status) == out_of_memory) {
     throw damaged(fmt::format("OpenVDB needs more than {} MB for it", limits.memory_bytes / 1000000));
   }

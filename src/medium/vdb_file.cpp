@@ -425,14 +425,20 @@ std::vector<float> read_companion(const std::filesystem::path& path, const Cloud
 
 /// Some damaged files make OpenVDB overflow its heap, spin or ask for all memory: the file is first parsed in a child
 /// process. OpenVDB works on one thread here and there: a child inherits no others, and would wait for them.
-template <class Read>
-auto after_rehearsal(const std::filesystem::path& path, const std::string& grid, Read read) {
+template <class Parse, class Read>
+auto after_rehearsal(const std::filesystem::path& path, Parse parse, Read read) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  rehearse(path, [&] {
+  rehearse(path, parse);
+  return read();
+}
+
+template <class Read>
+auto after_rehearsal_of_grid(const std::filesystem::path& path, const std::string& grid, Read read) {
+  const auto parse = [&] {
     VdbInput input(path, grid);
     input.load(input.find(grid));
-  });
-  return read();
+  };
+  return after_rehearsal(path, parse, read);
 }
 
 std::vector<VdbGridInfo> list_grids(const VdbInput& input) {
@@ -452,18 +458,20 @@ std::vector<VdbGridInfo> list_grids(const VdbInput& input) {
 
 CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
   check_options(options);
-  return after_rehearsal(path, options.grid, [&] { return read_cloud(path, options); });
+  return after_rehearsal_of_grid(path, options.grid, [&] { return read_cloud(path, options); });
 }
 
 std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options, double lowest, double highest) {
   check_options(options);
-  return after_rehearsal(path, options.grid, [&] { return read_companion(path, cloud, options, lowest, highest); });
+  return after_rehearsal_of_grid(path, options.grid,
+                                 [&] { return read_companion(path, cloud, options, lowest, highest); });
 }
 
 CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
   CloudInfo info{.path = path, .bytes = 0, .grids = {}};
-  info.grids = after_rehearsal(path, "", [&] { return list_grids(VdbInput(path, "")); });
+  const auto list = [&] { return list_grids(VdbInput(path, "")); };
+  info.grids = after_rehearsal(path, list, list);
   info.bytes = std::filesystem::file_size(path);
   for (auto& grid : info.grids) {
     try {
