@@ -1,7 +1,6 @@
 #include "fit_programme.hpp"
 
 #include <ClpSimplex.hpp>
-#include <ClpSolve.hpp>
 #include <CoinError.hpp>
 #include <CoinPackedMatrix.hpp>
 #include <vector>
@@ -78,10 +77,12 @@ std::optional<Eigen::VectorXd> solve(const FitProgramme& programme, Simplex algo
                         row_upper.data());
     simplex.setPrimalTolerance(1e-9);
     simplex.setDualTolerance(1e-9);
-    ClpSolve how;
-    how.setSolveType(algorithm == Simplex::primal ? ClpSolve::usePrimal : ClpSolve::useDual);
-    how.setPresolveType(ClpSolve::presolveOff);
-    simplex.initialSolve(how);
+    // Not initialSolve(): it puts its own handler on SIGINT, and an interrupted run would go on.
+    if (algorithm == Simplex::primal) {
+      simplex.primal();
+    } else {
+      simplex.dual();
+    }
     if (simplex.status() != 0) return std::nullopt;
     const Eigen::Map<const Eigen::VectorXd> price(simplex.getRowPrice(), points);
     return (programme.lower - price.array()).matrix();
