@@ -10,6 +10,7 @@
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/delta_m.hpp"
+#include "cloudbow/results/raster_file.hpp"
 
 namespace cloudbow {
 namespace {
@@ -227,6 +228,21 @@ Direction sun_travel(const SceneSun& sun) {
   return {-std::sin(zenith) * std::cos(azimuth), -std::sin(zenith) * std::sin(azimuth), -std::cos(zenith)};
 }
 
+Raster read_albedo_map(const Scene& scene) {
+  try {
+    Raster raster = read_raster(scene.albedo_map, "albedo");
+    for (std::size_t i = 0; i < raster.value.size(); ++i) {
+      const float albedo = raster.value[i];
+      if (albedo >= 0 && albedo <= 1) continue;
+      throw InputError(fmt::format("{}: albedo at row {}, column {} is {} (allowed: 0 to 1)", scene.albedo_map.string(),
+                                   i / raster.nx, i % raster.nx, albedo));
+    }
+    return raster;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.where("surface.albedo_map"), error.what()));
+  }
+}
+
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   OpenedCloud cloud;
   if (scene.cloud) cloud = open_cloud(scene);
@@ -244,7 +260,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   for (const ScenePhaseFunction& phase : scene.phase_functions) problem.phase.push_back(phase.function);
   if (scene.sun) problem.sun = Sun{sun_travel(*scene.sun), scene.sun->irradiance_w_m2};
   problem.sky_radiance = scene.sky_radiance;
-  problem.surface_albedo = scene.surface_albedo;
+  problem.surface = scene.surface;
 
   const bool one_column =
       field == nullptr || (std::lround((domain.max_m[0] - domain.min_m[0]) / field->cell_size_m[0]) == 1 &&
@@ -266,6 +282,10 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
                                      static_cast<int>(problem.phase.size()), forward_fraction, levels);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+  }
+  if (!scene.albedo_map.empty()) {
+    const BoxGrid& box = problem.grid.box;
+    problem.surface.albedo_map = area_means(read_albedo_map(scene), box.nx, box.ny);
   }
   for (const double height : scene.output.heights_m) {
     const int level = nearest_edge(problem.grid.box.z_edge_m, height);

@@ -289,14 +289,49 @@ class SceneReader {
   }
 
   void read_surface(const ConfigReader& reader) {
-    const auto type = reader.find_text("type");
-    if (type == "rpv" || type == "ross-li" || type == "cox-munk") {
-      throw InputError(fmt::format("{}: {}: \"{}\" is not available in this version", reader.place_of("type"),
-                                   reader.full_name("type"), *type));
+    const std::string type =
+        reader.find_choice("type", {"lambertian", "rpv", "ross-li", "cox-munk"}).value_or("lambertian");
+    std::vector<std::string> keys{"type", "slope_deg", "aspect_deg"};
+    const auto check_keys = [&](std::initializer_list<std::string> more) {
+      keys.insert(keys.end(), more);
+      reader.check_keys(keys);
+    };
+    Surface& surface = scene_.surface;
+    surface.tilt.slope_deg = reader.find_number("slope_deg", {"0 to 89", 0, 89}).value_or(0);
+    surface.tilt.aspect_deg = reader.find_number("aspect_deg", kFinite).value_or(0);
+    if (type == "lambertian") {
+      check_keys({"albedo", "albedo_map"});
+      surface.albedo = reader.find_number("albedo", kFraction).value_or(0);
+      if (const auto map = reader.find_text("albedo_map")) read_albedo_map_key(reader, *map);
+      if (surface.tilt.slope_deg > 0) surface.brdf = SurfaceBrdf::lambertian(surface.albedo);
+    } else if (type == "rpv") {
+      check_keys({"rho0", "k", "theta", "rho_c"});
+      const double rho0 = reader.number("rho0", kNotNegative);
+      surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", kPositive),
+                                      reader.number("theta", {"between -1 and 1", -1, 1, false, false}),
+                                      reader.find_number("rho_c", kNotNegative).value_or(rho0));
+    } else if (type == "ross-li") {
+      check_keys({"f_iso", "f_vol", "f_geo"});
+      surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", kNotNegative), reader.number("f_vol", kFinite),
+                                          reader.number("f_geo", kFinite));
+    } else {
+      check_keys({"wind_speed_m_s", "refractive_index"});
+      surface.brdf = SurfaceBrdf::cox_munk(
+          reader.number("wind_speed_m_s", {"0 to 50", 0, 50}),
+          reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}).value_or(1.34));
     }
-    reader.find_choice("type", {"lambertian"});
-    reader.check_keys({"type", "albedo"}, {"slope_deg", "aspect_deg", "albedo_map"});
-    scene_.surface_albedo = reader.find_number("albedo", kFraction).value_or(0);
+  }
+
+  void read_albedo_map_key(const ConfigReader& reader, const std::string& file) {
+    if (reader.has("albedo")) reader.fail("albedo_map", "stands beside `albedo`", file, "one of the two");
+    if (scene_.surface.tilt.slope_deg > 0)
+      reader.fail("albedo_map", "stands beside `slope_deg`", file, "one of the two");
+    if (!scene_.cloud) {
+      reader.fail("albedo_map", "needs a cloud, whose columns it covers", file,
+                  "`albedo` where there are layers alone");
+    }
+    scene_.albedo_map = existing_file(reader, "albedo_map");
+    remember(reader, "albedo_map");
   }
 
   void read_solver(const ConfigReader& reader) {

@@ -116,7 +116,7 @@ void blur(std::vector<double>& field, const BoxGrid& box, double sigma_m) {
 
 template <class Real>
 struct GatherWorkspace {
-  std::vector<Real> source, slope_x, slope_y, slope_z, gathered, transmitted;
+  std::vector<Real> source, slope_x, slope_y, slope_z, gathered, transmitted, ground;
 };
 
 // One direction, marched backwards from the plane: per band what its cells send, and what comes from beyond the last
@@ -184,14 +184,15 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
     }
   }
   // Beyond the last level: the sky for light that comes down, the lit surface for light that goes up.
+  const bool upward_light = travel.z() > 0;
+  const Real* const ground = upward_light ? scene.ground->along(travel, work.ground) : nullptr;
   const int sx = wrapped(static_cast<int>(std::floor(pattern.x.back())), box.nx);
   const int sy = wrapped(static_cast<int>(std::floor(pattern.y.back())), box.ny);
   for (int r = 0; r < box.ny; ++r) {
     for (int m = 0; m < box.nx; ++m) {
       const std::size_t ray = static_cast<std::size_t>(r) * box.nx + m;
       const std::size_t hit = static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
-      beyond[ray] += work.transmitted[ray] *
-                     (travel.z() > 0 ? scene.surface_radiance[hit] : static_cast<Real>(scene.sky_radiance));
+      beyond[ray] += work.transmitted[ray] * (upward_light ? ground[hit] : static_cast<Real>(scene.sky_radiance));
     }
   }
 }
@@ -325,12 +326,14 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
     MarchWorkspace<Real> work;
     std::vector<Real> source(scene.cells.size());
     std::vector<Real> rays;
+    std::vector<Real> from_ground;
     for (std::size_t q = g; q < directions.size(); q += groups) {
       const Direction& travel = directions[q].travel;
       scene.source.query(travel, source.data());
       const PathPattern pattern = make_path_pattern(box, travel, .5, .5, false, {0, box.nz()});
       if (upward) {
-        rays = scene.surface_radiance;
+        const Real* const start_of_rays = scene.ground->along(travel, from_ground);
+        rays.assign(start_of_rays, start_of_rays + columns);
       } else {
         rays.assign(columns, static_cast<Real>(scene.sky_radiance));
       }

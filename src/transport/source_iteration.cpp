@@ -115,7 +115,7 @@ class Acceleration {
       result.transport[dense[c]] = static_cast<float>(transport);
       result.absorption[dense[c]] = static_cast<float>(system.absorption[c]);
     }
-    result.surface_albedo = system.surface_albedo;
+    result.surface_albedo = system.ground.mean_albedo();
     result.vertical = system.vertical;
     return result;
   }
@@ -128,7 +128,7 @@ class Acceleration {
 };
 
 template <class Real>
-EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& fluxes,
+EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes,
                        std::span<const Real> scalar_flux, std::span<const double> volume) {
   const double columns = static_cast<double>(system.box.columns());
   const double top_area = columns * system.box.dx_m * system.box.dy_m;
@@ -146,7 +146,7 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& f
   ledger.reflectance = fluxes.up_top / system.power_in;
   ledger.transmittance = surface / system.power_in;
   ledger.absorptance = absorbed / top_area / system.power_in;
-  ledger.surface_absorptance = (1 - system.surface_albedo) * surface / system.power_in;
+  ledger.surface_absorptance = fluxes.surface_absorbed / system.power_in;
   ledger.side_gain = (fluxes.side_gain + system.beam_side_gain) / system.power_in;
   ledger.side_loss = (fluxes.side_loss + system.beam_side_loss) / system.power_in;
   ledger.residual =
@@ -157,7 +157,7 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes& f
 }  // namespace
 
 template <class Real>
-SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record) {
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record) {
   const BoxGrid& box = system.box;
   const OrdinateSet& ordinates = system.ordinates;
   const std::size_t columns = box.columns();
@@ -166,7 +166,7 @@ SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field
   std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
   std::vector<std::vector<Real>> exit(ordinates.size());
   std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
-  std::vector<Real> upward_start(columns, Real(0));
+  typename Ground<Real>::Reflection ground;
 
   const auto march_ordinates = [&](bool upward) {
 #pragma omp parallel
@@ -180,7 +180,8 @@ SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field
         const StartFraction start = start_for_centred_exit(box, travel, system.vertical);
         const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, system.vertical, {0, box.nz()});
         if (upward) {
-          rays = upward_start;
+          const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
+          rays.assign(start_of_rays, start_of_rays + columns);
         } else {
           rays.assign(columns, static_cast<Real>(system.sky_radiance));
         }
@@ -209,17 +210,12 @@ SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field
     }
   };
 
-  SweepFluxes fluxes;
+  SweepFluxes<Real> fluxes;
   march_ordinates(false);
-  fluxes.surface_flux = system.beam_surface_flux.empty() ? std::vector<double>(columns, 0.) : system.beam_surface_flux;
-  for (int d = 0; d < ordinates.size(); ++d) {
-    if (ordinates.direction[d].z() > 0) continue;
-    const double weight = ordinates.weight[d] * -ordinates.direction[d].z();
-    for (std::size_t m = 0; m < columns; ++m) fluxes.surface_flux[m] += weight * static_cast<double>(exit[d][m]);
-  }
-  for (std::size_t m = 0; m < columns; ++m) {
-    upward_start[m] = static_cast<Real>(system.surface_albedo / std::numbers::pi * fluxes.surface_flux[m]);
-  }
+  ground = system.ground.reflect(exit, system.beam_surface_flux, ordinates, columns);
+  fluxes.surface_flux = ground.flux;
+  fluxes.surface_absorbed = ground.absorbed;
+  if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
   march_ordinates(true);
 
   if (record) {
@@ -335,8 +331,8 @@ std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, 
   return active_cells * a_cell + dense_cells * a_place;
 }
 
-template SweepFluxes sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
-template SweepFluxes sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
+template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
+template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
 template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&,
                                                       const IterationCallback&);
 template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&,

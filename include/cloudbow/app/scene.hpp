@@ -81,7 +81,8 @@ struct Scene {
   SceneDomain domain;
   std::optional<SceneSun> sun;
   double sky_radiance = 0;
-  double surface_albedo = 0;
+  Surface surface;                   ///< without its map
+  std::filesystem::path albedo_map;  ///< empty: none
   SceneSolver solver;
   SceneOutput output;
   std::map<std::string, std::string>

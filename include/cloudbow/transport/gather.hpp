@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cloudbow/transport/directional_source.hpp"
+#include "cloudbow/transport/ground.hpp"
 #include "cloudbow/transport/march.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -33,7 +34,7 @@ struct GatherScene {
   const DirectionalSource<Real>& source;
   SideRadiance side_radiance;  ///< asked only where the box is open; may be empty
   double sky_radiance = 0;
-  std::vector<Real> surface_radiance;  ///< [columns] leaving the surface upward
+  const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
 };
 
 /// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from

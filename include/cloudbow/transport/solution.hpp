@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloudbow/medium/optical_grid.hpp"
+#include "cloudbow/medium/surface.hpp"
 #include "cloudbow/optics/phase_function.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 
@@ -24,8 +25,8 @@ struct Problem {
   OpticalGrid grid;
   std::vector<PhaseFunction> phase;  ///< one for each of grid.scattering
   std::optional<Sun> sun;
-  double sky_radiance = 0;    ///< W m-2 sr-1, uniform diffuse light from above
-  double surface_albedo = 0;  ///< Lambertian, 0 to 1
+  double sky_radiance = 0;  ///< W m-2 sr-1, uniform diffuse light from above
+  Surface surface;
 };
 
 enum class FluxLevels { all, boundaries, listed };

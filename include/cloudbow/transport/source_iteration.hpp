@@ -10,6 +10,7 @@
 
 #include "cloudbow/transport/diffusion.hpp"
 #include "cloudbow/transport/direct_beam.hpp"
+#include "cloudbow/transport/ground.hpp"
 #include "cloudbow/transport/scattering.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -31,20 +32,24 @@ struct TransportSystem {
   double beam_side_gain = 0;                  ///< W m-2 of the top
   double beam_side_loss = 0;
   double sky_radiance = 0;
-  double surface_albedo = 0;
+  Ground<Real> ground;
   double power_in = 1;  ///< W m-2 through the top, direct and diffuse
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
 };
 
 /// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.
+template <class Real>
 struct SweepFluxes {
   double up_top = 0;
   double down_surface = 0;  ///< diffuse
   double side_gain = 0;     ///< diffuse
   double side_loss = 0;
+  double surface_absorbed = 0;
   std::vector<double> surface_flux;  ///< [columns] direct and diffuse, downward
-  std::vector<double> profile_up;    ///< [nz+1] domain means, only from a recording sweep
+  /// [D][columns] radiance that arrives at the surface, only from a recording sweep over one that is not Lambertian.
+  std::vector<std::vector<Real>> surface_arriving;
+  std::vector<double> profile_up;  ///< [nz+1] domain means, only from a recording sweep
   std::vector<double> profile_down;
   std::vector<double> column_up;  ///< [nz+1][columns], only from a recording sweep of columns that exchange no light
   std::vector<double> column_down;
@@ -69,7 +74,7 @@ template <class Real>
 struct IterationResult {
   AngularField<Real> radiance;  ///< voxel-mean diffuse radiance at the ordinates
   std::vector<Real> moments;    ///< [low_moments][n] of it
-  SweepFluxes fluxes;
+  SweepFluxes<Real> fluxes;
   EnergyLedger ledger;  ///< transmittance_direct left for the caller
   IterationReport report;
 };
@@ -82,7 +87,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
 
 /// One sweep: source at the ordinates becomes voxel-mean radiance.
 template <class Real>
-SweepFluxes sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record);
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record);
 
 /// Bytes that iterate_source holds at its peak, beside the system.
 std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates,

@@ -85,7 +85,7 @@ TEST(Scene, EveryValueArrives) {
   EXPECT_EQ(scene.sun->zenith_deg, 60);
   EXPECT_EQ(scene.sun->azimuth_deg, 37);
   EXPECT_EQ(scene.sun->irradiance_w_m2, 1361);
-  EXPECT_EQ(scene.surface_albedo, 0.25);
+  EXPECT_EQ(scene.surface.albedo, 0.25);
   EXPECT_EQ(scene.solver.accuracy, "fine");
   EXPECT_TRUE(scene.domain.periodic);
   EXPECT_TRUE(scene.output.absorption);

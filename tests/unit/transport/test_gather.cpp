@@ -77,6 +77,7 @@ struct Scene {
   BoxGrid box;
   Cells<double> cells;
   DirectionalSource<double> source;
+  GroundRadiance<double> ground;
   GatherScene<double> gather;
 
   Scene(const BoxGrid& given, const std::vector<float>& extinction, const std::vector<double>& value, double sky,
@@ -84,7 +85,9 @@ struct Scene {
       : box(given),
         cells(make_cells<double>(make_grid(box, extinction, 1.), untruncated, false)),
         source{ControlPoints(12), AngularField<double>(12, cells.size()), -Direction::UnitZ(), {}},
-        gather{box, cells, source, {}, sky, std::vector<double>(box.columns(), surface)} {
+        ground{{}, AngularField<double>(1, box.columns()), {}},
+        gather{box, cells, source, {}, sky, &ground} {
+    std::fill_n(ground.at_points.row(0), box.columns(), surface);
     const auto dense = dense_indices(cells.rows);
     for (int m = 0; m < 12; ++m) {
       for (std::size_t c = 0; c < cells.size(); ++c) source.at_points.row(m)[c] = value[dense[c]];
@@ -229,11 +232,12 @@ TEST_F(GatherFlux, EmptyBoxShowsSkyAndSurface) {
   for (const double f : gather_flux(scene.gather, 0, false, gather_directions(512, false, sun)))
     EXPECT_NEAR(f, 5 * pi, .05 * pi);
   Random random(4);
-  for (double& s : scene.gather.surface_radiance) s = random();
+  double* const leaving = scene.ground.at_points.row(0);
+  for (std::size_t c = 0; c < box.columns(); ++c) leaving[c] = random();
   const auto flux = gather_flux(scene.gather, 6, true, gather_directions(512, true, std::nullopt));
-  EXPECT_NEAR(mean(flux), pi * mean(scene.gather.surface_radiance), 1e-12);  // each ray meets one column
+  EXPECT_NEAR(mean(flux), pi * mean({leaving, leaving + box.columns()}), 1e-12);  // each ray meets one column
   const auto here = gather_flux(scene.gather, 0, true, gather_directions(64, true, std::nullopt));
-  for (std::size_t c = 0; c < box.columns(); ++c) EXPECT_NEAR(here[c], pi * scene.gather.surface_radiance[c], 1e-12);
+  for (std::size_t c = 0; c < box.columns(); ++c) EXPECT_NEAR(here[c], pi * leaving[c], 1e-12);
 }
 
 TEST(DirectionalSource, AddsTheBeamsOwnPhaseFunctionToThePoints) {

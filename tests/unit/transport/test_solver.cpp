@@ -65,7 +65,7 @@ Problem random_problem(bool periodic, double largest, double single_scattering_a
   const BoxGrid box = make_box(6, 5, 4, periodic);
   Problem problem = problem_of(make_grid(box, random_extinction(box, largest, 1), single_scattering_albedo),
                                PhaseFunction::henyey_greenstein(.85));
-  problem.surface_albedo = surface_albedo;
+  problem.surface.albedo = surface_albedo;
   return problem;
 }
 
@@ -359,12 +359,64 @@ TEST(Solve, TurnsAndMirrorImagesWithTheirSunHaveTheSameFluxes) {
   }
 }
 
+// ---- surfaces -------------------------------------------------------------------------------------------------------
+
+TEST(Solve, EnergyClosesOverEverySurface) {
+  const std::pair<const char*, SurfaceBrdf> surfaces[] = {{"rpv", SurfaceBrdf::rpv(.2, .7, -.24, .2)},
+                                                          {"ross-li", SurfaceBrdf::ross_li(.3, .2, .05)},
+                                                          {"cox-munk", SurfaceBrdf::cox_munk(5, 1.34)},
+                                                          {"lambertian, tilted", SurfaceBrdf::lambertian(1)}};
+  for (const bool periodic : {true, false}) {
+    for (const auto& [name, brdf] : surfaces) {
+      Problem problem = random_problem(periodic, 1.5, .99, 0);
+      problem.surface.brdf = brdf;
+      problem.surface.tilt = {15, 100};
+      const Solution solution = solve(problem, coarse());
+      SCOPED_TRACE(name);
+      expect_finite_and_closed(solution, 1e-5);
+      EXPECT_GT(mean_of_level(solution.upwelling_flux, solution.box, 0), 0);
+      if (periodic) {  // what the surface keeps is the difference of the fluxes through it, which the gather shares out
+        const double down = mean_of_level(solution.downwelling_diffuse_flux, solution.box, 0) +
+                            mean_of_level(solution.direct_flux, solution.box, 0);
+        const double kept = down - mean_of_level(solution.upwelling_flux, solution.box, 0);
+        EXPECT_NEAR(kept / .6, solution.ledger.surface_absorptance, 1e-5);
+      }
+    }
+  }
+}
+
+TEST(Solve, LambertByMatricesIsLambert) {
+  Problem problem = random_problem(true, 1.5, 1., .4);
+  const Solution plain = solve(problem, coarse());
+  problem.surface.brdf = SurfaceBrdf::lambertian(.4);
+  const Solution matrices = solve(problem, coarse());
+  for (std::size_t i = 0; i < plain.upwelling_flux.size(); ++i)
+    EXPECT_NEAR(matrices.upwelling_flux[i], plain.upwelling_flux[i], 2e-6);  // rounding in float, and its sweeps
+}
+
+TEST(Solve, AMapOfOneAlbedoIsThatAlbedoAndContrastFollowsIt) {
+  Problem problem = random_problem(true, .3, 1., .4);
+  const Solution plain = solve(problem, coarse());
+  problem.surface.albedo_map.assign(problem.grid.box.columns(), .4F);
+  const Solution mapped = solve(problem, coarse());
+  for (std::size_t i = 0; i < plain.upwelling_flux.size(); ++i)
+    EXPECT_NEAR(mapped.upwelling_flux[i], plain.upwelling_flux[i], 1e-6);
+
+  for (std::size_t c = 0; c < problem.surface.albedo_map.size(); ++c) problem.surface.albedo_map[c] = c % 2 ? .8F : 0.F;
+  const Solution chequered = solve(problem, coarse());
+  expect_finite_and_closed(chequered, 1e-5);
+  for (std::size_t c = 0; c < problem.grid.box.columns(); ++c) {
+    const double down = chequered.downwelling_diffuse_flux[c] + chequered.direct_flux[c];
+    EXPECT_NEAR(chequered.upwelling_flux[c], (c % 2 ? .8 : 0.) * down, 5e-3 * down);  // but for the gather's rescaling
+  }
+}
+
 TEST(Solve, BitsDoNotDependOnThreads) {
   const BoxGrid box = make_box(20, 16, 10);  // more cells than are worth threads
   const OpticalGrid grid = make_grid(box, random_extinction(box, 2, 5), .99);
   ASSERT_GT(grid.active_cells(), 2000U);
   Problem problem = problem_of(grid, PhaseFunction::henyey_greenstein(.85));
-  problem.surface_albedo = .2;
+  problem.surface.albedo = .2;
   SolverOptions options = coarse();
   options.flux_levels = FluxLevels::all;
   options.threads = 1;
@@ -386,7 +438,7 @@ TEST(Solve, IndependentColumnsAreColumnsSolvedOneByOne) {
   const auto extinction = random_extinction(box, 4, 6);
   const PhaseFunction phase = PhaseFunction::henyey_greenstein(.8);
   Problem problem = problem_of(make_grid(box, extinction, .99), phase);
-  problem.surface_albedo = .4;
+  problem.surface.albedo = .4;
   SolverOptions options = coarse();
   options.flux_levels = FluxLevels::all;
   options.independent_columns = true;

@@ -1,0 +1,24 @@
+// What an open side shows: the layers by themselves over a black surface, solved as one column.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cloudbow/transport/transport_system.hpp"
+
+namespace cloudbow {
+
+class Surroundings {
+ public:
+  Surroundings(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options);
+
+  /// Diffuse radiance along a direction at each interface, by height.
+  std::vector<double> radiance(const Direction& travel) const;
+
+ private:
+  Problem problem_;
+  TransportSystem<double> system_;
+  std::optional<DirectionalSource<double>> source_;
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,37 @@
+// The scene as the iteration sees it: cells with truncated peaks, the scattering matrices, the direct beams; and, from
+// the converged radiance, the source in any direction.
+#pragma once
+
+#include <vector>
+
+#include "cloudbow/transport/directional_source.hpp"
+#include "cloudbow/transport/discretisation.hpp"
+#include "cloudbow/transport/source_iteration.hpp"
+
+namespace cloudbow {
+
+/// The direct beam when the fraction f_p of what phase function p scatters counts as unscattered.
+template <class Real>
+DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
+                           const SolverOptions& options);
+
+template <class Real>
+TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
+                                  const SolverOptions& options);
+
+/// Source in any direction of the converged radiance. The beam that lights it is the one truncated at the gather's
+/// order; light that the iteration's own truncation calls unscattered but that one does not is added with the truncated
+/// phase function (docs/theory.md, "The peak on the true beam").
+/// @param gather_beam needed where the problem has a sun.
+template <class Real>
+DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
+                                                const TransportSystem<Real>& system, const AngularField<Real>& radiance,
+                                                const DirectBeam<Real>* gather_beam, const SolverOptions& options);
+
+/// Whether a solve needs double: asked for, or cells too thick for float to tell radiance from source.
+bool runs_in_double(const Problem& problem, const SolverOptions& options);
+
+/// Every cell of the box active: for when the light in empty air is asked for too.
+OpticalGrid with_empty_cells(const OpticalGrid& grid);
+
+}  // namespace cloudbow

@@ -1,0 +1,89 @@
+#include "cloudbow/transport/cell_fields.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+namespace cloudbow {
+
+template <class Real>
+void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system,
+                      const IterationResult<Real>& solved, Solution& solution) {
+  const auto dense = dense_indices(system.cells.rows);
+  const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
+  if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
+  if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t c = 0; c < dense.size(); ++c) {
+    const double actinic =
+        static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam_irradiance[c]) : 0.);
+    if (options.absorption) solution.absorbed_power[dense[c]] = static_cast<float>(system.absorption[c] * actinic);
+    if (options.actinic) solution.actinic_flux[dense[c]] = static_cast<float>(actinic);
+  }
+}
+
+template <class Real>
+RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
+                                  const SolverOptions& options, const TransportSystem<Real>& system,
+                                  const IterationResult<Real>& solved, const Surroundings* surroundings) {
+  std::optional<DirectBeam<Real>> beam;
+  if (problem.sun) beam = beam_with<Real>(problem, system.cells.rows, discretisation.gather_fraction(), options);
+  const DirectionalSource<Real> source =
+      make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr, options);
+  const ControlPoints points(options.control_points, control_point_frame_rotation());
+  RadianceField field;
+  field.direction.assign(points.directions().begin(), points.directions().end());
+  const std::size_t n = system.cells.size();
+  const std::size_t m = field.direction.size();
+  const std::size_t columns = system.box.columns();
+  for (const std::uint32_t c : dense_indices(system.cells.rows)) {
+    field.voxel.push_back({static_cast<std::int32_t>(c % system.box.nx),
+                           static_cast<std::int32_t>(c / system.box.nx % system.box.ny),
+                           static_cast<std::int32_t>(c / columns)});
+  }
+  field.radiance.resize(n * m);
+  std::vector<double> diffuse_flux = solved.fluxes.surface_flux;
+  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c) diffuse_flux[c] -= system.beam_surface_flux[c];
+  const GroundRadiance<Real> ground =
+      system.ground.radiance(solved.fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
+#pragma omp parallel
+  {
+    MarchWorkspace<Real> work;
+    std::vector<Real> from_ground;
+    std::vector<Real> radiance(n);
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t d = 0; d < m; ++d) {
+      const Direction& travel = field.direction[d];
+      const StartFraction start = start_for_centred_exit(system.box, travel, system.vertical);
+      const PathPattern pattern =
+          make_path_pattern(system.box, travel, start.x, start.y, system.vertical, {0, system.box.nz()});
+      std::vector<Real> rays(columns, static_cast<Real>(problem.sky_radiance));
+      if (pattern.upward) {
+        const Real* const start_of_rays = ground.along(travel, from_ground);
+        rays.assign(start_of_rays, start_of_rays + columns);
+      }
+      std::vector<Real> side;
+      if (surroundings != nullptr) {
+        const auto by_height = surroundings->radiance(travel);
+        side.assign(by_height.begin(), by_height.end());
+        if (!pattern.upward) std::reverse(side.begin(), side.end());
+      }
+      source.query(travel, radiance.data());
+      march<Real, true>(pattern, system.cells, system.box.periodic, side, radiance.data(), rays.data(), work,
+                        [](int, const Real*) {});
+      for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
+    }
+  }
+  return field;
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                              \
+  template void fill_cell_fields<Real>(const Problem&, const SolverOptions&, const TransportSystem<Real>&,      \
+                                       const IterationResult<Real>&, Solution&);                                \
+  template RadianceField make_radiance_field<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
+                                                   const TransportSystem<Real>&, const IterationResult<Real>&,  \
+                                                   const Surroundings*)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

@@ -1,0 +1,237 @@
+#include "cloudbow/transport/flux_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cloudbow {
+namespace {
+
+std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
+  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
+  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
+  std::vector<int> all(box.nz() + 1);
+  for (int e = 0; e <= box.nz(); ++e) all[e] = e;
+  return all;
+}
+
+double mean(const std::vector<double>& field) {
+  double sum = 0;
+  for (const double f : field) sum += f;
+  return sum / static_cast<double>(field.size());
+}
+
+// Fluxes of one interface, column by column.
+struct LevelFlux {
+  std::vector<double> up;
+  std::vector<double> down;  // diffuse beside gather_direct
+};
+
+template <class Real>
+class FluxFields {
+ public:
+  FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+             const TransportSystem<Real>& system, const IterationResult<Real>& solved, const Surroundings* surroundings,
+             const ProgressCallback& progress)
+      : problem_(problem),
+        options_(options),
+        system_(system),
+        solved_(solved),
+        progress_(progress),
+        columns_(system.box.columns()) {
+    const bool by_ordinates = !solved.fluxes.column_up.empty();
+    if (problem.sun) {
+      true_beam_ = beam_with<Real>(problem, system.cells.rows, std::vector<double>(problem.phase.size(), 0.), options);
+      // Columns by themselves keep the iteration's own beam: their fluxes are the iteration's.
+      flux_beam_ =
+          beam_with<Real>(problem, system.cells.rows,
+                          by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(), options);
+      solver_beam_ = by_ordinates
+                         ? flux_beam_
+                         : beam_with<Real>(problem, system.cells.rows, discretisation.beam_fraction(), options);
+    }
+    if (!by_ordinates) {
+      source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance,
+                                              problem.sun ? &*flux_beam_ : nullptr, options));
+      if (surroundings != nullptr)
+        side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
+    }
+  }
+
+  void fill(Solution& solution) {
+    fill_profiles(solution);
+    solution.flux_level = flux_levels(system_.box, options_);
+    if (source_) {
+      gather_ends(solution);
+    }
+    for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
+      field->reserve(columns_ * solution.flux_level.size());
+    }
+    std::vector<float> inner_up, inner_down;
+    const bool inner = source_ && options_.flux_levels == FluxLevels::all && system_.box.nz() > 1;
+    if (inner) {
+      const auto scene = gather_scene();
+      const int count = std::max(32, options_.gather_directions / 2);
+      inner_down = march_level_fluxes<Real>(scene, false, gather_directions(count, false, sun_direction()));
+      report_progress(.75);
+      inner_up = march_level_fluxes<Real>(scene, true, gather_directions(count, true, std::nullopt));
+    }
+    for (const int edge : solution.flux_level) {
+      LevelFlux flux;
+      if (!source_) {
+        flux.up = slice(solved_.fluxes.column_up, edge);
+        flux.down = slice(solved_.fluxes.column_down, edge);
+      } else if (inner && edge > 0 && edge < system_.box.nz()) {
+        flux.up.assign(inner_up.begin() + static_cast<std::ptrdiff_t>(edge * columns_),
+                       inner_up.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
+        flux.down.assign(inner_down.begin() + static_cast<std::ptrdiff_t>(edge * columns_),
+                         inner_down.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
+        rescale(flux.up, profile_up(edge));
+        rescale(flux.down, profile_down(edge));
+      } else {
+        flux = plane(edge, solution);
+      }
+      append(solution, edge, flux);
+    }
+  }
+
+ private:
+  std::optional<Direction> sun_direction() const {
+    if (!problem_.sun) return std::nullopt;
+    return problem_.sun->travel;
+  }
+
+  GatherScene<Real> gather_scene() const {
+    return {system_.box, system_.cells, *source_, side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
+  }
+
+  void report_progress(double fraction) const {
+    if (progress_)
+      progress_({"gather", solved_.report.sweeps, solved_.report.estimated_error, solved_.ledger.residual, fraction});
+  }
+
+  std::vector<double> slice(const std::vector<double>& levels, int edge) const {
+    const auto first = levels.begin() + static_cast<std::ptrdiff_t>(edge * columns_);
+    return {first, first + static_cast<std::ptrdiff_t>(columns_)};
+  }
+
+  double profile_up(int edge) const { return solved_.fluxes.profile_up[edge]; }
+  // Diffuse as the gather counts it: what its own beam does not carry.
+  double profile_down(int edge) const {
+    double total = solved_.fluxes.profile_down[edge];
+    if (problem_.sun) total += mean(slice(solver_beam_->level_flux, edge)) - mean(slice(flux_beam_->level_flux, edge));
+    return total;
+  }
+
+  // Scales a gathered field to the mean that the conservative iteration found; returns the factor.
+  static double rescale(std::vector<double>& field, double wanted) {
+    const double found = mean(field);
+    const double factor = found > 0 && wanted > 0 ? wanted / found : 1;
+    for (double& f : field) f *= factor;
+    return factor;
+  }
+
+  void note_factor(Solution& solution, double factor) const {
+    if (std::abs(factor - 1) > std::abs(solution.report.gather_rescaling - 1))
+      solution.report.gather_rescaling = factor;
+  }
+
+  void gather_ends(Solution& solution) {
+    report_progress(0);
+    bottom_down_ = gather_flux<Real>(gather_scene(), 0, false,
+                                     gather_directions(options_.gather_directions, false, sun_direction()));
+    note_factor(solution, rescale(bottom_down_, profile_down(0)));
+    const std::vector<double> direct = problem_.sun ? slice(flux_beam_->level_flux, 0) : std::vector<double>{};
+    ground_ = system_.ground.radiance(solved_.fluxes.surface_arriving, bottom_down_, direct, system_.ordinates);
+    const double factor = rescale(ground_->flux, profile_up(0));
+    for (Real& radiance : ground_->at_points.data) radiance *= static_cast<Real>(factor);
+    note_factor(solution, factor);
+    report_progress(.25);
+    top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,
+                                gather_directions(options_.gather_directions, true, std::nullopt));
+    note_factor(solution, rescale(top_up_, profile_up(system_.box.nz())));
+    report_progress(.5);
+  }
+
+  LevelFlux plane(int edge, Solution& solution) const {
+    LevelFlux flux;
+    const int top = system_.box.nz();
+    if (edge == 0) {
+      flux.down = bottom_down_;
+      flux.up = ground_->flux;
+    } else if (edge == top) {
+      flux.up = top_up_;
+      flux.down.assign(columns_, std::numbers::pi * problem_.sky_radiance);
+    } else {
+      flux.up = gather_flux<Real>(gather_scene(), edge, true,
+                                  gather_directions(options_.gather_directions, true, std::nullopt));
+      flux.down = gather_flux<Real>(gather_scene(), edge, false,
+                                    gather_directions(options_.gather_directions, false, sun_direction()));
+      note_factor(solution, rescale(flux.up, profile_up(edge)));
+      note_factor(solution, rescale(flux.down, profile_down(edge)));
+    }
+    return flux;
+  }
+
+  void append(Solution& solution, int edge, const LevelFlux& flux) const {
+    for (std::size_t c = 0; c < columns_; ++c) {
+      double direct = 0;
+      double diffuse = flux.down[c];
+      if (problem_.sun) {
+        direct = true_beam_->level_flux[edge * columns_ + c];
+        diffuse += std::max(0., flux_beam_->level_flux[edge * columns_ + c] - direct);
+      }
+      solution.upwelling_flux.push_back(static_cast<float>(flux.up[c]));
+      solution.downwelling_diffuse_flux.push_back(static_cast<float>(diffuse));
+      solution.direct_flux.push_back(static_cast<float>(direct));
+    }
+  }
+
+  void fill_profiles(Solution& solution) const {
+    const int levels = system_.box.nz() + 1;
+    solution.profile_upwelling_flux = solved_.fluxes.profile_up;
+    solution.profile_downwelling_diffuse_flux = solved_.fluxes.profile_down;
+    solution.profile_direct_flux.assign(levels, 0.);
+    if (!problem_.sun) return;
+    for (int e = 0; e < levels; ++e) {
+      const double direct = mean(slice(true_beam_->level_flux, e));
+      solution.profile_direct_flux[e] = direct;
+      solution.profile_downwelling_diffuse_flux[e] += mean(slice(solver_beam_->level_flux, e)) - direct;
+    }
+    solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power_in;
+  }
+
+  const Problem& problem_;
+  const SolverOptions& options_;
+  const TransportSystem<Real>& system_;
+  const IterationResult<Real>& solved_;
+  const ProgressCallback& progress_;
+  std::size_t columns_;
+  SideRadiance side_radiance_;
+  std::optional<DirectBeam<Real>> true_beam_;    // true extinction: what is reported as direct
+  std::optional<DirectBeam<Real>> flux_beam_;    // what the fluxes here count as direct
+  std::optional<DirectBeam<Real>> solver_beam_;  // what the iteration counted as direct
+  std::optional<DirectionalSource<Real>> source_;
+  std::optional<GroundRadiance<Real>> ground_;
+  std::vector<double> bottom_down_;
+  std::vector<double> top_up_;
+};
+
+}  // namespace
+
+template <class Real>
+void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+                      const Surroundings* surroundings, const ProgressCallback& progress, Solution& solution) {
+  FluxFields<Real>(problem, discretisation, options, system, solved, surroundings, progress).fill(solution);
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                  \
+  template void fill_flux_fields<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
+                                       const TransportSystem<Real>&, const IterationResult<Real>&,  \
+                                       const Surroundings*, const ProgressCallback&, Solution&)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

@@ -1,0 +1,134 @@
+#include "cloudbow/transport/ground.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace cloudbow {
+namespace {
+
+// field.row(r) += matrix(r, c) * from for every row.
+template <class Real, class From>
+void add_rows(AngularField<Real>& field, const Eigen::MatrixXd& matrix, Eigen::Index c, const From* from) {
+  for (int r = 0; r < field.rows; ++r) {
+    const Real scale = static_cast<Real>(matrix(r, c));
+    Real* __restrict const to = field.row(r);
+    for (std::size_t i = 0; i < field.cells; ++i) to[i] += scale * static_cast<Real>(from[i]);
+  }
+}
+
+// Flux through the horizontal per unit radiance along a downward ordinate.
+double power(const OrdinateSet& ordinates, int d) { return ordinates.weight[d] * -ordinates.direction[d].z(); }
+
+}  // namespace
+
+template <class Real>
+const Real* GroundRadiance<Real>::along(const Direction& travel, std::vector<Real>& scratch) const {
+  if (!points) return at_points.row(0);
+  const Stencil stencil = points->stencil(travel);
+  scratch.assign(at_points.cells, Real(0));
+  for (int k = 0; k < 3; ++k) {
+    const Real weight = static_cast<Real>(stencil.weight[k]);
+    const Real* __restrict const from = at_points.row(stencil.index[k]);
+    for (std::size_t c = 0; c < scratch.size(); ++c) scratch[c] += weight * from[c];
+  }
+  return scratch.data();
+}
+
+template <class Real>
+Ground<Real>::Ground(const Surface& surface, const OrdinateSet& ordinates, const std::optional<Direction>& sun_travel)
+    : albedo_(surface.albedo), albedo_map_(surface.albedo_map) {
+  if (!surface.brdf) return;
+  table_ = make_reflection_table(*surface.brdf, surface.tilt, ordinates, sun_travel);
+  row_.assign(ordinates.size(), 0);
+  for (std::size_t u = 0; u < table_->up.size(); ++u) row_[table_->up[u]] = static_cast<int>(u);
+}
+
+template <class Real>
+double Ground<Real>::mean_albedo() const {
+  if (table_) return table_->bihemispherical_albedo;
+  if (albedo_map_.empty()) return albedo_;
+  double sum = 0;
+  for (const float a : albedo_map_) sum += static_cast<double>(a);
+  return sum / static_cast<double>(albedo_map_.size());
+}
+
+template <class Real>
+typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<std::vector<Real>>& arriving,
+                                                        std::span<const double> direct_flux,
+                                                        const OrdinateSet& ordinates, std::size_t columns) const {
+  Reflection result;
+  result.flux.assign(columns, 0.);
+  std::copy(direct_flux.begin(), direct_flux.end(), result.flux.begin());
+  for (int d = 0; d < ordinates.size(); ++d) {
+    if (ordinates.direction[d].z() > 0) continue;
+    const double weight = power(ordinates, d);
+    for (std::size_t c = 0; c < columns; ++c) result.flux[c] += weight * static_cast<double>(arriving[d][c]);
+  }
+  if (!table_) {
+    result.leaving = AngularField<Real>(1, columns);
+    for (std::size_t c = 0; c < columns; ++c) {
+      result.leaving.row(0)[c] = static_cast<Real>(albedo(c) / std::numbers::pi * result.flux[c]);
+      result.absorbed += (1 - albedo(c)) * result.flux[c];
+    }
+  } else {
+    result.leaving = AngularField<Real>(static_cast<int>(table_->up.size()), columns);
+    for (std::size_t q = 0; q < table_->down.size(); ++q) {
+      const int d = table_->down[q];
+      const auto column = static_cast<Eigen::Index>(q);
+      add_rows(result.leaving, table_->up_from_down, column, arriving[d].data());
+      const double kept = power(ordinates, d) * (1 - table_->albedo[column]);
+      for (const Real radiance : arriving[d]) result.absorbed += kept * static_cast<double>(radiance);
+    }
+    if (!direct_flux.empty()) {
+      add_rows(result.leaving, table_->up_from_beam, 0, direct_flux.data());
+      for (const double flux : direct_flux) result.absorbed += (1 - table_->beam_albedo) * flux;
+    }
+  }
+  result.absorbed /= static_cast<double>(columns);
+  return result;
+}
+
+template <class Real>
+GroundRadiance<Real> Ground<Real>::radiance(const std::vector<std::vector<Real>>& arriving,
+                                            std::span<const double> diffuse_flux, std::span<const double> direct_flux,
+                                            const OrdinateSet& ordinates) const {
+  const std::size_t columns = diffuse_flux.size();
+  GroundRadiance<Real> result;
+  result.flux.assign(columns, 0.);
+  if (!table_) {
+    result.at_points = AngularField<Real>(1, columns);
+    for (std::size_t c = 0; c < columns; ++c) {
+      result.flux[c] = albedo(c) * (diffuse_flux[c] + (direct_flux.empty() ? 0. : direct_flux[c]));
+      result.at_points.row(0)[c] = static_cast<Real>(result.flux[c] / std::numbers::pi);
+    }
+    return result;
+  }
+  result.points = table_->points;
+  result.at_points = AngularField<Real>(table_->points.size(), columns);
+  std::vector<double> found(columns, 0.);
+  for (const int d : table_->down) {
+    for (std::size_t c = 0; c < columns; ++c) found[c] += power(ordinates, d) * static_cast<double>(arriving[d][c]);
+  }
+  std::vector<double> scaled(columns);
+  for (std::size_t q = 0; q < table_->down.size(); ++q) {
+    const int d = table_->down[q];
+    const auto column = static_cast<Eigen::Index>(q);
+    for (std::size_t c = 0; c < columns; ++c) {
+      scaled[c] = found[c] > 0 ? diffuse_flux[c] / found[c] * static_cast<double>(arriving[d][c]) : 0.;
+      result.flux[c] += power(ordinates, d) * table_->albedo[column] * scaled[c];
+    }
+    add_rows(result.at_points, table_->points_from_down, column, scaled.data());
+  }
+  if (!direct_flux.empty()) {
+    add_rows(result.at_points, table_->points_from_beam, 0, direct_flux.data());
+    for (std::size_t c = 0; c < columns; ++c) result.flux[c] += table_->beam_albedo * direct_flux[c];
+  }
+  return result;
+}
+
+template struct GroundRadiance<float>;
+template struct GroundRadiance<double>;
+template class Ground<float>;
+template class Ground<double>;
+
+}  // namespace cloudbow
