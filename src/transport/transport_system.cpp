@@ -97,11 +97,11 @@ DirectionalSource<Real> make_directional_source(const Problem& problem, const Di
   if (!problem.sun) return source;
   source.sun_travel = problem.sun->travel;
   const std::vector<double> gather_fraction = discretisation.gather_fraction();
-  const std::vector<double> diffuse_fraction = discretisation.diffuse_fraction();
-  const DirectBeam<Real> scaled = beam_with<Real>(problem, system.cells.rows, diffuse_fraction, options);
+  const std::vector<double> solver_fraction = discretisation.beam_fraction();
+  const DirectBeam<Real> solver_beam = beam_with<Real>(problem, system.cells.rows, solver_fraction, options);
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
     SingleScattering<Real> first{discretisation.gather[p].truncated, std::vector<Real>(system.cells.size())};
-    SingleScattering<Real> unscattered{discretisation.diffuse[p].truncated, std::vector<Real>(system.cells.size())};
+    SingleScattering<Real> unscattered{discretisation.beam[p].truncated, std::vector<Real>(system.cells.size())};
     bool any = false;
     for (std::size_t c = 0; c < system.cells.size(); ++c) {
       const double scattering = problem.grid.scattering[p][c];
@@ -111,12 +111,12 @@ DirectionalSource<Real> make_directional_source(const Problem& problem, const Di
           scattering / static_cast<double>(system.cells.extinction[c]) / (4 * std::numbers::pi);
       const double beam = static_cast<double>(gather_beam->irradiance[c]);
       first.intensity[c] = static_cast<Real>((1 - gather_fraction[p]) * per_extinction * beam);
-      unscattered.intensity[c] = static_cast<Real>((1 - diffuse_fraction[p]) * per_extinction *
-                                                   std::max(0., static_cast<double>(scaled.irradiance[c]) - beam));
+      unscattered.intensity[c] = static_cast<Real>((1 - solver_fraction[p]) * per_extinction *
+                                                   std::max(0., static_cast<double>(solver_beam.irradiance[c]) - beam));
     }
     if (!any) continue;
     source.first_order.push_back(std::move(first));
-    if (diffuse_fraction[p] > gather_fraction[p]) source.first_order.push_back(std::move(unscattered));
+    if (solver_fraction[p] > gather_fraction[p]) source.first_order.push_back(std::move(unscattered));
   }
   return source;
 }

@@ -15,6 +15,7 @@ struct Discretisation {
   OrdinateSet ordinates;
   std::vector<ScatteringTable> table;  ///< [p]
   std::vector<DeltaM> diffuse;         ///< [p] truncated at N: what the iteration scatters
+  std::vector<DeltaM> beam;            ///< [p] truncated at N_b: how the iteration's direct beam scatters
   std::vector<DeltaM> gather;  ///< [p] truncated at gather_order: what the gather's single scattering still resolves
 
   /// Order to which the gather's directions about the sun (some two degrees apart) resolve a forward peak; a narrower

@@ -20,8 +20,8 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
                                   const SolverOptions& options);
 
 /// Source in any direction of the converged radiance. The beam that lights it is the one truncated at the gather's
-/// order; light that the iteration's own truncation calls unscattered but that one does not is added with the truncated
-/// phase function (docs/theory.md, "The peak on the true beam").
+/// order; light that the iteration's beam (order N_b) calls unscattered but that one does not is added with the phase
+/// function of that order (docs/theory.md, "The peak on the true beam").
 /// @param gather_beam needed where the problem has a sun.
 template <class Real>
 DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
