@@ -9,8 +9,8 @@
 
 namespace cloudbow {
 
-/// What is subdivided. Triangles of the icosahedron stay the most even in size: those of the others grow up to 2.1
-/// (octahedron) and 5.3 (tetrahedron) times unequal.
+/// What is subdivided. Triangles of the icosahedron stay the most even in size, 1.3 to 1 at most; those of the others
+/// become up to 2.1 to 1 (octahedron) and 6.5 to 1 (tetrahedron) unequal.
 enum class Polyhedron { icosahedron, octahedron, tetrahedron };
 
 struct SphereMesh {
