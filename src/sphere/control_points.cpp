@@ -29,8 +29,6 @@ int checked_subdivisions(int subdivisions) {
   return subdivisions;
 }
 
-double triple_product(const Direction& a, const Direction& b, const Direction& c) { return a.dot(b.cross(c)); }
-
 }  // namespace
 
 ControlPoints::ControlPoints(int count, const Eigen::Matrix3d& rotation)
@@ -38,7 +36,11 @@ ControlPoints::ControlPoints(int count, const Eigen::Matrix3d& rotation)
 
 ControlPoints::ControlPoints(Polyhedron polyhedron, int subdivisions, const Eigen::Matrix3d& rotation)
     : mesh_(make_sphere_mesh(polyhedron, checked_subdivisions(subdivisions))), rotation_(rotation) {
-  for (const Direction& v : mesh_.vertex) directions_.push_back(rotation_ * v);
+  const auto& v = mesh_.vertex;
+  for (const Direction& local : v) directions_.push_back(rotation_ * local);
+  for (const auto& [a, b, c] : mesh_.triangle) {
+    side_normal_.push_back({v[a].cross(v[b]), v[b].cross(v[c]), v[c].cross(v[a])});
+  }
   fill_bins();
 }
 
@@ -85,16 +87,16 @@ const std::vector<int>& ControlPoints::triangles_near(const Direction& local) co
 int ControlPoints::triangle_at_local(const Direction& local) const {
   // A point lies inside a triangle where it is to the left of all three sides. On a side rounding may deny it to both
   // neighbours: so the triangle that comes nearest to holding the point is taken, and there is always one.
-  const auto& v = mesh_.vertex;
   int nearest = -1;
   double inside = -std::numeric_limits<double>::infinity();
   for (const int t : triangles_near(local)) {
-    const auto& [a, b, c] = mesh_.triangle[t];
-    const double least = std::min(
-        {triple_product(local, v[b], v[c]), triple_product(local, v[c], v[a]), triple_product(local, v[a], v[b])});
+    const auto& [ab, bc, ca] = side_normal_[t];
+    const double least = std::min({local.dot(ab), local.dot(bc), local.dot(ca)});
     if (least > inside) {
       inside = least;
       nearest = t;
+      constexpr double rounding = 1e-12;
+      if (inside > rounding) break;  // no other can hold it as well
     }
   }
   return nearest;

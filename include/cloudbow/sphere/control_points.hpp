@@ -52,6 +52,7 @@ class ControlPoints {
 
   SphereMesh mesh_;  // in its own frame, where points are located
   std::vector<Direction> directions_;
+  std::vector<std::array<Direction, 3>> side_normal_;  // of each triangle, pointing inwards, in the mesh's frame
   Eigen::Matrix3d rotation_;
   // Bins of the sphere by parallel (polar angle) and meridian (azimuth), each with the triangles that may touch it.
   int parallels_ = 0;
