@@ -21,17 +21,26 @@ int subdivisions_for(int count) {
   throw InputError(fmt::format("control points: there is no set of {} (allowed: 12, 42, 162 or 642)", count));
 }
 
-double triple_product(const Direction& a, const Direction& b, const Direction& c) { return a.dot(b.cross(c)); }
+int checked_subdivisions(int subdivisions) {
+  if (subdivisions < 0 || subdivisions > 6) {
+    throw InputError(
+        fmt::format("control points: a polyhedron cannot be subdivided {} times (allowed: 0 to 6)", subdivisions));
+  }
+  return subdivisions;
+}
 
 }  // namespace
 
-double spherical_triangle_area(const Direction& a, const Direction& b, const Direction& c) {
-  return 2 * std::atan2(triple_product(a, b, c), 1 + a.dot(b) + b.dot(c) + c.dot(a));
-}
-
 ControlPoints::ControlPoints(int count, const Eigen::Matrix3d& rotation)
-    : sphere_(make_icosphere(subdivisions_for(count))), rotation_(rotation) {
-  for (const Direction& v : sphere_.vertex) directions_.push_back(rotation_ * v);
+    : ControlPoints(Polyhedron::icosahedron, subdivisions_for(count), rotation) {}
+
+ControlPoints::ControlPoints(Polyhedron polyhedron, int subdivisions, const Eigen::Matrix3d& rotation)
+    : mesh_(make_sphere_mesh(polyhedron, checked_subdivisions(subdivisions))), rotation_(rotation) {
+  const auto& v = mesh_.vertex;
+  for (const Direction& local : v) directions_.push_back(rotation_ * local);
+  for (const auto& [a, b, c] : mesh_.triangle) {
+    side_normal_.push_back({v[a].cross(v[b]), v[b].cross(v[c]), v[c].cross(v[a])});
+  }
   fill_bins();
 }
 
@@ -48,9 +57,9 @@ void ControlPoints::fill_bins() {
   meridians_ = 2 * parallels_;
   bins_.resize(parallels_ * meridians_);
   const double row_height = pi / parallels_, column_width = pi / parallels_;
-  for (int t = 0; t < static_cast<int>(sphere_.triangle.size()); ++t) {
-    const auto& [a, b, c] = sphere_.triangle[t];
-    const auto& v = sphere_.vertex;
+  for (int t = 0; t < static_cast<int>(mesh_.triangle.size()); ++t) {
+    const auto& [a, b, c] = mesh_.triangle[t];
+    const auto& v = mesh_.vertex;
     const Direction centre = (v[a] + v[b] + v[c]).normalized();
     constexpr double margin = 1e-6;  // far above rounding, far below a bin
     const double radius = margin + std::acos(std::min({centre.dot(v[a]), centre.dot(v[b]), centre.dot(v[c])}));
@@ -75,36 +84,34 @@ const std::vector<int>& ControlPoints::triangles_near(const Direction& local) co
   return bins_[bin(std::acos(std::clamp(local.z(), -1.0, 1.0)), std::atan2(local.y(), local.x()))];
 }
 
-Stencil ControlPoints::stencil(const Direction& direction) const {
-  const Direction p = (rotation_.transpose() * direction).normalized();
-  const auto& v = sphere_.vertex;
-
+int ControlPoints::triangle_at_local(const Direction& local) const {
   // A point lies inside a triangle where it is to the left of all three sides. On a side rounding may deny it to both
   // neighbours: so the triangle that comes nearest to holding the point is taken, and there is always one.
   int nearest = -1;
   double inside = -std::numeric_limits<double>::infinity();
-  for (const int t : triangles_near(p)) {
-    const auto& [a, b, c] = sphere_.triangle[t];
-    const double least =
-        std::min({triple_product(p, v[b], v[c]), triple_product(p, v[c], v[a]), triple_product(p, v[a], v[b])});
+  for (const int t : triangles_near(local)) {
+    const auto& [ab, bc, ca] = side_normal_[t];
+    const double least = std::min({local.dot(ab), local.dot(bc), local.dot(ca)});
     if (least > inside) {
       inside = least;
       nearest = t;
+      constexpr double rounding = 1e-12;
+      if (inside > rounding) break;  // no other can hold it as well
     }
   }
+  return nearest;
+}
 
-  const auto& [a, b, c] = sphere_.triangle[nearest];
-  Stencil stencil{{a, b, c},
-                  {spherical_triangle_area(p, v[b], v[c]), spherical_triangle_area(p, v[c], v[a]),
-                   spherical_triangle_area(p, v[a], v[b])}};
-  const double area = stencil.weight[0] + stencil.weight[1] + stencil.weight[2];
-  double kept = 0;
-  for (double& weight : stencil.weight) {
-    if (weight < 1e-13 * area) weight = 0;  // rounding: a direction that is meant to be a vertex or on a side is one
-    kept += weight;
-  }
-  for (double& weight : stencil.weight) weight /= kept;
-  return stencil;
+int ControlPoints::triangle_at(const Direction& direction) const {
+  return triangle_at_local((rotation_.transpose() * direction).normalized());
+}
+
+Stencil ControlPoints::stencil(const Direction& direction, Interpolation interpolation) const {
+  const Direction p = (rotation_.transpose() * direction).normalized();
+  const auto& corner = mesh_.triangle[triangle_at_local(p)];
+  const Direction &a = mesh_.vertex[corner[0]], &b = mesh_.vertex[corner[1]], &c = mesh_.vertex[corner[2]];
+  return {corner,
+          interpolation == Interpolation::planar ? planar_weights(p, a, b, c) : spherical_area_weights(p, a, b, c)};
 }
 
 }  // namespace cloudbow

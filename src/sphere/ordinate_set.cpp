@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
+#include "cloudbow/sphere/icosphere.hpp"
 #include "cloudbow/sphere/spherical_harmonics.hpp"
 
 namespace cloudbow {
@@ -104,31 +106,10 @@ std::vector<int> orbits(const std::vector<Direction>& vertex, const std::vector<
   return orbit;
 }
 
-/// Weights equal on each icosahedral orbit. A quadrature with the group's symmetry is exact for every harmonic as soon
-/// as it is exact for the invariant ones, which exist only at degrees 0, 6, 10, 12, ... (Sobolev 1962): one equation
-/// for each orbit. The invariant of a degree is taken as a Legendre polynomial about a vertex, summed over the orbit.
-std::vector<double> orbit_weights(const Icosphere& sphere, const std::vector<Eigen::Matrix3d>& group) {
-  constexpr int invariant_degrees[] = {0, 6, 10, 12, 16, 18, 20, 22, 24, 26};
-  const std::vector<int> orbit = orbits(sphere.vertex, group);
-  const int count = 1 + *std::max_element(orbit.begin(), orbit.end());
-  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(count, count);
-  for (std::size_t i = 0; i < orbit.size(); ++i) {
-    const double x = std::clamp(sphere.vertex[i].dot(sphere.vertex.front()), -1.0, 1.0);
-    for (int e = 0; e < count; ++e) equations(e, orbit[i]) += std::legendre(invariant_degrees[e], x);
-  }
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  right[0] = 4 * pi;
-  const Eigen::VectorXd solution = equations.fullPivLu().solve(right);
-  std::vector<double> weight;
-  for (const int o : orbit) weight.push_back(solution[o]);
-  return weight;
-}
-
 OrdinateSet make_control_point_set(int count) {
   const int subdivisions = count == 42 ? 1 : count == 162 ? 2 : 3;
   const Icosphere sphere = make_icosphere(subdivisions);
-  const auto group = icosahedral_group();
-  const std::vector<double> weight = orbit_weights(sphere, group);
+  const std::vector<double> weight = icosphere_weights(subdivisions);
   const Eigen::Matrix3d rotation = control_point_frame_rotation();
 
   OrdinateSet set;
@@ -140,7 +121,7 @@ OrdinateSet make_control_point_set(int count) {
       set.weight.push_back(weight[i]);
     }
   }
-  for (const auto& g : group) set.symmetry.emplace_back(rotation * g * rotation.transpose());
+  for (const auto& g : icosahedral_group()) set.symmetry.emplace_back(rotation * g * rotation.transpose());
   set.is_control_points = true;
   return set;
 }
@@ -170,6 +151,28 @@ int measured_exactness_degree(const OrdinateSet& set) {
 
 Eigen::Matrix3d control_point_frame_rotation() {
   return Eigen::Quaterniond(0.2067, 0.1056, 0.9465, 0.2242).normalized().toRotationMatrix();
+}
+
+// Weights equal on each icosahedral orbit. A quadrature with the group's symmetry is exact for every harmonic as soon
+// as it is exact for the invariant ones, which exist only at degrees 0, 6, 10, 12, ... (Sobolev 1962): one equation
+// for each orbit. The invariant of a degree is taken as a Legendre polynomial about a vertex, summed over the orbit.
+std::vector<double> icosphere_weights(int subdivisions) {
+  assert(subdivisions >= 0 && subdivisions <= 3);
+  constexpr int invariant_degrees[] = {0, 6, 10, 12, 16, 18, 20, 22, 24, 26};
+  const Icosphere sphere = make_icosphere(subdivisions);
+  const std::vector<int> orbit = orbits(sphere.vertex, icosahedral_group());
+  const int count = 1 + *std::max_element(orbit.begin(), orbit.end());
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t i = 0; i < orbit.size(); ++i) {
+    const double x = std::clamp(sphere.vertex[i].dot(sphere.vertex.front()), -1.0, 1.0);
+    for (int e = 0; e < count; ++e) equations(e, orbit[i]) += std::legendre(invariant_degrees[e], x);
+  }
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+  right[0] = 4 * pi;
+  const Eigen::VectorXd solution = equations.fullPivLu().solve(right);
+  std::vector<double> weight;
+  for (const int o : orbit) weight.push_back(solution[o]);
+  return weight;
 }
 
 OrdinateSet make_ordinate_set(std::string_view name) {

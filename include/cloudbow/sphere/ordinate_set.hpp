@@ -30,6 +30,11 @@ struct OrdinateSet {
 /// allowed.
 OrdinateSet make_ordinate_set(std::string_view name);
 
+/// Quadrature weights [sr] of the icosphere's vertices, sum 4 pi, equal on each orbit of the icosahedral group, all
+/// positive: exact for spherical harmonics to degree 5, 9, 15 and 27 with 12, 42, 162 and 642 vertices.
+/// @param subdivisions 0 to 3.
+std::vector<double> icosphere_weights(int subdivisions);
+
 /// Rotation that ordinates and control points share when the ordinates are control points: quaternion (x,y,z,w) =
 /// (.1056,.9465,.2242,.2067).
 Eigen::Matrix3d control_point_frame_rotation();

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/control_points.hpp"
+#include "directions.hpp"
 
 namespace cloudbow {
 namespace {
@@ -18,16 +18,6 @@ double least_side(const ControlPoints& points, const std::array<int, 3>& triangl
   const auto v = points.directions();
   const auto side = [&](int i, int j) { return p.dot(v[i].cross(v[j])); };
   return std::min({side(triangle[0], triangle[1]), side(triangle[1], triangle[2]), side(triangle[2], triangle[0])});
-}
-
-std::vector<Direction> random_directions(int count) {
-  std::mt19937 generator(1);
-  std::normal_distribution<double> normal;
-  std::vector<Direction> directions;
-  for (int i = 0; i < count; ++i) {
-    directions.push_back(Direction(normal(generator), normal(generator), normal(generator)).normalized());
-  }
-  return directions;
 }
 
 /// Poles, axes, vertices, points on edges, each also a hair (1e-15 to 1e-7) to the side: where point location goes
@@ -101,6 +91,72 @@ TEST_P(EveryOrder, LocatesEveryDirectionInTheTriangleThatHoldsIt) {
     EXPECT_NEAR(s.weight[0] + s.weight[1] + s.weight[2], 1, 1e-15);
     EXPECT_GE(*std::min_element(s.weight.begin(), s.weight.end()), 0);
   }
+}
+
+struct Subdivided {
+  Polyhedron polyhedron;
+  int subdivisions, vertices;
+};
+void PrintTo(const Subdivided& s, std::ostream* out) { *out << s.vertices << " vertices"; }
+
+class EveryPolyhedron : public testing::TestWithParam<Subdivided> {
+ protected:
+  const ControlPoints points_{GetParam().polyhedron, GetParam().subdivisions};
+};
+INSTANTIATE_TEST_SUITE_P(
+    ControlPoints, EveryPolyhedron,
+    testing::Values(Subdivided{Polyhedron::tetrahedron, 0, 4}, Subdivided{Polyhedron::tetrahedron, 3, 130},
+                    Subdivided{Polyhedron::octahedron, 0, 6}, Subdivided{Polyhedron::octahedron, 2, 66},
+                    Subdivided{Polyhedron::octahedron, 3, 258}, Subdivided{Polyhedron::icosahedron, 0, 12},
+                    Subdivided{Polyhedron::icosahedron, 2, 162}, Subdivided{Polyhedron::icosahedron, 4, 2562}));
+
+TEST_P(EveryPolyhedron, CoversTheSphereOnce) {
+  ASSERT_EQ(points_.size(), GetParam().vertices);
+  EXPECT_EQ(static_cast<int>(points_.triangles().size()), 2 * points_.size() - 4);  // Euler
+  // Summed by Neumaier's method: what is left is the rounding of the areas themselves.
+  double area = 0, lost = 0;
+  for (const auto& [a, b, c] : points_.triangles()) {
+    const auto v = points_.directions();
+    const double piece = spherical_triangle_area(v[a], v[b], v[c]);
+    EXPECT_GT(piece, 0);
+    const double sum = area + piece;
+    lost += (area - sum) + piece;
+    area = sum;
+  }
+  EXPECT_NEAR((area + lost) / (4 * pi), 1, 1e-13);
+}
+
+TEST_P(EveryPolyhedron, LocatesWhatASearchOfAllTrianglesFinds) {
+  std::vector<Direction> directions = awkward_directions(points_);
+  if (directions.size() > 2000) directions.resize(2000);
+  const auto random = random_directions(3000);
+  directions.insert(directions.end(), random.begin(), random.end());
+  for (const Direction& d : directions) {
+    double best = -1;
+    for (const auto& triangle : points_.triangles()) best = std::max(best, least_side(points_, triangle, d));
+    // On a side and at a vertex several triangles are right: they hold the direction equally well, up to rounding.
+    EXPECT_NEAR(least_side(points_, points_.triangles()[points_.triangle_at(d)], d), best, 1e-15) << d.transpose();
+  }
+}
+
+TEST_P(EveryPolyhedron, WeightsOfEitherKindArePositiveSumToOneAndAreOneAtTheVertices) {
+  for (const Interpolation kind : {Interpolation::spherical_area, Interpolation::planar}) {
+    for (const Direction& d : random_directions(500)) {
+      const Stencil s = points_.stencil(d, kind);
+      EXPECT_NEAR(s.weight[0] + s.weight[1] + s.weight[2], 1, 1e-15);
+      EXPECT_GE(*std::min_element(s.weight.begin(), s.weight.end()), 0);
+    }
+    for (int m = 0; m < points_.size(); ++m) {
+      const Stencil s = points_.stencil(points_.directions()[m], kind);
+      const auto largest = std::max_element(s.weight.begin(), s.weight.end()) - s.weight.begin();
+      EXPECT_EQ(s.index[largest], m);
+      EXPECT_NEAR(s.weight[largest], 1, 1e-14);
+    }
+  }
+}
+
+TEST(ControlPoints, RejectsOtherSubdivisions) {
+  for (const int subdivisions : {-1, 7}) EXPECT_THROW(ControlPoints(Polyhedron::octahedron, subdivisions), InputError);
 }
 
 TEST_P(EveryOrder, ReturnsTheStoredValueAtAControlPoint) {

@@ -1,13 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <numeric>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/sphere/icosphere.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
+#include "cloudbow/sphere/spherical_harmonics.hpp"
 
 namespace cloudbow {
 namespace {
@@ -87,6 +90,21 @@ TEST(OrdinateSet, ControlPointWeightsAreThePublishedOnes) {
         found += std::abs(w * set.size() / (4 * pi) - weight) < 1e-10;  // its last digit
       EXPECT_EQ(found, count) << name << ' ' << weight;
     }
+  }
+}
+
+TEST(IcosphereWeights, AreExactToTheirDegreeAndNoFurther) {
+  const int degree[] = {5, 9, 15, 27};
+  for (int subdivisions = 0; subdivisions <= 3; ++subdivisions) {
+    const std::vector<double> weight = icosphere_weights(subdivisions);
+    const Eigen::MatrixXd harmonics =
+        real_spherical_harmonics(make_icosphere(subdivisions).vertex, degree[subdivisions] + 1);
+    Eigen::VectorXd integral = harmonics * Eigen::Map<const Eigen::VectorXd>(weight.data(), weight.size());
+    integral[0] -= std::sqrt(4 * pi);  // of Y_00
+    const int exact = harmonic_count(degree[subdivisions]);
+    EXPECT_LT(integral.head(exact).cwiseAbs().maxCoeff(), 1e-12);  // rounding of 642 terms of .02 to 1
+    EXPECT_GT(integral.tail(integral.size() - exact).cwiseAbs().maxCoeff(), 1e-3);
+    EXPECT_GT(*std::min_element(weight.begin(), weight.end()), 0);
   }
 }
 
