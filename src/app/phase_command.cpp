@@ -115,8 +115,11 @@ void check_outputs(const Options& options) {
       throw InputError(fmt::format("{}: would overwrite what it is made from", output.string()));
     check_writable(output);
   }
-  if (!options.plot.empty() && std::filesystem::absolute(options.plot).lexically_normal() ==
-                                   std::filesystem::absolute(options.output).lexically_normal())
+  if (options.plot.empty() || options.output.empty()) return;
+  const auto plain = [](const std::filesystem::path& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  };
+  if (plain(options.plot) == plain(options.output))
     throw InputError(fmt::format("{}: named for the plot and for the file", options.plot.string()));
 }
 

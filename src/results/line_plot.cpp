@@ -301,7 +301,7 @@ void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double 
 
 double draw_legend(PlotCanvas& canvas, const PlotBox& box, const std::vector<PlotSeries>& series, double text_size) {
   double column = 0;
-  for (const PlotSeries& s : series) column = std::max(column, entry_width(s, text_size) + 2 * text_size);
+  for (const PlotSeries& s : series) column = std::max(column, entry_width(s, text_size) + 3 * text_size);
   const int columns = std::max(1, static_cast<int>(box.width() / column));
   int count = 0;
   for (const PlotSeries& s : series) {

@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -14,8 +14,9 @@ using netcdf4::Attribute;
 
 constexpr double kAngleStepDeg = 0.5;
 
+/// As names of variables are written here: "delta-M" becomes "delta_m".
 std::string underscored(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
+  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return name;
 }
 
