@@ -14,6 +14,13 @@
 namespace cloudbow {
 namespace {
 
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return text;
+}
+
 std::vector<std::pair<double, double>> read_pairs(const std::filesystem::path& file) {
   constexpr std::uintmax_t max_bytes = 64u << 20;
   std::error_code error;
@@ -39,7 +46,7 @@ std::vector<std::pair<double, double>> read_pairs(const std::filesystem::path& f
     if (!(words >> pair.first >> pair.second) || words >> rest || !std::isfinite(pair.first) ||
         !std::isfinite(pair.second)) {
       throw InputError(fmt::format("{}:{}: not two numbers (found '{}', allowed two numbers and a # comment)",
-                                   file.string(), number, line.substr(0, 80)));
+                                   file.string(), number, printable(line.substr(0, 80))));
     }
     pairs.push_back(pair);
   }
