@@ -55,7 +55,7 @@ TEST_F(PhaseReportTest, FileHoldsFunctionMomentsAndFits) {
 
 TEST_F(PhaseReportTest, TableNamesWhatIsInfeasible) {
   EXPECT_THAT(phase_table(sample_report()), Not(HasSubstr("infeasible")));
-  EXPECT_THAT(phase_table(sample_report(0.95)), HasSubstr("linear-programming: infeasible with moments l <= 3"));
+  EXPECT_THAT(phase_table(sample_report(0.95)), HasSubstr("linear-programming: moments l <= 3 are infeasible"));
 }
 
 TEST_F(PhaseReportTest, PlotIsAPng) {
