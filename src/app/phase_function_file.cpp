@@ -14,9 +14,10 @@
 namespace cloudbow {
 namespace {
 
+/// A file that is no text must not garble the terminal.
 std::string printable(std::string text) {
   for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    if (c < 0x20 || c > 0x7e) c = '?';
   }
   return text;
 }
