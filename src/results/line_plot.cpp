@@ -278,15 +278,7 @@ void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double 
     canvas.text(fmt::format("{}\u00b0", angle), around(centre, rim + 2.2 * text_size, angle), text_size,
                 TextAnchor::centre);
   }
-  for (const PlotSeries& series : plot.series) {
-    std::vector<PlotPoint> line;
-    for (std::size_t i = 0; i < series.x.size(); ++i) {
-      const double value = std::isfinite(series.y[i]) ? series.y[i] : plot.range.first;
-      line.push_back(around(centre, radius(value), series.x[i]));
-    }
-    canvas.line(line, series.stroke);
-  }
-  canvas.line(circle(centre, rim), {kFrame, 1, {}, 1});
+  // Below the curves, which they must not hide.
   for (const double tick : labelled(axis, ticks)) {
     if (radius(tick) < 0.1 * rim || radius(tick) > 0.95 * rim) continue;
     const std::string text = tick_label(axis, tick);
@@ -296,6 +288,15 @@ void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double 
                 0.8);
     canvas.text(text, place, text_size, TextAnchor::centre);
   }
+  for (const PlotSeries& series : plot.series) {
+    std::vector<PlotPoint> line;
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      const double value = std::isfinite(series.y[i]) ? series.y[i] : plot.range.first;
+      line.push_back(around(centre, radius(value), series.x[i]));
+    }
+    canvas.line(line, series.stroke);
+  }
+  canvas.line(circle(centre, rim), {kFrame, 1, {}, 1});
   canvas.text(plot.title, {centre.x, box.top + 1.6 * text_size}, 1.15 * text_size, TextAnchor::centre);
 }
 

@@ -18,6 +18,7 @@ constexpr double kMostDecades = 6;  // below the largest value
 struct Curves {
   std::vector<PlotSeries> series;  // the function first
   std::pair<double, double> range;
+  bool flat = false;  // less than a decade from least to largest
 };
 
 Stroke stroke_of(PhaseFitMethod method) {
@@ -46,6 +47,7 @@ Curves curves_of(const FittedFunction& fitted, const PhaseReport& report) {
   // A decade below the least, so that a fit that falls short is seen to.
   const double low = *least > 0 ? std::pow(10, std::floor(std::log10(*least / 3))) : 1e-3;
   curves.range = {std::max(low, floor), high};
+  curves.flat = 10 * *least > *largest;
   curves.series.push_back(std::move(truth));
   for (const PhaseFit& fit : fitted.fits) {
     if (fit.value.size() == 0) continue;
@@ -54,6 +56,13 @@ Curves curves_of(const FittedFunction& fitted, const PhaseReport& report) {
                              stroke_of(fit.method)});
   }
   return curves;
+}
+
+/// Above all curves of a flat function.
+double flat_top(const Curves& curves) {
+  double top = 0;
+  for (const PlotSeries& s : curves.series) top = std::max(top, *std::max_element(s.y.begin(), s.y.end()));
+  return axis_range({}, {0, 1.05 * top}).second;
 }
 
 }  // namespace
@@ -72,6 +81,7 @@ void write_phase_plot(const std::filesystem::path& file, const PhaseReport& repo
     plot.title = fitted.name;
     plot.x = {"scattering angle [degree]", false, std::pair(0.0, 180.0), 30};
     plot.y = {"phase function", true, curves.range, {}};
+    if (curves.flat) plot.y = {"phase function", false, std::pair(0.0, flat_top(curves)), {}};
     plot.series = curves.series;
     plot.legend = LegendPlace::none;
     draw(canvas, {kMargin, top, kWidth - kPolarWidth - kMargin, top + kRow}, plot, kTextSize);

@@ -136,7 +136,7 @@ TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
 
 TEST(CommandLine, DescribesAPhaseFunction) {
   const TemporaryFolder folder;
-  const std::string plot = (folder.path() / "hg.png").string(), file = (folder.path() / "hg.h5").string();
+  const std::string plot = (folder / "hg.png").string(), file = (folder / "hg.h5").string();
   const Outcome outcome =
       cloudbow({"phase", "henyey-greenstein", "--asymmetry-parameter", "0.8", "--control-points", "42",
                 "--delta-m-order", "6", "--fit", "least-squares,linear-programming", "--plot", plot, "-o", file});
