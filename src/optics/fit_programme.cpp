@@ -44,9 +44,9 @@ std::optional<Eigen::VectorXd> solve(const FitProgramme& programme, Simplex algo
 
   Columns columns;
   for (int i = 0; i < samples; ++i) {
-    const auto& [index, weight] = programme.samples[i];
+    const Stencil& sample = programme.samples[i];
     const auto add_interpolation = [&](double sign) {
-      for (int k = 0; k < 3; ++k) columns.add_element(index[k], sign * weight[k]);
+      for (int k = 0; k < 3; ++k) columns.add_element(sample.index[k], sign * sample.weight[k]);
     };
     const double above_lower = programme.value[i] - lower;
     if (programme.largest != LargestResidual::free) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCapital = 7;  // height of a capital in units of the table
 constexpr double kSpace = 2.6;
-constexpr double kBetweenLetters = 1.5;
+constexpr double kBetweenLetters = 1.7;
 constexpr double kScriptSize = 0.7;
 
 struct Letter {
