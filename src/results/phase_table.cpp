@@ -57,8 +57,9 @@ std::string shortfall(const FittedFunction& fitted, int asked) {
   std::string text;
   for (const PhaseFit& fit : fitted.fits) {
     if (fit.exact_degree < 0 || fit.exact_degree >= asked) continue;
-    text += fmt::format("  {}: moments l <= {} are infeasible (no solution as positive as the function holds them); held are l <= {}\n",
-                        name_of(fit.method), asked, fit.exact_degree);
+    text += fmt::format(
+        "  {}: moments l <= {} are infeasible (no solution as positive as the function holds them); held are l <= {}\n",
+        name_of(fit.method), asked, fit.exact_degree);
   }
   return text;
 }
