@@ -16,6 +16,7 @@
 #include "cloudbow/medium/cloud_makers.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/results/render.hpp"
+#include "phase_command.hpp"
 
 namespace cloudbow {
 namespace {
@@ -178,6 +179,7 @@ int parse_and_act(int argc, const char* const* argv) {
   add_run(app, action, command_text(argc, argv));
   add_cloud(app, action);
   add_render(app, action);
+  add_phase(app, action, command_text(argc, argv));
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -1,10 +1,8 @@
 #include "cloudbow/app/run.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <fstream>
 
 #include "cloudbow/app/assemble.hpp"
@@ -15,6 +13,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
+#include "history.hpp"
 
 namespace cloudbow {
 namespace {
@@ -35,11 +34,6 @@ void check_not_an_input(const std::filesystem::path& output, const Scene& scene)
                       output.string(), input.string()));
     }
   }
-}
-
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
 void print_prediction(const AssembledScene& scene, std::size_t memory, std::uint64_t available) {
@@ -95,7 +89,7 @@ int run(const RunOptions& options) {
   }
   InterruptGuard::check();
   write_result(output, solution,
-               {scene.title, fmt::format("cloudbow {}", version()), utc_now() + " " + options.command, scene.text});
+               {scene.title, fmt::format("cloudbow {}", version()), history_line(options.command), scene.text});
   InterruptGuard::check();
 
   if (!options.quiet) fmt::print("{}\nwritten to {}\n", summary_table(solution), output.string());

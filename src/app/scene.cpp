@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/config_reader.hpp"
+#include "cloudbow/app/phase_function_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
 
@@ -71,46 +70,6 @@ class SceneReader {
     scene_.place[reader.full_name(key)] = reader.place_of(key);
   }
 
-  // Lines of two numbers; "#" begins a comment.
-  static std::vector<std::pair<double, double>> read_pairs(const std::filesystem::path& file) {
-    constexpr std::uintmax_t max_bytes = 64u << 20;
-    std::error_code error;
-    if (std::filesystem::file_size(file, error) > max_bytes) {
-      throw InputError(fmt::format("{}: too large (allowed at most {} MB)", file.string(), max_bytes >> 20));
-    }
-    std::ifstream stream(file);
-    if (!stream) throw InputError(fmt::format("{}: cannot be opened", file.string()));
-    std::vector<std::pair<double, double>> pairs;
-    std::string line;
-    for (int number = 1; std::getline(stream, line); ++number) {
-      const std::string content = line.substr(0, line.find('#'));
-      if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
-      std::istringstream words(content);
-      std::pair<double, double> pair;
-      std::string rest;
-      if (!(words >> pair.first >> pair.second) || words >> rest || !std::isfinite(pair.first) ||
-          !std::isfinite(pair.second)) {
-        throw InputError(fmt::format("{}:{}: not two numbers (found '{}', allowed two numbers and a # comment)",
-                                     file.string(), number, line.substr(0, 80)));
-      }
-      pairs.push_back(pair);
-    }
-    return pairs;
-  }
-
-  static std::vector<double> read_moments(const std::filesystem::path& file) {
-    std::vector<double> moments;
-    for (const auto& [l, chi] : read_pairs(file)) {
-      if (l != static_cast<double>(moments.size())) {
-        throw InputError(
-            fmt::format("{}: moments out of order (found l = {}, allowed l = {}: 0, 1, 2, ... on lines \"l chi_l\")",
-                        file.string(), l, moments.size()));
-      }
-      moments.push_back(chi);
-    }
-    return moments;
-  }
-
   void read_phase_functions() {
     defined_.emplace("isotropic", DefinedPhaseFunction{PhaseFunction::isotropic()});
     defined_.emplace("rayleigh", DefinedPhaseFunction{PhaseFunction::rayleigh()});
@@ -158,7 +117,7 @@ class SceneReader {
     std::optional<PhaseFunction> function;
     if (reader.has("file")) {
       const auto file = existing_file(reader, "file");
-      reader.with_place("file", [&] { function = PhaseFunction::legendre(read_moments(file)); });
+      reader.with_place("file", [&] { function = read_legendre_file(file); });
     } else {
       const auto moments = *reader.find_numbers("moments", {"chi_0 = 1, then -1 to 1", -1, 1});
       reader.with_place("moments", [&] { function = PhaseFunction::legendre(moments); });
@@ -170,15 +129,7 @@ class SceneReader {
     reader.check_keys({"type", "file"});
     const auto file = existing_file(reader, "file");
     std::optional<PhaseFunction> function;
-    reader.with_place("file", [&] {
-      std::vector<double> angle;
-      std::vector<double> value;
-      for (const auto& [a, v] : read_pairs(file)) {
-        angle.push_back(a);
-        value.push_back(v);
-      }
-      function = PhaseFunction::table(angle, value);
-    });
+    reader.with_place("file", [&] { function = read_phase_table_file(file); });
     return {*function, true};
   }
 

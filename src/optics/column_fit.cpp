@@ -1,6 +1,5 @@
 #include "column_fit.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,15 +7,12 @@
 
 #include "cloudbow/sphere/icosphere.hpp"
 #include "cloudbow/sphere/spherical_harmonics.hpp"
-#include "fit_programme.hpp"
 
 namespace cloudbow {
 namespace {
 
 constexpr double four_pi = 4 * std::numbers::pi;
-constexpr double tiny = 1e-12;            // an entry below stands for 0, see FitProgramme
-constexpr double row_tolerance = 1e-6;    // a solution of a linear programme is rejected if a row is off by more
-constexpr double bound_tolerance = 1e-6;  // or a value is below its bound by more
+constexpr double tiny = 1e-12;  // an entry below stands for 0, see FitProgramme
 
 /// h_l = int_0^1 mu^power P_l dmu, l < count: from h_l = (P_{l-1}(0) - P_{l+1}(0)) / (2l+1) for power 0, raised by
 /// (2l+1) mu P_l = (l+1) P_{l+1} + l P_{l-1}.
@@ -68,45 +64,17 @@ double least_value(const PhaseFunction& phase) {
   return least;
 }
 
-/// The smallest relative change that makes the rows exact: X += |X| C^T lambda with (C diag|X| C^T) lambda = right - C
-/// X.
-Eigen::VectorXd corrected(const ExactRows& rows, Eigen::VectorXd x) {
-  x /= rows.matrix.row(0).dot(x);
-  const Eigen::VectorXd size = x.cwiseAbs();
-  const Eigen::MatrixXd system = rows.matrix * size.asDiagonal() * rows.matrix.transpose();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-12);
-  solver.compute(system);
-  const Eigen::VectorXd lambda = solver.solve(rows.right - rows.matrix * x);
-  return x + size.cwiseProduct(rows.matrix.transpose() * lambda);
-}
-
-/// Solves the programme with these rows; false where there is no solution or none that stands up to checking.
-bool fit_with_rows(FittedColumn& column, FitProgramme& programme, ExactRows rows) {
-  programme.rows = std::move(rows.matrix);
-  programme.right = std::move(rows.right);
-  for (const Simplex algorithm : {Simplex::primal, Simplex::dual}) {
-    ++column.linear_programmes;
-    const auto x = solve(programme, algorithm);
-    if (!x || !x->allFinite()) continue;
-    const double off = (programme.rows * *x - programme.right).cwiseAbs().maxCoeff();
-    if (off > row_tolerance || x->minCoeff() < programme.lower - bound_tolerance) continue;
-    column.value = x->cwiseMax(programme.lower);
-    return true;
-  }
-  return false;
+/// The icosphere with about four times as many vertices as there are control points, at least 642, in their frame.
+std::vector<Direction> sample_directions(const ControlPoints& points) {
+  std::vector<Direction> sample;
+  for (const Direction& v : make_icosphere(points.size() > 162 ? 4 : 3).vertex) sample.push_back(points.rotation() * v);
+  return sample;
 }
 
 }  // namespace
 
 ColumnFit::ColumnFit(const ControlPoints& points, const OrdinateSet& ordinates, const FitOptions& options)
-    : points_(points), options_(options) {
-  const Icosphere fine = make_icosphere(points.size() > 162 ? 4 : 3);
-  for (const Direction& v : fine.vertex) {
-    sample_.push_back(points.rotation() * v);
-    sample_stencil_.push_back(points.stencil(sample_.back()));
-  }
-
+    : points_(points), options_(options), fit_(points, sample_directions(points)) {
   std::vector<Stencil> stencil;
   std::vector<Direction> local;  // in the frame of the control points many entries of the rows vanish by symmetry
   for (const Direction& v : ordinates.direction) {
@@ -122,14 +90,6 @@ ColumnFit::ColumnFit(const ControlPoints& points, const OrdinateSet& ordinates, 
     for (int k = 0; k < upward.rows(); ++k) upward(k, d) = mu > 0 ? weight[d] / four_pi * std::pow(mu, k) : 0;
   }
   half_range_rows_ = on_points(upward, stencil, points.size());
-
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(points.size(), points.size());
-  for (const Stencil& s : sample_stencil_) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) normal(s.index[i], s.index[j]) += s.weight[i] * s.weight[j];
-    }
-  }
-  normal_equations_.compute(normal);
 }
 
 ExactRows ColumnFit::exact_rows(const PhaseFunction& phase, const Direction& travel, int degree,
@@ -150,8 +110,8 @@ ExactRows ColumnFit::exact_rows(const PhaseFunction& phase, const Direction& tra
 }
 
 Eigen::VectorXd ColumnFit::sampled(const PhaseFunction& phase, const Direction& travel) const {
-  Eigen::VectorXd value(sample_.size());
-  for (std::size_t i = 0; i < sample_.size(); ++i) value[i] = phase(sample_[i].dot(travel));
+  Eigen::VectorXd value(fit_.samples().size());
+  for (std::size_t i = 0; i < fit_.samples().size(); ++i) value[i] = phase(fit_.samples()[i].dot(travel));
   return value;
 }
 
@@ -161,62 +121,103 @@ Eigen::VectorXd ColumnFit::at_points(const PhaseFunction& phase, const Direction
   return value;
 }
 
-Eigen::VectorXd ColumnFit::interpolated(const Eigen::VectorXd& column) const {
-  Eigen::VectorXd value(sample_.size());
-  for (std::size_t i = 0; i < sample_.size(); ++i) {
-    const auto& [index, weight] = sample_stencil_[i];
-    value[i] = weight[0] * column[index[0]] + weight[1] * column[index[1]] + weight[2] * column[index[2]];
-  }
-  return value;
-}
-
-Eigen::VectorXd ColumnFit::least_squares(const Eigen::VectorXd& value) const {
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(points_.size());
-  for (std::size_t i = 0; i < sample_.size(); ++i) {
-    for (int k = 0; k < 3; ++k) right[sample_stencil_[i].index[k]] += sample_stencil_[i].weight[k] * value[i];
-  }
-  return normal_equations_.solve(right);
-}
-
-void ColumnFit::fit_by_programme(FittedColumn& column, const PhaseFunction& phase, const Direction& travel,
-                                 int half_range_rows) const {
-  FitProgramme programme;
-  programme.samples = sample_stencil_;
-  programme.value = sampled(phase, travel);
-  programme.scale = programme.value.cwiseAbs().cwiseMax(0.05).cwiseSqrt();
-  programme.minimax = options_.minimax;
-  programme.lower = std::min(0.0, least_value(phase));
-
+template <class Attempt>
+void ColumnFit::fit_with_fewer_rows(FittedColumn& column, const PhaseFunction& phase, const Direction& travel,
+                                    int half_range_rows, const Attempt& attempt) const {
   // What is asked for may have no solution that is positive (a coarse set of points, a strong peak): then fewer
   // moments, then fewer half-range rows. The integral alone can always be held.
   for (int half_range = half_range_rows; half_range >= 0; --half_range) {
     for (int degree = options_.exact_moments; degree >= (half_range > 0 ? std::min(1, options_.exact_moments) : 0);
          --degree) {
-      if (fit_with_rows(column, programme, exact_rows(phase, travel, degree, half_range))) return;
+      if (auto x = attempt(exact_rows(phase, travel, degree, half_range))) {
+        column.value = std::move(*x);
+        column.exact_degree = degree;
+        return;
+      }
       column.fell_back = true;
     }
   }
-  const ExactRows rows = exact_rows(phase, travel, std::min(3, options_.exact_moments), 0);
-  column.value = corrected(rows, least_squares(programme.value));
+  column.exact_degree = std::min(3, options_.exact_moments);
+  column.value =
+      corrected(exact_rows(phase, travel, column.exact_degree, 0), fit_.least_squares(sampled(phase, travel)));
+}
+
+ConstrainedFit ColumnFit::objective(const PhaseFunction& phase, const Eigen::VectorXd& value) const {
+  ConstrainedFit fit;
+  fit.scale = value.cwiseAbs().cwiseMax(0.05).cwiseSqrt();
+  fit.mean_scale = fit.scale;
+  fit.minimax = options_.minimax;
+  fit.lower = std::min(0.0, least_value(phase));
+  return fit;
 }
 
 FittedColumn ColumnFit::fit(const PhaseFunction& phase, const Direction& travel, int half_range_rows) const {
   FittedColumn column;
   if (phase.is_isotropic()) {
     column.value = Eigen::VectorXd::Ones(points_.size());
+    column.exact_degree = options_.exact_moments;
   } else if (options_.method == FitMethod::linear_programming) {
-    fit_by_programme(column, phase, travel, half_range_rows);
+    const Eigen::VectorXd value = sampled(phase, travel);
+    ConstrainedFit programme = objective(phase, value);
+    fit_with_fewer_rows(column, phase, travel, half_range_rows, [&](ExactRows rows) {
+      programme.rows = std::move(rows);
+      return fit_.constrained(value, programme, column.linear_programmes);
+    });
   } else {
     const bool collocated = options_.method == FitMethod::collocation;
-    const Eigen::VectorXd plain = collocated ? at_points(phase, travel) : least_squares(sampled(phase, travel));
+    const Eigen::VectorXd plain = collocated ? at_points(phase, travel) : fit_.least_squares(sampled(phase, travel));
     column.value = corrected(exact_rows(phase, travel, options_.exact_moments, half_range_rows), plain);
+    column.exact_degree = options_.exact_moments;
   }
+  finish(column, phase, travel);
+  return column;
+}
+
+FittedColumn ColumnFit::fit_bounded(const PhaseFunction& phase, const Direction& travel, double bound) const {
+  const Eigen::VectorXd value = sampled(phase, travel);
+  ConstrainedFit programme = objective(phase, value);
+  programme.scale.setOnes();
+  FittedColumn column;
+  fit_with_fewer_rows(column, phase, travel, 0, [&](ExactRows rows) -> std::optional<Eigen::VectorXd> {
+    programme.rows = std::move(rows);
+    programme.bound = bound;
+    if (auto x = fit_.constrained(value, programme, column.linear_programmes)) return x;
+    // The least largest residual that the rows allow, and 1.001 times that: at the optimum itself rounding decides
+    // whether a solution exists.
+    ConstrainedFit least = programme;
+    least.bound.reset();
+    least.minimax = true;
+    least.mean_weight = 0;
+    const auto x = fit_.constrained(value, least, column.linear_programmes);
+    if (!x) return std::nullopt;
+    programme.bound = std::max(bound, 1.001 * (fit_.interpolated(*x) - value).cwiseAbs().maxCoeff());
+    const auto better = fit_.constrained(value, programme, column.linear_programmes);
+    return better ? better : x;
+  });
+  finish(column, phase, travel);
+  return column;
+}
+
+void ColumnFit::polish(FittedColumn& column, const PhaseFunction& phase, const Direction& travel) const {
+  if (column.exact_degree < 0) return;
+  column.value = corrected(exact_rows(phase, travel, column.exact_degree, 0), column.value);
+  finish(column, phase, travel);
+}
+
+void ColumnFit::finish(FittedColumn& column, const PhaseFunction& phase, const Direction& travel) const {
   // Solvers leave 1e-9 in the integral; light is conserved to rounding.
   column.value /= moment_rows_.row(0).dot(column.value);
 
   const Eigen::VectorXd exact = sampled(phase, travel);
-  column.max_error = (interpolated(column.value) - exact).cwiseAbs().maxCoeff() / exact.cwiseAbs().maxCoeff();
-  return column;
+  column.max_error = (fit_.interpolated(column.value) - exact).cwiseAbs().maxCoeff() / exact.cwiseAbs().maxCoeff();
+}
+
+double ColumnFit::moment(const Eigen::VectorXd& value, const Direction& travel, int l) const {
+  const Direction local = points_.rotation().transpose() * travel;
+  const Eigen::VectorXd harmonics = real_spherical_harmonics(std::span(&local, 1), l);
+  const auto first = harmonic_index(l, -l), count = 2 * l + 1;
+  const Eigen::VectorXd seen = moment_rows_.middleRows(first, count) * value;
+  return std::sqrt(four_pi) * harmonics.segment(first, count).dot(seen) / count;
 }
 
 }  // namespace cloudbow

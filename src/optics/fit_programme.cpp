@@ -32,39 +32,47 @@ struct Columns {
 // The dual has as many rows as there are control points, far fewer than samples, and the primal simplex starts from 0,
 // which is feasible there: ten times faster than the programme as stated. With X = lower + Z, Z >= 0:
 //   maximise y.(u+ - u- + v) + c.q  subject to  A^T (u+ - u- + v) + C^T q <= 0,  scale.(u+ + u-) <= 1,  |v_i| <=
-//   mean_weight/(n scale_i),
-// u+, u- >= 0, q free. Z is the (negative) price of the first rows, h that of the last.
+//   mean_weight/(n mean_scale_i),
+// u+, u- >= 0, q free. Z is the (negative) price of the first rows, h that of the last. Where h is given, the last row
+// goes and h scale.(u+ + u-) is taken off what is maximised; where X has any sign, the first rows are equalities.
 std::optional<Eigen::VectorXd> solve(const FitProgramme& programme, Simplex algorithm) {
   const auto points = static_cast<int>(programme.rows.cols());
   const auto samples = static_cast<int>(programme.samples.size());
   const double infinity = COIN_DBL_MAX;
+  const bool minimised = programme.largest == LargestResidual::minimised;
+  const double lower = programme.lower.value_or(0);
 
   Columns columns;
   for (int i = 0; i < samples; ++i) {
-    const auto& [index, weight] = programme.samples[i];
+    const Stencil& sample = programme.samples[i];
     const auto add_interpolation = [&](double sign) {
-      for (int k = 0; k < 3; ++k) columns.add_element(index[k], sign * weight[k]);
+      for (int k = 0; k < 3; ++k) columns.add_element(sample.index[k], sign * sample.weight[k]);
     };
-    const double above_lower = programme.value[i] - programme.lower;
-    if (programme.minimax) {
+    const double above_lower = programme.value[i] - lower;
+    if (programme.largest != LargestResidual::free) {
       for (const double sign : {1.0, -1.0}) {
         add_interpolation(sign);
-        columns.add_element(points, programme.scale[i]);
-        columns.close(0, infinity, -sign * above_lower);
+        if (minimised) columns.add_element(points, programme.scale[i]);
+        columns.close(0, infinity, -sign * above_lower + (minimised ? 0 : programme.bound * programme.scale[i]));
       }
     }
-    add_interpolation(1);
-    const double most = programme.mean_weight / (samples * programme.scale[i]);
-    columns.close(-most, most, -above_lower);
+    if (programme.mean_weight > 0) {
+      add_interpolation(1);
+      const double most = programme.mean_weight / (samples * programme.mean_scale[i]);
+      columns.close(-most, most, -above_lower);
+    }
   }
   for (Eigen::Index q = 0; q < programme.rows.rows(); ++q) {
     for (int m = 0; m < points; ++m) columns.add_element(m, programme.rows(q, m));
-    columns.close(-infinity, infinity, programme.lower * programme.rows.row(q).sum() - programme.right[q]);
+    columns.close(-infinity, infinity, lower * programme.rows.row(q).sum() - programme.right[q]);
   }
-  const int row_count = points + (programme.minimax ? 1 : 0);
-  const std::vector<double> row_lower(row_count, -infinity);
+  const int row_count = points + (minimised ? 1 : 0);
+  std::vector<double> row_lower(row_count, programme.lower ? -infinity : 0.0);
   std::vector<double> row_upper(row_count, 0.0);
-  if (programme.minimax) row_upper.back() = 1;
+  if (minimised) {
+    row_lower.back() = -infinity;
+    row_upper.back() = 1;
+  }
 
   try {
     const CoinPackedMatrix matrix(true, row_count, static_cast<int>(columns.cost.size()),
@@ -85,7 +93,7 @@ std::optional<Eigen::VectorXd> solve(const FitProgramme& programme, Simplex algo
     }
     if (simplex.status() != 0) return std::nullopt;
     const Eigen::Map<const Eigen::VectorXd> price(simplex.getRowPrice(), points);
-    return (programme.lower - price.array()).matrix();
+    return (lower - price.array()).matrix();
   } catch (const CoinError&) {
     return std::nullopt;
   }

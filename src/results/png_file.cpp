@@ -14,29 +14,28 @@ namespace cloudbow {
 
 namespace {
 
-std::vector<std::uint8_t> encode(const std::filesystem::path& file, const IndexedImage& image) {
-  std::vector<std::uint8_t> colormap(4, 0);
-  for (const Rgb& colour : image.colour) colormap.insert(colormap.end(), {colour[0], colour[1], colour[2], 255});
-
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width);
-  png.height = static_cast<png_uint_32>(image.height);
-  png.format = PNG_FORMAT_RGBA_COLORMAP;
-  png.colormap_entries = static_cast<png_uint_32>(colormap.size() / 4);
-
+/// @param png format and size set
+std::vector<std::uint8_t> encode(const std::filesystem::path& file, png_image& png,
+                                 const std::vector<std::uint8_t>& pixels, const void* colormap) {
   png_alloc_size_t bytes = 0;
   std::vector<std::uint8_t> encoded;
-  bool good =
-      png_image_write_to_memory(&png, nullptr, &bytes, 0, image.index.data(), image.width, colormap.data()) != 0;
+  bool good = png_image_write_to_memory(&png, nullptr, &bytes, 0, pixels.data(), 0, colormap) != 0;
   if (good) {
     encoded.resize(bytes);
-    good = png_image_write_to_memory(&png, encoded.data(), &bytes, 0, image.index.data(), image.width,
-                                     colormap.data()) != 0;
+    good = png_image_write_to_memory(&png, encoded.data(), &bytes, 0, pixels.data(), 0, colormap) != 0;
   }
   if (!good) throw_unwritable(file, png.message);
   encoded.resize(bytes);
   return encoded;
+}
+
+png_image make_png(int width, int height, png_uint_32 format) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(width);
+  png.height = static_cast<png_uint_32>(height);
+  png.format = format;
+  return png;
 }
 
 /// Returns errno.
@@ -56,16 +55,29 @@ int write_bytes(const std::filesystem::path& file, const std::vector<std::uint8_
   return error != 0 ? error : close_error;
 }
 
+void write_atomically(const std::filesystem::path& file, const std::vector<std::uint8_t>& encoded) {
+  AtomicFile target(file);
+  if (const int error = write_bytes(target.temporary(), encoded))
+    throw_unwritable(file, std::generic_category().message(error));
+  target.commit();
+}
+
 }  // namespace
 
 void write_png(const std::filesystem::path& file, const IndexedImage& image) {
   assert(image.colour.size() <= 255 &&
          image.index.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-  const std::vector<std::uint8_t> encoded = encode(file, image);
-  AtomicFile target(file);
-  if (const int error = write_bytes(target.temporary(), encoded))
-    throw_unwritable(file, std::generic_category().message(error));
-  target.commit();
+  std::vector<std::uint8_t> colormap(4, 0);
+  for (const Rgb& colour : image.colour) colormap.insert(colormap.end(), {colour[0], colour[1], colour[2], 255});
+  png_image png = make_png(image.width, image.height, PNG_FORMAT_RGBA_COLORMAP);
+  png.colormap_entries = static_cast<png_uint_32>(colormap.size() / 4);
+  write_atomically(file, encode(file, png, image.index, colormap.data()));
+}
+
+void write_png(const std::filesystem::path& file, const RgbImage& image) {
+  assert(image.rgb.size() == 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  png_image png = make_png(image.width, image.height, PNG_FORMAT_RGB);
+  write_atomically(file, encode(file, png, image.rgb, nullptr));
 }
 
 }  // namespace cloudbow

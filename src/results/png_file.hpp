@@ -1,4 +1,4 @@
-// PNG images of up to 255 colours and "nothing here".
+// PNG images: of up to 255 colours and "nothing here", or of any colours.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,14 @@ struct IndexedImage {
   std::vector<Rgb> colour;          ///< at most 255
 };
 
+struct RgbImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  ///< [row][column][channel], row 0 on top
+};
+
 /// Atomic, as result files are. @throws InputError where the file can't be written.
 void write_png(const std::filesystem::path& file, const IndexedImage& image);
+void write_png(const std::filesystem::path& file, const RgbImage& image);
 
 }  // namespace cloudbow

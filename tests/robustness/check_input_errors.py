@@ -74,6 +74,45 @@ def scenes():
         yield f"VDB file cut at {cut} %", replaced("cloud.vdb", f"cut_{cut}.vdb"), [f"cut_{cut}.vdb"]
 
 
+def phase_commands(folder):
+    """(name, arguments, words of the message) of `cloudbow phase`; the files are in the folder."""
+    for name, text in (("moments.txt", "0 1\n1 0.85\n"), ("gap.txt", "0 1\n2 0.85\n"), ("large.txt", "0 1\n1 1.85\n"), ("words.txt", "0 1\n1 much\n"), ("nothing.txt", ""),
+                       ("half.txt", "0 1\n90 1\n"), ("falling.txt", "0 1\n90 1\n80 1\n180 1\n"), ("negative.txt", "0 1\n180 -1\n"), ("zero.txt", "0 0\n180 0\n")):
+        (folder / name).write_text(text)
+    hg = ["henyey-greenstein", "--asymmetry-parameter", "0.5"]
+    yield "no type", [], ["type"]
+    yield "unknown type", ["henyey"], ["henyey", "henyey-greenstein", "legendre"]
+    yield "no asymmetry parameter", ["henyey-greenstein"], ["--asymmetry-parameter", "missing"]
+    for g in ("1", "-1", "nan", "inf", "1e+300"):
+        yield f"asymmetry parameter {g}", ["henyey-greenstein", "--asymmetry-parameter", g], ["asymmetry", g, "-1 < g < 1"]
+    yield "asymmetry parameter in words", ["henyey-greenstein", "--asymmetry-parameter", "much"], ["--asymmetry-parameter", "much"]
+    yield "an option of another type", ["rayleigh", "--asymmetry-parameter", "0.5"], ["rayleigh", "--asymmetry-parameter", "henyey-greenstein"]
+    yield "forward weight 2", ["double-henyey-greenstein", "--forward-asymmetry-parameter", "0.8", "--backward-asymmetry-parameter", "-0.5", "--forward-weight", "2"], ["weight", "0 to 1"]
+    yield "control points 100", [*hg, "--control-points", "100"], ["100", "162"]
+    yield "delta-M order 0", [*hg, "--delta-m-order", "0"], ["delta-M", "0", "64"]
+    yield "unknown fit", [*hg, "--fit", "spline"], ["spline", "least-squares"]
+    yield "exact moments 99", [*hg, "--exact-moments", "99"], ["99", "12"]
+    yield "unknown quadrature", [*hg, "--quadrature", "gauss"], ["gauss", "double-gauss"]
+    yield "travel without length", [*hg, "--travel", "0", "0", "0"], ["travel"]
+    yield "travel that is no number", [*hg, "--travel", "nan", "0", "0"], ["travel"]
+    yield "no file", ["legendre"], ["--file", "missing"]
+    yield "missing file", ["legendre", "--file", folder / "none.txt"], ["none.txt"]
+    yield "a directory as file", ["table", "--file", folder / "folder"], ["folder", "directory"]
+    yield "a binary file as table", ["table", "--file", folder / "cloud.vdb"], ["cloud.vdb:1", "not two numbers"]
+    yield "a moment left out", ["legendre", "--file", folder / "gap.txt"], ["gap.txt", "l = 2", "l = 1"]
+    yield "a moment above 1", ["legendre", "--file", folder / "large.txt"], ["large.txt", "1.85", "-1 to 1"]
+    yield "a moment in words", ["legendre", "--file", folder / "words.txt"], ["words.txt:2", "much"]
+    yield "no moments", ["legendre", "--file", folder / "nothing.txt"], ["nothing.txt", "missing"]
+    yield "a table of half the angles", ["table", "--file", folder / "half.txt"], ["half.txt", "90", "180"]
+    yield "a table that turns back", ["table", "--file", folder / "falling.txt"], ["falling.txt", "80", "ascending"]
+    yield "a negative table", ["table", "--file", folder / "negative.txt"], ["negative.txt", "-1", ">= 0"]
+    yield "a table of zeros", ["table", "--file", folder / "zero.txt"], ["zero.txt", "0"]
+    yield "plot in a missing folder", [*hg, "--plot", folder / "nowhere/plot.png"], ["nowhere"]
+    yield "plot is a directory", [*hg, "--plot", folder / "folder"], ["folder"]
+    yield "plot and file the same", [*hg, "--plot", folder / "output.h5"], ["output.h5", "plot"]
+    yield "plot over its own input", ["legendre", "--file", folder / "moments.txt", "--plot", folder / "moments.txt"], ["moments.txt", "overwrite"]
+
+
 class Checker:
     def __init__(self, program, folder):
         self.program = program
@@ -132,6 +171,10 @@ def main():
         checker.expect_error("unknown key set", [*run, "--set", "sun.zenit_deg=3"], ["sun.zenit_deg"], output)
         checker.expect_error("value set out of range", [*run, "--set", "sun.zenith_deg=95"], ["sun.zenith_deg", "95"], output)
         checker.expect_error("layer that is not there", [*run, "--set", "layer.0.optical_depth=2"], ["layer"], output)
+        for name, arguments, words in phase_commands(folder):
+            checker.expect_error(f"phase: {name}", ["phase", *arguments, "-o", output], words, output)
+        checker.expect_error("phase: file in a missing folder", ["phase", "rayleigh", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)
+        checker.expect_error("phase: file in a file", ["phase", "rayleigh", "-o", cloud / "output.h5"], ["cloud.vdb"], output)
     print("\n" + "\n".join(checker.faults or ["every wrong input is told as such"]))
     return 1 if checker.faults else 0
 

@@ -134,6 +134,19 @@ TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
   EXPECT_THAT(itself.errors, HasSubstr("overwrite"));
 }
 
+TEST(CommandLine, DescribesAPhaseFunction) {
+  const TemporaryFolder folder;
+  const std::string plot = (folder / "hg.png").string(), file = (folder / "hg.h5").string();
+  const Outcome outcome =
+      cloudbow({"phase", "henyey-greenstein", "--asymmetry-parameter", "0.8", "--control-points", "42",
+                "--delta-m-order", "6", "--fit", "least-squares,linear-programming", "--plot", plot, "-o", file});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("f = 0.262144"), HasSubstr("least-squares"), HasSubstr("0.64000")));
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("collocation")));
+  EXPECT_TRUE(std::filesystem::exists(plot));
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
 TEST(CommandLine, MakesAndDescribesAndSolvesACloud) {
   const TemporaryFolder folder;
   const auto cloud = folder / "sphere.vdb";

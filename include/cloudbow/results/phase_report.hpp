@@ -1,0 +1,45 @@
+// What `cloudbow phase` tells of a phase function: its moments, its delta-M form, its fits to control points. As text,
+// as a file, as a picture.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cloudbow/optics/phase_fit.hpp"
+#include "cloudbow/optics/phase_function.hpp"
+
+namespace cloudbow {
+
+/// One function, as given ("raw") or truncated ("delta-M"), and its fits.
+struct FittedFunction {
+  std::string name;
+  PhaseFunction function;
+  std::vector<PhaseFit> fits;
+};
+
+struct PhaseReport {
+  std::string title;  ///< type and parameters
+  int delta_m_order;
+  double forward_fraction;  ///< f, 0 where the function has no forward peak
+  ControlPoints points;
+  std::string ordinates;  ///< name of the quadrature
+  PhaseFitOptions options;
+  std::vector<FittedFunction> functions;  ///< the raw one first
+};
+
+/// Tables for a terminal.
+std::string phase_table(const PhaseReport& report);
+
+/// HDF5 that is also netCDF-4: see docs/formats.md, "The phase function file".
+/// @param source name and version of the program
+/// @param history time and command
+/// @throws InputError where the file can't be written.
+void write_phase_file(const std::filesystem::path& file, const PhaseReport& report, const std::string& source,
+                      const std::string& history);
+
+/// PNG: for each function one plot against the scattering angle and one around the direction of travel, along a great
+/// circle. @throws InputError where the file can't be written.
+void write_phase_plot(const std::filesystem::path& file, const PhaseReport& report);
+
+}  // namespace cloudbow

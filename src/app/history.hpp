@@ -1,0 +1,11 @@
+// The line that a file's `history` attribute gets.
+#pragma once
+
+#include <string>
+
+namespace cloudbow {
+
+/// Time (UTC) and command.
+std::string history_line(const std::string& command);
+
+}  // namespace cloudbow

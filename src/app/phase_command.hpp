@@ -1,0 +1,14 @@
+// `cloudbow phase`: a phase function by itself.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace cloudbow {
+
+/// Adds the subcommand; where the user named it, `action` becomes what it does.
+/// @param command as the user typed it, for the history of the file it writes
+void add_phase(CLI::App& app, std::function<int()>& action, const std::string& command);
+
+}  // namespace cloudbow
