@@ -211,6 +211,11 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.absorption = scene.output.absorption;
   options.actinic = scene.output.actinic;
   options.radiance_field = scene.output.radiance_field;
+  for (const SceneRadiance& radiance : scene.radiances) {
+    const SceneSun place{radiance.zenith_deg, radiance.azimuth_deg,
+                         0};  // light travels towards where the sensor stands
+    options.views.push_back({radiance.name, -sun_travel(place)});
+  }
   return options;
 }
 

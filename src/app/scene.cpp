@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "cloudbow/app/accuracy.hpp"
@@ -27,9 +28,9 @@ class SceneReader {
   }
 
   Scene read() {
-    root_.check_keys(
-        {"title", "cloud", "phase_function", "layer", "domain", "sun", "sky", "surface", "solver", "output"},
-        {"radiance", "camera", "spectrum"});
+    root_.check_keys({"title", "cloud", "phase_function", "layer", "domain", "sun", "sky", "surface", "solver",
+                      "radiance", "output"},
+                     {"camera", "spectrum"});
     scene_.title = root_.find_text("title").value_or(scene_.path.stem().string());
     read_phase_functions();
     if (const auto cloud = root_.find_table("cloud")) read_cloud(*cloud);
@@ -42,6 +43,7 @@ class SceneReader {
     }
     if (const auto surface = root_.find_table("surface")) read_surface(*surface);
     if (const auto solver = root_.find_table("solver")) read_solver(*solver);
+    for (const ConfigReader& radiance : root_.tables("radiance")) read_radiance(radiance);
     if (const auto output = root_.find_table("output")) read_output(*output);
     check_whole();
     return std::move(scene_);
@@ -223,20 +225,48 @@ class SceneReader {
     for (const char* key : {"min_m", "max_m"}) remember(reader, key);
   }
 
+  // Counter-clockwise from +x, from whichever of the two keys is there.
+  static std::optional<double> read_azimuth(const ConfigReader& reader) {
+    const auto azimuth = reader.find_number("azimuth_deg", kFinite);
+    const auto bearing = reader.find_number("bearing_deg", kFinite);
+    if (azimuth && bearing) reader.fail("bearing_deg", "excludes azimuth_deg", "both", "one of the two");
+    if (bearing) return 90 - *bearing;
+    return azimuth;
+  }
+
   void read_sun(const ConfigReader& reader) {
     reader.check_keys({"zenith_deg", "azimuth_deg", "bearing_deg", "irradiance_w_m2"});
     SceneSun sun;
     sun.zenith_deg = reader.number("zenith_deg", kZenith);
-    const auto azimuth = reader.find_number("azimuth_deg", kFinite);
-    const auto bearing = reader.find_number("bearing_deg", kFinite);
-    if (azimuth && bearing) reader.fail("bearing_deg", "excludes azimuth_deg", "both", "one of the two");
-    if (!azimuth && !bearing) {
+    const auto azimuth = read_azimuth(reader);
+    if (!azimuth) {
       reader.fail("azimuth_deg", "missing", "neither azimuth_deg nor bearing_deg",
                   "one of the two: azimuth_deg counter-clockwise from +x, or bearing_deg clockwise from +y");
     }
-    sun.azimuth_deg = azimuth ? *azimuth : 90 - *bearing;
+    sun.azimuth_deg = *azimuth;
     sun.irradiance_w_m2 = reader.find_number("irradiance_w_m2", kNotNegative).value_or(1);
     if (sun.irradiance_w_m2 > 0) scene_.sun = sun;
+  }
+
+  void read_radiance(const ConfigReader& reader) {
+    reader.check_keys({"name", "zenith_deg", "azimuth_deg", "bearing_deg"}, {"width", "height"});
+    SceneRadiance radiance;
+    radiance.name = reader.text("name");
+    const auto is_word = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+    if (radiance.name.empty() || !std::all_of(radiance.name.begin(), radiance.name.end(), is_word)) {
+      reader.fail("name", "not a name", radiance.name, "letters, digits and _");
+    }
+    const auto same = [&](const SceneRadiance& other) { return other.name == radiance.name; };
+    if (radiance.name == "field" || std::any_of(scene_.radiances.begin(), scene_.radiances.end(), same)) {
+      reader.fail("name", "already in use", radiance.name, "another name");
+    }
+    radiance.zenith_deg = reader.number("zenith_deg", {"0 to 180 without 89 to 91", 0, 180});
+    if (std::abs(radiance.zenith_deg - 90) < 1) {
+      reader.fail("zenith_deg", "too near the horizon", fmt::format("{}", radiance.zenith_deg),
+                  "0 to 180 without 89 to 91");
+    }
+    radiance.azimuth_deg = read_azimuth(reader).value_or(0);
+    scene_.radiances.push_back(radiance);
   }
 
   void read_surface(const ConfigReader& reader) {

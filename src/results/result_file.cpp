@@ -1,6 +1,11 @@
 #include "cloudbow/results/result_file.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -101,6 +106,23 @@ void write_fields(hid_t file, const Solution& solution) {
   }
 }
 
+void write_images(hid_t file, const Solution& solution) {
+  constexpr double degree = std::numbers::pi / 180;
+  for (const RadianceImage& image : solution.images) {
+    const Direction& travel = image.view.travel;
+    netcdf4::write_variable(
+        file, ("radiance_" + image.view.name).c_str(), {"y", "x"}, std::span(image.radiance),
+        {{"units", "W m-2 sr-1"},
+         {"long_name",
+          fmt::format(
+              "diffuse radiance at the {} of the domain, mean over the column where the line of sight crosses it",
+              travel.z() > 0 ? "top" : "bottom")},
+         {"cell_methods", "area: mean"},
+         {"sensor_zenith_deg", std::acos(std::clamp(travel.z(), -1., 1.)) / degree},
+         {"sensor_azimuth_deg", std::atan2(travel.y(), travel.x()) / degree}});
+  }
+}
+
 /// xarray opens a group without its parents, so the group brings its own z_edge.
 void write_profile(hid_t file, const Solution& solution) {
   hdf5::Handle group = netcdf4::create_group(file, "profile");
@@ -187,6 +209,7 @@ void write_all(const std::filesystem::path& path, const Solution& solution, cons
   write_profile(file, solution);
   write_summary(file, solution.ledger);
   write_solver(file, solution.report);
+  write_images(file, solution);
   if (solution.radiance_field) write_radiance_field(file, *solution.radiance_field);
   // After a failed write closing may report success and leave zeros in the file: what is still in memory goes out here,
   // checked.

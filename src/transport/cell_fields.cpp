@@ -28,7 +28,7 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   std::optional<DirectBeam<Real>> beam;
   if (problem.sun) beam = beam_with<Real>(problem, system.cells.rows, discretisation.gather_fraction(), options);
   const DirectionalSource<Real> source =
-      make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr, options);
+      make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr);
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;
   field.direction.assign(points.directions().begin(), points.directions().end());

@@ -52,7 +52,7 @@ class FluxFields {
     }
     if (!by_ordinates) {
       source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance,
-                                              problem.sun ? &*flux_beam_ : nullptr, options));
+                                              problem.sun ? &*flux_beam_ : nullptr));
       if (surroundings != nullptr)
         side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
     }

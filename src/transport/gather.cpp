@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "backward_march.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -28,13 +30,6 @@ double beam_spread(const GatherDirection& direction) {
   const double mu2 = direction.travel.z() * direction.travel.z();
   return std::sqrt(.5 * direction.weight * (1 / (mu2 * mu2) + 1 / mu2));
 }
-
-struct Band {
-  int first_step;
-  int last_step;      // exclusive
-  double distance_m;  // of its middle from the plane
-  bool empty;         // no active cell in it
-};
 
 std::vector<Band> distance_bands(const BoxGrid& box, const ActiveRows& rows, const PathPattern& pattern) {
   std::vector<Band> bands;
@@ -110,89 +105,6 @@ void blur(std::vector<double>& field, const BoxGrid& box, double sigma_m) {
       for (int j = 0; j < box.ny; ++j) row[j] = field[static_cast<std::size_t>(j) * box.nx + i];
       blur_row(row, kernel_y, box.periodic, scratch);
       for (int j = 0; j < box.ny; ++j) field[static_cast<std::size_t>(j) * box.nx + i] = row[j];
-    }
-  }
-}
-
-template <class Real>
-struct GatherWorkspace {
-  std::vector<Real> source, slope_x, slope_y, slope_z, gathered, transmitted, ground;
-};
-
-// One direction, marched backwards from the plane: per band what its cells send, and what comes from beyond the last
-// level or the sides.
-template <class Real>
-void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,
-                const Direction& travel, GatherWorkspace<Real>& work, std::vector<std::vector<Real>>& of_band,
-                std::vector<Real>& beyond) {
-  const BoxGrid& box = scene.box;
-  const ActiveRows& rows = scene.cells.rows;
-  const std::size_t n = rows.size();
-  const std::size_t columns = box.columns();
-  for (auto* v : {&work.source, &work.slope_x, &work.slope_y, &work.slope_z}) v->resize(n);
-  scene.source.query(travel, work.source.data());
-  source_slopes(scene.cells, 0, n, work.source.data(), work.slope_x.data(), work.slope_y.data(), work.slope_z.data());
-  work.gathered.assign(columns, Real(0));
-  work.transmitted.assign(columns, Real(1));
-  beyond.assign(columns, Real(0));
-  const std::vector<double> side =
-      !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
-
-  for (std::size_t b = 0; b < bands.size(); ++b) {
-    for (int step = bands[b].first_step; step < bands[b].last_step; ++step) {
-      const int level = pattern.level(step);
-      const Real chord = static_cast<Real>(pattern.chord_m[step]);
-      const auto kernel = [&](std::size_t ray, std::size_t cell, int count, const Segment& segment) {
-        Real* __restrict const gathered = work.gathered.data() + ray;
-        Real* __restrict const transmitted = work.transmitted.data() + ray;
-        const Real* __restrict const sigma = scene.cells.extinction.data() + cell;
-        const Real* __restrict const s = work.source.data() + cell;
-        const Real* __restrict const gx = work.slope_x.data() + cell;
-        const Real* __restrict const gy = work.slope_y.data() + cell;
-        const Real* __restrict const gz = work.slope_z.data() + cell;
-        const Real length = chord * static_cast<Real>(segment.fraction);
-        const Real fx = static_cast<Real>(segment.from[0]), fy = static_cast<Real>(segment.from[1]),
-                   fz = static_cast<Real>(segment.from[2]);
-        const Real tx = static_cast<Real>(segment.to[0]), ty = static_cast<Real>(segment.to[1]),
-                   tz = static_cast<Real>(segment.to[2]);
-#pragma omp simd
-        for (int i = 0; i < count; ++i) {
-          const Real t = std::min(sigma[i] * length, static_cast<Real>(largest_optical_path));
-          const auto phi = exponential_functions(t);
-          const Real near = s[i] + fx * gx[i] + fy * gy[i] + fz * gz[i];
-          const Real far = s[i] + tx * gx[i] + ty * gy[i] + tz * gz[i];
-          const Real seen = t * transmitted[i];
-          gathered[i] += seen * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
-          transmitted[i] -= seen * phi.phi1;
-        }
-      };
-      const auto leave = [&](const Segment& segment, double at) {
-        if (box.periodic) return;
-        const int lower = pattern.upward ? level : level + 1;  // interface where this step begins
-        const int upper = pattern.upward ? level + 1 : level;
-        const Real outside = side.empty() ? Real(0) : static_cast<Real>((1 - at) * side[lower] + at * side[upper]);
-        for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
-          beyond[m] += work.transmitted[m] * outside;
-          work.transmitted[m] = 0;
-        });
-      };
-      cross_level(pattern, step, level, rows, kernel, leave);
-    }
-    if (!bands[b].empty) {
-      of_band[b].swap(work.gathered);
-      work.gathered.assign(columns, Real(0));
-    }
-  }
-  // Beyond the last level: the sky for light that comes down, the lit surface for light that goes up.
-  const bool upward_light = travel.z() > 0;
-  const Real* const ground = upward_light ? scene.ground->along(travel, work.ground) : nullptr;
-  const int sx = wrapped(static_cast<int>(std::floor(pattern.x.back())), box.nx);
-  const int sy = wrapped(static_cast<int>(std::floor(pattern.y.back())), box.ny);
-  for (int r = 0; r < box.ny; ++r) {
-    for (int m = 0; m < box.nx; ++m) {
-      const std::size_t ray = static_cast<std::size_t>(r) * box.nx + m;
-      const std::size_t hit = static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
-      beyond[ray] += work.transmitted[ray] * (upward_light ? ground[hit] : static_cast<Real>(scene.sky_radiance));
     }
   }
 }

@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/cell_fields.hpp"
 #include "cloudbow/transport/flux_fields.hpp"
+#include "cloudbow/transport/view.hpp"
 
 namespace cloudbow {
 namespace {
@@ -87,6 +88,9 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   phase_start = Clock::now();
   const Surroundings* const outside = surroundings ? &*surroundings : nullptr;
   fill_flux_fields(problem, discretisation, options, system, solved, outside, progress, solution);
+  if (!options.views.empty()) {
+    solution.images = view_radiances(problem, discretisation, options, system, solved, outside, solution);
+  }
   fill_cell_fields(problem, options, system, solved, solution);
   if (options.radiance_field) {
     solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, outside);

@@ -13,8 +13,7 @@ Surroundings::Surroundings(const Problem& problem, const Discretisation& discret
       iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
   std::optional<DirectBeam<double>> beam;
   if (problem_.sun) beam = beam_with<double>(problem_, system_.cells.rows, discretisation.gather_fraction(), column);
-  source_.emplace(
-      make_directional_source(problem_, discretisation, system_, solved.radiance, beam ? &*beam : nullptr, column));
+  source_.emplace(make_directional_source(problem_, discretisation, system_, solved.radiance, beam ? &*beam : nullptr));
 }
 
 std::vector<double> Surroundings::radiance(const Direction& travel) const {

@@ -84,9 +84,8 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
 }
 
 template <class Real>
-DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
-                                                const TransportSystem<Real>& system, const AngularField<Real>& radiance,
-                                                const DirectBeam<Real>* gather_beam, const SolverOptions& options) {
+DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
+                                         const AngularField<Real>& radiance) {
   DirectionalSource<Real> source{discretisation.points,
                                  AngularField<Real>(discretisation.points.size(), system.cells.size()),
                                  -Direction::UnitZ(),
@@ -94,29 +93,44 @@ DirectionalSource<Real> make_directional_source(const Problem& problem, const Di
   std::vector<DenseMatrix<Real>> to_points;
   for (const auto& table : discretisation.table) to_points.push_back(table.points_from_ordinates.template cast<Real>());
   scatter_to<Real>(radiance, to_points, system.cells, source.at_points);
+  return source;
+}
+
+template <class Real>
+void add_single_scattering(DirectionalSource<Real>& source, const PhaseFunction& phase,
+                           std::span<const float> scattering, double share, std::span<const Real> extinction,
+                           std::span<const Real> irradiance) {
+  SingleScattering<Real> first{phase, std::vector<Real>(irradiance.size(), Real(0))};
+  bool any = false;
+  for (std::size_t c = 0; c < irradiance.size(); ++c) {
+    if (scattering[c] == 0) continue;
+    any = true;
+    first.intensity[c] = static_cast<Real>(share / (4 * std::numbers::pi) * static_cast<double>(scattering[c]) /
+                                           static_cast<double>(extinction[c]) * static_cast<double>(irradiance[c]));
+  }
+  if (any) source.first_order.push_back(std::move(first));
+}
+
+template <class Real>
+DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
+                                                const TransportSystem<Real>& system, const AngularField<Real>& radiance,
+                                                const DirectBeam<Real>* gather_beam) {
+  DirectionalSource<Real> source = scattered_source(discretisation, system, radiance);
   if (!problem.sun) return source;
   source.sun_travel = problem.sun->travel;
-  const std::vector<double> gather_fraction = discretisation.gather_fraction();
-  const std::vector<double> solver_fraction = discretisation.beam_fraction();
-  const DirectBeam<Real> solver_beam = beam_with<Real>(problem, system.cells.rows, solver_fraction, options);
-  for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
-    SingleScattering<Real> first{discretisation.gather[p].truncated, std::vector<Real>(system.cells.size())};
-    SingleScattering<Real> unscattered{discretisation.beam[p].truncated, std::vector<Real>(system.cells.size())};
-    bool any = false;
-    for (std::size_t c = 0; c < system.cells.size(); ++c) {
-      const double scattering = problem.grid.scattering[p][c];
-      if (scattering == 0) continue;
-      any = true;
-      const double per_extinction =
-          scattering / static_cast<double>(system.cells.extinction[c]) / (4 * std::numbers::pi);
-      const double beam = static_cast<double>(gather_beam->irradiance[c]);
-      first.intensity[c] = static_cast<Real>((1 - gather_fraction[p]) * per_extinction * beam);
-      unscattered.intensity[c] = static_cast<Real>((1 - solver_fraction[p]) * per_extinction *
-                                                   std::max(0., static_cast<double>(solver_beam.irradiance[c]) - beam));
+  std::vector<Real> unscattered(system.beam_irradiance.size());
+  for (std::size_t c = 0; c < unscattered.size(); ++c)
+    unscattered[c] = std::max(Real(0), system.beam_irradiance[c] - gather_beam->irradiance[c]);
+  for (std::size_t p = 0; p < problem.phase.size(); ++p) {
+    const DeltaM& gather = discretisation.gather[p];
+    const DeltaM& beam = discretisation.beam[p];
+    const auto& scattering = problem.grid.scattering[p];
+    add_single_scattering<Real>(source, gather.truncated, scattering, 1 - gather.forward_fraction,
+                                system.cells.extinction, gather_beam->irradiance);
+    if (beam.forward_fraction > gather.forward_fraction) {
+      add_single_scattering<Real>(source, beam.truncated, scattering, 1 - beam.forward_fraction,
+                                  system.cells.extinction, unscattered);
     }
-    if (!any) continue;
-    source.first_order.push_back(std::move(first));
-    if (solver_fraction[p] > gather_fraction[p]) source.first_order.push_back(std::move(unscattered));
   }
   return source;
 }
@@ -173,13 +187,17 @@ bool runs_in_double(const Problem& problem, const SolverOptions& options) {
   return std::min(mean_depth, 3 * diffusion_length) > thickest_domain_in_float;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                               \
-  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,       \
-                                            const SolverOptions&);                                               \
-  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&); \
-  template DirectionalSource<Real> make_directional_source<Real>(                                                \
-      const Problem&, const Discretisation&, const TransportSystem<Real>&, const AngularField<Real>&,            \
-      const DirectBeam<Real>*, const SolverOptions&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                    \
+  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,            \
+                                            const SolverOptions&);                                                    \
+  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);      \
+  template DirectionalSource<Real> make_directional_source<Real>(const Problem&, const Discretisation&,               \
+                                                                 const TransportSystem<Real>&,                        \
+                                                                 const AngularField<Real>&, const DirectBeam<Real>*); \
+  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,        \
+                                                          const AngularField<Real>&);                                 \
+  template void add_single_scattering<Real>(DirectionalSource<Real>&, const PhaseFunction&, std::span<const float>,   \
+                                            double, std::span<const Real>, std::span<const Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -46,6 +46,12 @@ struct SceneSun {
   double irradiance_w_m2 = 1;
 };
 
+struct SceneRadiance {
+  std::string name;        ///< letters, digits and _
+  double zenith_deg = 0;   ///< where the sensor stands, seen from the scene; above 90 below it
+  double azimuth_deg = 0;  ///< counter-clockwise from +x
+};
+
 enum class SolveMode { automatic, three_dimensional, independent_columns };
 
 /// What the scene sets by itself; the rest comes from `accuracy`.
@@ -84,6 +90,7 @@ struct Scene {
   Surface surface;                   ///< without its map
   std::filesystem::path albedo_map;  ///< empty: none
   SceneSolver solver;
+  std::vector<SceneRadiance> radiances;
   SceneOutput output;
   std::map<std::string, std::string>
       place;  ///< "domain.min_m" to "FILE:LINE", for messages about what only the cloud can tell

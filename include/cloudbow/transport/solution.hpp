@@ -29,6 +29,18 @@ struct Problem {
   Surface surface;
 };
 
+/// Parallel lines of sight; light that travels up is seen at the domain's top, light that travels down at its bottom.
+struct View {
+  std::string name;
+  Direction travel;  ///< of the light that is seen, z != 0
+};
+
+struct RadianceImage {
+  View view;
+  std::vector<float>
+      radiance;  ///< [ny][nx] W m-2 sr-1, mean over the column where the line of sight crosses that plane
+};
+
 enum class FluxLevels { all, boundaries, listed };
 
 struct SolverOptions {
@@ -48,6 +60,7 @@ struct SolverOptions {
   bool absorption = true;
   bool actinic = false;
   bool radiance_field = false;
+  std::vector<View> views;
   int threads = 0;  ///< 0: all that OpenMP gives
 };
 
@@ -107,6 +120,7 @@ struct Solution {
   std::vector<float> absorbed_power;  ///< [nz][ny][nx] W m-3, empty unless asked
   std::vector<float>
       actinic_flux;  ///< [nz][ny][nx] W m-2, empty unless asked; NaN where no light was computed (empty cells)
+  std::vector<RadianceImage> images;  ///< one for each of SolverOptions::views
   std::optional<RadianceField> radiance_field;
   EnergyLedger ledger;
   SolverReport report;
