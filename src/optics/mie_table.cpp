@@ -21,6 +21,8 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 constexpr int kSizesPerBlock = 48;
 constexpr int kAnglesPerTile = 64;
 constexpr double kLastMoment = 1e-8;  // of (2l+1) chi_l
+/// Efficiencies cost little next to intensities, and the narrow resonances of spheres are in them: so many more sizes.
+constexpr int kEfficiencySteps = 10;
 
 void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {
   const auto reject = [](const char* what, double found, const char* allowed) {
@@ -84,13 +86,6 @@ Sizes choose_sizes(const DropletRecipe& recipe, std::span<const double> radii, d
   return sizes;
 }
 
-/// Sums over a distribution, each times n(r) dr.
-struct Sums {
-  double mass = 0;        // r^3
-  double scattering = 0;  // r^2 Q_sca
-  double absorption = 0;  // r^2 Q_abs
-};
-
 /// A few spheres of neighbouring sizes: what the tiles of angles need of them.
 struct Block {
   int first = 0;
@@ -100,8 +95,7 @@ struct Block {
   Matrix difference;  // a_n - b_n
 };
 
-Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe, int threads,
-                 std::vector<MieEfficiencies>& efficiencies) {
+Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe, int threads) {
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   Block block;
   block.first = first;
@@ -112,7 +106,6 @@ Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe, int
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (int i = 0; i < block.count; ++i) {
     const MieCoefficients sphere = mie_coefficients(sizes.radius_um[first + i] * wave_number, recipe.refractive_index);
-    efficiencies[first + i] = mie_efficiencies(sphere);
     for (std::size_t n = 0; n < sphere.a.size(); ++n) {
       const std::complex<double> sum = sphere.a[n] + sphere.b[n], difference = sphere.a[n] - sphere.b[n];
       const auto column = static_cast<Eigen::Index>(n);
@@ -145,6 +138,30 @@ void add_intensity(const Block& block, const Sizes& sizes, std::span<const doubl
                     4;
   }
   intensity += sizes.weight.middleCols(block.first, block.count) * sphere;
+}
+
+/// Extinction and single-scattering albedo of each distribution.
+void add_efficiencies(const Sizes& sizes, const DropletRecipe& recipe, int threads, DropletTable& table) {
+  const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
+  const auto count = static_cast<int>(sizes.radius_um.size());
+  std::vector<MieEfficiencies> efficiencies(sizes.radius_um.size());
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
+  for (int n = 0; n < count; ++n) {
+    efficiencies[n] = mie_efficiencies(mie_coefficients(sizes.radius_um[n] * wave_number, recipe.refractive_index));
+  }
+  for (Eigen::Index d = 0; d < sizes.weight.rows(); ++d) {
+    double mass = 0, scattering = 0, absorption = 0;
+    for (int n = 0; n < count; ++n) {
+      const double radius = sizes.radius_um[n], weighted = sizes.weight(d, n) * radius * radius;
+      mass += weighted * radius;
+      scattering += weighted * efficiencies[n].scattering;
+      absorption += weighted * efficiencies[n].absorption;
+    }
+    const double extinction = scattering + absorption;
+    // pi r^2 Q over (4/3) pi r^3 rho: 1/um per g/cm3 is m2/g.
+    table.extinction_m2_per_g.push_back(0.75 / recipe.density_g_cm3 * extinction / mass);
+    table.single_scattering_albedo.push_back(scattering / extinction);
+  }
 }
 
 /// chi_l of values at Gauss-Legendre cosines, with the trailing ones that do not matter left out.
@@ -192,10 +209,9 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
   for (int n = 0; n < count; ++n)
     work_before[n + 1] = work_before[n] + mie_term_count(sizes.radius_um[n] * wave_number);
 
-  std::vector<MieEfficiencies> efficiencies(static_cast<std::size_t>(count));
   Matrix intensity = Matrix::Zero(static_cast<Eigen::Index>(radii.size()), degree + 1);
   for (int first = 0; first < count; first += kSizesPerBlock) {
-    const Block block = make_block(sizes, first, recipe, threads, efficiencies);
+    const Block block = make_block(sizes, first, recipe, threads);
     // A tile's sums do not depend on which thread makes them: the same bits for any number.
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int tile = 0; tile < tiles; ++tile) {
@@ -208,18 +224,8 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
   DropletTable table;
   table.wavelength_um = recipe.wavelength_um;
   table.effective_radius_um.assign(radii.begin(), radii.end());
-  for (Eigen::Index d = 0; d < static_cast<Eigen::Index>(radii.size()); ++d) {
-    Sums sums;
-    for (int n = 0; n < count; ++n) {
-      const double radius = sizes.radius_um[n], weighted = sizes.weight(d, n) * radius * radius;
-      sums.mass += weighted * radius;
-      sums.scattering += weighted * efficiencies[n].scattering;
-      sums.absorption += weighted * efficiencies[n].absorption;
-    }
-    const double extinction = sums.scattering + sums.absorption;
-    // pi r^2 Q over (4/3) pi r^3 rho: 1/um per g/cm3 is m2/g.
-    table.extinction_m2_per_g.push_back(0.75 / recipe.density_g_cm3 * extinction / sums.mass);
-    table.single_scattering_albedo.push_back(sums.scattering / extinction);
+  add_efficiencies(choose_sizes(recipe, radii, options.size_step / kEfficiencySteps), recipe, threads, table);
+  for (Eigen::Index d = 0; d < intensity.rows(); ++d) {
     table.moments.push_back(legendre_moments(rule, intensity.row(d), degree + 1));
   }
   return table;
