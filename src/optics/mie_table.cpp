@@ -22,7 +22,7 @@ constexpr int kSizesPerBlock = 48;
 constexpr int kAnglesPerTile = 64;
 constexpr double kLastMoment = 1e-8;  // of (2l+1) chi_l
 /// Efficiencies cost little next to intensities, and the narrow resonances of spheres are in them: so many more sizes.
-constexpr int kEfficiencySteps = 10;
+constexpr int kEfficiencySteps = 5;
 
 void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {
   const auto reject = [](const char* what, double found, const char* allowed) {

@@ -17,7 +17,7 @@
 namespace cloudbow {
 namespace {
 
-DropletTable table_of(const DropletRecipe& recipe, const std::vector<double>& radii, double size_step = 0.1,
+DropletTable table_of(const DropletRecipe& recipe, const std::vector<double>& radii, double size_step = 0.05,
                       int threads = 0) {
   MieTableOptions options;
   options.size_step = size_step;
@@ -102,9 +102,10 @@ TEST(MieTable, HasTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.single_scattering_albedo, three.single_scattering_albedo);
 }
 
-// A radius gives the same numbers alone and among others, but for which sizes are computed.
+// A radius gives the same numbers alone and among others, but for which sizes are computed: narrow resonances are met
+// or missed, which is the uncertainty that docs/droplets.md states.
 TEST(MieTable, RadiiDoNotDisturbEachOther) {
-  const DropletTable alone = table_of(water(1.64), {8}, 0.2), among = table_of(water(1.64), {4, 8, 12}, 0.2);
+  const DropletTable alone = table_of(water(1.64), {8}), among = table_of(water(1.64), {4, 8, 12});
   EXPECT_NEAR(among.extinction_m2_per_g[1] / alone.extinction_m2_per_g[0], 1, 1e-5);
   EXPECT_NEAR(among.single_scattering_albedo[1], alone.single_scattering_albedo[0], 1e-6);
   for (int l = 0; l < 100; ++l) EXPECT_NEAR(among.moments[1][l], alone.moments[0][l], 2e-4) << l;
@@ -119,7 +120,7 @@ TEST(MieTable, DeirmendjianC1IsAsPublished) {
   recipe.wavelength_um = 0.7;
   recipe.refractive_index = {1.33, 0};
   recipe.effective_variance = 1.0 / 9;
-  const std::vector<double> moments = table_of(recipe, {6}).moments[0];
+  const std::vector<double> moments = table_of(recipe, {6}, 0.1).moments[0];
   int compared = 0;
   for (std::string line; std::getline(file, line);) {
     int l = 0;
