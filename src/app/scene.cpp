@@ -25,6 +25,7 @@ class SceneReader {
  public:
   SceneReader(const ConfigTree& tree, const std::filesystem::path& path) : root_(tree.root, "") {
     scene_.path = path;
+    scene_.inputs.push_back(path);
     scene_.text = tree.text;
   }
 
@@ -62,12 +63,13 @@ class SceneReader {
     return scene_.path.parent_path() / std::filesystem::path(file);
   }
 
-  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key) const {
+  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key) {
     const std::filesystem::path file = relative_to_scene(reader.text(key));
     std::error_code error;
     const auto status = std::filesystem::status(file, error);
     if (!std::filesystem::exists(status)) reader.fail(key, "no such file", file.string(), "a file that is there");
     if (std::filesystem::is_directory(status)) reader.fail(key, "a directory", file.string(), "a file");
+    scene_.inputs.push_back(file);
     return file;
   }
 
@@ -127,7 +129,7 @@ class SceneReader {
     }
   }
 
-  DefinedPhaseFunction read_phase_function(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_phase_function(const ConfigReader& reader) {
     const std::string type = reader.text("type");
     if (type == "isotropic" || type == "rayleigh") {
       reader.check_keys({"type"});
@@ -154,7 +156,7 @@ class SceneReader {
                 "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie");
   }
 
-  DefinedPhaseFunction read_legendre(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_legendre(const ConfigReader& reader) {
     reader.check_keys({"type", "moments", "file"});
     if (reader.has("moments") == reader.has("file")) {
       reader.fail(reader.has("file") ? "file" : "moments", "moments = [...] and file exclude each other",
@@ -171,7 +173,7 @@ class SceneReader {
     return {*function, true};
   }
 
-  DefinedPhaseFunction read_table(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_table(const ConfigReader& reader) {
     reader.check_keys({"type", "file"});
     const auto file = existing_file(reader, "file");
     std::optional<PhaseFunction> function;
@@ -187,7 +189,7 @@ class SceneReader {
     return {*function, true};
   }
 
-  DefinedPhaseFunction read_mie(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_mie(const ConfigReader& reader) {
     reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um"});
     const auto file = existing_file(reader, "file");
     const auto wavelength = reader.find_number("wavelength_um", kPositive);

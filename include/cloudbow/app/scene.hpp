@@ -79,7 +79,8 @@ struct SceneOutput {
 
 struct Scene {
   std::filesystem::path path;
-  std::string text;  ///< the TOML as run
+  std::vector<std::filesystem::path> inputs;  ///< the scene file and every file that it names as one to read
+  std::string text;                           ///< the TOML as run
   std::string title;
   std::optional<SceneCloud> cloud;
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once
