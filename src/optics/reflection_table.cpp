@@ -1,9 +1,13 @@
 #include "cloudbow/optics/reflection_table.hpp"
 
+#include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+
+#include "cloudbow/sphere/gauss_legendre.hpp"
 
 namespace cloudbow {
 namespace {
@@ -20,12 +24,68 @@ double interpolated(const Stencil& stencil, const Eigen::VectorXd& value) {
   return sum;
 }
 
+// A function of direction becomes control-point values by averaging it over the neighbourhood that each point stands
+// for: a glint near the horizon is narrower than the points are apart, and must be caught all the same. Functions of
+// half a sphere are known at the directions above the horizon alone.
+class NeighbourhoodMeans {
+ public:
+  explicit NeighbourhoodMeans(const ControlPoints& points) {
+    const ControlPoints samples(Polyhedron::icosahedron, sample_subdivisions);
+    const auto key = [](const Direction& d) {
+      const Direction up = leaving_side(d) * 1e6;
+      return std::array<long, 3>{std::lround(up.x()), std::lround(up.y()), std::lround(up.z())};
+    };
+    std::map<std::array<long, 3>, int> known;
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const Direction& sample : samples.directions()) {
+      const auto [place, is_new] = known.try_emplace(key(sample), static_cast<int>(directions_.size()));
+      if (is_new) directions_.push_back(leaving_side(sample));
+      const Stencil stencil = points.stencil(sample);
+      for (int k = 0; k < 3; ++k) entries.emplace_back(stencil.index[k], place->second, stencil.weight[k]);
+    }
+    means_.resize(points.size(), static_cast<Eigen::Index>(directions_.size()));
+    means_.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::VectorXd sums = means_ * Eigen::VectorXd::Ones(means_.cols());
+    means_ = sums.cwiseInverse().asDiagonal() * means_;
+  }
+
+  const std::vector<Direction>& directions() const { return directions_; }  // z >= 0
+  const Eigen::SparseMatrix<double>& matrix() const { return means_; }      // points x directions
+
+ private:
+  static constexpr int sample_subdivisions = 4;  // 2562 directions
+  std::vector<Direction> directions_;
+  Eigen::SparseMatrix<double> means_;
+};
+
+// Flux through the horizontal per value at each control point: integral over the upper hemisphere of mu times the
+// interpolant.
+Eigen::VectorXd flux_weights(const ControlPoints& points) {
+  constexpr int polar_nodes = 48;
+  constexpr int azimuths = 96;
+  const GaussLegendre gauss = make_gauss_legendre(polar_nodes);
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(points.size());
+  for (int i = 0; i < polar_nodes; ++i) {
+    const double mu = .5 * (1 + gauss.node[i]);
+    const double sine = std::sqrt(1 - mu * mu);
+    const double power = .5 * gauss.weight[i] * mu * 2 * std::numbers::pi / azimuths;
+    for (int j = 0; j < azimuths; ++j) {
+      const double azimuth = 2 * std::numbers::pi * (j + .5) / azimuths;
+      const Stencil stencil = points.stencil({sine * std::cos(azimuth), sine * std::sin(azimuth), mu});
+      for (int k = 0; k < 3; ++k) weights[stencil.index[k]] += power * stencil.weight[k];
+    }
+  }
+  return weights;
+}
+
 // Columns of the table: functions in the surface's frame, seen from the scene's.
 class Columns {
  public:
   Columns(const SurfaceBrdf& brdf, const SurfaceTilt& tilt, const ControlPoints& points, const OrdinateSet& ordinates)
       : brdf_(brdf),
         points_(points),
+        means_(points),
+        flux_weights_(flux_weights(points)),
         to_surface_(Eigen::Quaterniond::FromTwoVectors(tilt.normal(), Direction::UnitZ()).toRotationMatrix()),
         family_(brdf, points) {
     for (int d = 0; d < ordinates.size(); ++d) {
@@ -38,35 +98,61 @@ class Columns {
   struct Column {
     Eigen::VectorXd at_points;
     Eigen::VectorXd at_up;
-    double albedo;  // as the model has it
-    double correction = 0;
+    double albedo = 0;      // as the model has it
+    double correction = 0;  // of the ordinates' values
+    double factor = 1;      // of the values at the control points
   };
 
-  // The reflectance of light arriving along a direction of the scene; its own lobe where exact, else of the family.
-  Column column(const Direction& arriving, bool exact) {
+  // Light arriving along an ordinate, by the family of functions.
+  Column of_ordinate(const Direction& arriving) {
     const Direction local = arriving_side(to_surface_ * arriving);
-    const Eigen::VectorXd lobe = exact ? Eigen::VectorXd() : family_.lobe(local);
-    Column column{Eigen::VectorXd(points_.size()), Eigen::VectorXd(up_stencil_.size()), albedo(-local.z())};
+    const Eigen::VectorXd lobe = family_.lobe(local);
+    Column column;
+    column.at_points.resize(points_.size());
     for (int m = 0; m < points_.size(); ++m) {
       const Direction leaving = to_surface_ * leaving_side(points_.directions()[m]);
-      const bool visible = leaving.z() > -1e-9;  // points on the horizon itself count
-      column.at_points[m] = !visible ? 0 : exact ? brdf_(local, leaving) : interpolated(points_.stencil(leaving), lobe);
+      column.at_points[m] = visible(leaving) ? interpolated(points_.stencil(leaving), lobe) : 0.;
     }
+    finish(column, -local.z());
+    return column;
+  }
+
+  // The direct beam, by its own function.
+  Column of_beam(const Direction& arriving) {
+    const Direction local = arriving_side(to_surface_ * arriving);
+    Eigen::VectorXd lobe(static_cast<Eigen::Index>(means_.directions().size()));
+    for (Eigen::Index s = 0; s < lobe.size(); ++s) {
+      const Direction leaving = to_surface_ * means_.directions()[static_cast<std::size_t>(s)];
+      lobe[s] = visible(leaving) ? brdf_(local, leaving) : 0.;
+    }
+    Column column;
+    column.at_points = means_.matrix() * lobe;
+    finish(column, -local.z());
+    return column;
+  }
+
+ private:
+  // Points on the horizon itself count.
+  static bool visible(const Direction& leaving) { return leaving.z() > -1e-9; }
+
+  void finish(Column& column, double mu) {
+    column.albedo = albedo(mu);
+    const double wanted = std::min(1., column.albedo);
+    const double integral = flux_weights_.dot(column.at_points);
+    column.factor = integral > 0 ? wanted / integral : 1.;
+    column.at_points *= column.factor;
+    column.at_up.resize(static_cast<Eigen::Index>(up_stencil_.size()));
     double returned = 0;
     for (std::size_t u = 0; u < up_stencil_.size(); ++u) {
       column.at_up[u] = interpolated(up_stencil_[u], column.at_points);
       returned += up_power_[u] * column.at_up[u];
     }
     if (returned > 0) {
-      const double factor = std::min(1., column.albedo) / returned;
-      column.correction = std::abs(std::max(1., column.albedo) * factor - 1);
-      column.at_points *= factor;
-      column.at_up *= factor;
+      column.correction = std::abs(wanted / returned - 1);
+      column.at_up *= wanted / returned;
     }
-    return column;
   }
 
- private:
   double albedo(double mu) {
     const double cosine = std::clamp(mu, .02, 1.);
     const auto [place, is_new] = albedo_.try_emplace(cosine, 0.);
@@ -76,6 +162,8 @@ class Columns {
 
   const SurfaceBrdf& brdf_;
   const ControlPoints& points_;
+  NeighbourhoodMeans means_;
+  Eigen::VectorXd flux_weights_;
   Eigen::Matrix3d to_surface_;
   ControlPointBrdf family_;
   std::vector<Stencil> up_stencil_;
@@ -85,13 +173,16 @@ class Columns {
 
 }  // namespace
 
-ControlPointBrdf::ControlPointBrdf(const SurfaceBrdf& brdf, const ControlPoints& points)
-    : points_(points), leaving_by_arriving_(points.size(), points.size()) {
-  const auto directions = points.directions();
-  for (int i = 0; i < points.size(); ++i) {
+ControlPointBrdf::ControlPointBrdf(const SurfaceBrdf& brdf, const ControlPoints& points) : points_(points) {
+  const NeighbourhoodMeans means(points);
+  const auto& directions = means.directions();
+  const auto count = static_cast<Eigen::Index>(directions.size());
+  Eigen::MatrixXd sampled(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
     const Direction arriving = arriving_side(directions[i]);
-    for (int m = 0; m < points.size(); ++m) leaving_by_arriving_(m, i) = brdf(arriving, leaving_side(directions[m]));
+    for (Eigen::Index m = 0; m < count; ++m) sampled(m, i) = brdf(arriving, directions[m]);
   }
+  leaving_by_arriving_ = means.matrix() * (means.matrix() * sampled.transpose()).transpose();
 }
 
 Eigen::VectorXd ControlPointBrdf::lobe(const Direction& arriving) const {
@@ -103,6 +194,11 @@ Eigen::VectorXd ControlPointBrdf::lobe(const Direction& arriving) const {
 
 double ControlPointBrdf::operator()(const Direction& arriving, const Direction& leaving) const {
   return interpolated(points_.stencil(leaving_side(leaving)), lobe(arriving));
+}
+
+double BeamReflection::operator()(const Direction& leaving) const {
+  const Direction local = to_surface * leaving;
+  return local.z() > 0 ? factor * brdf(arriving_side(to_surface * beam), local) : 0.;
 }
 
 Direction SurfaceTilt::normal() const {
@@ -128,7 +224,7 @@ ReflectionTable make_reflection_table(const SurfaceBrdf& brdf, const SurfaceTilt
   double arriving_power = 0;
   for (Eigen::Index c = 0; c < count; ++c) {
     const int d = table.down[c];
-    const Columns::Column column = columns.column(ordinates.direction[d], false);
+    const Columns::Column column = columns.of_ordinate(ordinates.direction[d]);
     note(column);
     const double power = ordinates.weight[d] * -ordinates.direction[d].z();
     table.points_from_down.col(c) = power * column.at_points;
@@ -139,11 +235,14 @@ ReflectionTable make_reflection_table(const SurfaceBrdf& brdf, const SurfaceTilt
   }
   table.bihemispherical_albedo /= arriving_power;
   if (beam) {
-    const Columns::Column column = columns.column(*beam, true);
+    const Columns::Column column = columns.of_beam(*beam);
     note(column);
     table.points_from_beam = column.at_points;
     table.up_from_beam = column.at_up;
     table.beam_albedo = std::min(1., column.albedo);
+    table.beam =
+        BeamReflection{brdf, Eigen::Quaterniond::FromTwoVectors(tilt.normal(), Direction::UnitZ()).toRotationMatrix(),
+                       *beam, tilt.slope_deg > 0 ? column.factor : table.beam_albedo / column.albedo};
   }
   return table;
 }

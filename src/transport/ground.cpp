@@ -31,6 +31,10 @@ const Real* GroundRadiance<Real>::along(const Direction& travel, std::vector<Rea
     const Real* __restrict const from = at_points.row(stencil.index[k]);
     for (std::size_t c = 0; c < scratch.size(); ++c) scratch[c] += weight * from[c];
   }
+  if (beam) {
+    const Real reflectance = static_cast<Real>((*beam)(travel));
+    for (std::size_t c = 0; c < scratch.size(); ++c) scratch[c] += reflectance * direct_flux[c];
+  }
   return scratch.data();
 }
 
@@ -123,6 +127,19 @@ GroundRadiance<Real> Ground<Real>::radiance(const std::vector<std::vector<Real>>
     add_rows(result.at_points, table_->points_from_beam, 0, direct_flux.data());
     for (std::size_t c = 0; c < columns; ++c) result.flux[c] += table_->beam_albedo * direct_flux[c];
   }
+  return result;
+}
+
+template <class Real>
+GroundRadiance<Real> Ground<Real>::radiance_seen(const std::vector<std::vector<Real>>& arriving,
+                                                 std::span<const double> diffuse_flux,
+                                                 std::span<const double> direct_flux,
+                                                 const OrdinateSet& ordinates) const {
+  if (!table_ || direct_flux.empty()) return radiance(arriving, diffuse_flux, direct_flux, ordinates);
+  GroundRadiance<Real> result = radiance(arriving, diffuse_flux, {}, ordinates);
+  result.beam = table_->beam;
+  result.direct_flux.assign(direct_flux.begin(), direct_flux.end());
+  for (std::size_t c = 0; c < direct_flux.size(); ++c) result.flux[c] += table_->beam_albedo * direct_flux[c];
   return result;
 }
 

@@ -19,7 +19,7 @@ GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const Sweep
   }
   for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c)
     diffuse[c] = std::max(0., diffuse[c] - system.beam_surface_flux[c]);
-  return system.ground.radiance(fluxes.surface_arriving, diffuse, system.beam_surface_flux, system.ordinates);
+  return system.ground.radiance_seen(fluxes.surface_arriving, diffuse, system.beam_surface_flux, system.ordinates);
 }
 
 // Single scattering by the phase function as it is; higher orders from the control points (Nakajima & Tanaka 1988,

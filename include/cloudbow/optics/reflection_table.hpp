@@ -11,7 +11,8 @@
 namespace cloudbow {
 
 /// The reflectance as a function of two directions, interpolated in both: column i holds, at all control points, the
-/// light that leaves when it arrives at control point i. Below the horizon the functions go on as mirror images
+/// light that leaves when it arrives at control point i. Each value is the mean over the neighbourhoods that the two
+/// points stand for. Below the horizon the functions go on as mirror images
 /// (|z|), so that interpolation near the horizon stays on the surface's side.
 class ControlPointBrdf {
  public:
@@ -35,9 +36,20 @@ struct SurfaceTilt {
   Direction normal() const;
 };
 
+/// Direct light reflected once, exactly: what an observer sees.
+struct BeamReflection {
+  SurfaceBrdf brdf;
+  Eigen::Matrix3d to_surface;  ///< from the scene's frame
+  Direction beam;
+  double factor;  ///< so that no more leaves than arrives
+
+  /// Radiance per W m-2 of direct light through the horizontal.
+  double operator()(const Direction& leaving) const;
+};
+
 /// Radiance that leaves the ground, per radiance that arrives along the ordinates. All matrices in double.
 struct ReflectionTable {
-  ControlPoints points;              ///< M, on which leaving radiance can be queried
+  ControlPoints points;                   ///< M, on which leaving radiance can be queried
   std::vector<int> down = {};             ///< the D_d ordinates that travel down
   std::vector<int> up = {};               ///< the D_u that travel up
   Eigen::MatrixXd points_from_down = {};  ///< M x D_d, quadrature weight and cosine included
@@ -46,6 +58,7 @@ struct ReflectionTable {
   Eigen::VectorXd up_from_beam = {};      ///< D_u
   Eigen::VectorXd albedo = {};            ///< D_d: share of the arriving light that leaves, 0 to 1
   double beam_albedo = 0;
+  std::optional<BeamReflection> beam = {};
   double bihemispherical_albedo = 0;  ///< of light that arrives equally from everywhere above
   double largest_albedo = 0;          ///< before it was held to 1
   double largest_correction = 0;      ///< worst |factor - 1| that gave a column its directional albedo

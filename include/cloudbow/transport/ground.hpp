@@ -16,6 +16,8 @@ struct GroundRadiance {
   std::optional<ControlPoints> points;  ///< without: the same in all directions
   AngularField<Real> at_points;         ///< one row a control point, or a single row; [columns]
   std::vector<double> flux;             ///< [columns] upward
+  std::optional<BeamReflection> beam;   ///< where direct light is not in at_points: reflected exactly
+  std::vector<Real> direct_flux;        ///< [columns] of it, through the horizontal
 
   /// Radiance [columns] along a direction of travel. @param scratch holds it where it has to be worked out.
   const Real* along(const Direction& travel, std::vector<Real>& scratch) const;
@@ -44,6 +46,10 @@ class Ground {
   /// ordinates, column by column, and takes the diffuse flux given.
   GroundRadiance<Real> radiance(const std::vector<std::vector<Real>>& arriving, std::span<const double> diffuse_flux,
                                 std::span<const double> direct_flux, const OrdinateSet& ordinates) const;
+  /// With direct light reflected by the surface's own function instead of its control points.
+  GroundRadiance<Real> radiance_seen(const std::vector<std::vector<Real>>& arriving,
+                                     std::span<const double> diffuse_flux, std::span<const double> direct_flux,
+                                     const OrdinateSet& ordinates) const;
 
   bool is_lambertian() const { return !table_; }
   /// Share of evenly arriving light that leaves.
