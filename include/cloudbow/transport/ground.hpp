@@ -13,11 +13,11 @@ namespace cloudbow {
 /// Light that leaves the ground, in any upward direction.
 template <class Real>
 struct GroundRadiance {
-  std::optional<ControlPoints> points;  ///< without: the same in all directions
-  AngularField<Real> at_points;         ///< one row a control point, or a single row; [columns]
-  std::vector<double> flux;             ///< [columns] upward
-  std::optional<BeamReflection> beam;   ///< where direct light is not in at_points: reflected exactly
-  std::vector<Real> direct_flux;        ///< [columns] of it, through the horizontal
+  std::optional<ControlPoints> points;      ///< without: the same in all directions
+  AngularField<Real> at_points;             ///< one row a control point, or a single row; [columns]
+  std::vector<double> flux;                 ///< [columns] upward
+  std::optional<BeamReflection> beam = {};  ///< where direct light is not in at_points: reflected exactly
+  std::vector<Real> direct_flux = {};       ///< [columns] of it, through the horizontal
 
   /// Radiance [columns] along a direction of travel. @param scratch holds it where it has to be worked out.
   const Real* along(const Direction& travel, std::vector<Real>& scratch) const;
