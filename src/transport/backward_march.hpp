@@ -31,11 +31,11 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
   const ActiveRows& rows = scene.cells.rows;
   const std::size_t n = rows.size();
   const std::size_t columns = box.columns();
-  for (auto* v : {&work.source, &work.slope_x, &work.slope_y, &work.slope_z}) v->resize(n);
+  for (auto* v : {&work.source, &work.slope_x, &work.slope_y, &work.slope_z}) v->resize(n + lane_padding);
   scene.source.query(travel, work.source.data());
   source_slopes(scene.cells, 0, n, work.source.data(), work.slope_x.data(), work.slope_y.data(), work.slope_z.data());
-  work.gathered.assign(columns, Real(0));
-  work.transmitted.assign(columns, Real(1));
+  work.gathered.assign(columns + lane_padding, Real(0));
+  work.transmitted.assign(columns + lane_padding, Real(1));
   beyond.assign(columns, Real(0));
   const std::vector<double> side =
       !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
@@ -57,16 +57,16 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
                    fz = static_cast<Real>(segment.from[2]);
         const Real tx = static_cast<Real>(segment.to[0]), ty = static_cast<Real>(segment.to[1]),
                    tz = static_cast<Real>(segment.to[2]);
-#pragma omp simd
-        for (int i = 0; i < count; ++i) {
+        for_lanes<Real>(count, [=](int i, bool active) {
           const Real t = std::min(sigma[i] * length, static_cast<Real>(largest_optical_path));
           const auto phi = exponential_functions(t);
           const Real near = s[i] + fx * gx[i] + fy * gy[i] + fz * gz[i];
           const Real far = s[i] + tx * gx[i] + ty * gy[i] + tz * gz[i];
           const Real seen = t * transmitted[i];
-          gathered[i] += seen * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
-          transmitted[i] -= seen * phi.phi1;
-        }
+          const Real more = seen * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
+          gathered[i] = active ? gathered[i] + more : gathered[i];
+          transmitted[i] = active ? transmitted[i] - seen * phi.phi1 : transmitted[i];
+        });
       };
       const auto leave = [&](const Segment& segment, double at) {
         if (box.periodic) return;
@@ -82,7 +82,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
     }
     if (!bands[b].empty) {
       of_band[b].swap(work.gathered);
-      work.gathered.assign(columns, Real(0));
+      work.gathered.assign(columns + lane_padding, Real(0));
     }
   }
   // Beyond the last level: the sky for light that comes down, the lit surface for light that goes up.

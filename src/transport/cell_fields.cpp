@@ -49,17 +49,18 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   {
     MarchWorkspace<Real> work;
     std::vector<Real> from_ground;
-    std::vector<Real> radiance(n);
+    std::vector<Real> radiance(n + lane_padding);
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t d = 0; d < m; ++d) {
       const Direction& travel = field.direction[d];
       const StartFraction start = start_for_centred_exit(system.box, travel, system.vertical);
       const PathPattern pattern =
           make_path_pattern(system.box, travel, start.x, start.y, system.vertical, {0, system.box.nz()});
-      std::vector<Real> rays(columns, static_cast<Real>(problem.sky_radiance));
+      std::vector<Real> rays(columns + lane_padding, static_cast<Real>(problem.sky_radiance));
       if (pattern.upward) {
         const Real* const start_of_rays = ground.along(travel, from_ground);
         rays.assign(start_of_rays, start_of_rays + columns);
+        rays.resize(columns + lane_padding);
       }
       std::vector<Real> side;
       if (surroundings != nullptr) {

@@ -68,7 +68,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   Cells<Real> cells;
   cells.rows = active_rows(grid);
   const std::size_t n = grid.active_cells();
-  cells.extinction.resize(n);
+  cells.extinction.assign(n + lane_padding, Real(0));
   cells.scattered.assign(grid.scattering.size(), std::vector<Real>(n));
   for (std::size_t c = 0; c < n; ++c) {
     double extinction = grid.absorption[c];

@@ -49,14 +49,16 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     layer_path[step + 1] = layer_path[step] + layer_extinction[k] * box.thickness_m(k) / mu0;
   }
 
+  std::vector<Real> padded(extinction.begin(), extinction.end());
+  padded.resize(extinction.size() + lane_padding);
   std::vector<Accumulator<Real>> sums(std::min(groups, rays));
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t g = 0; g < sums.size(); ++g) {
     Accumulator<Real>& sum = sums[g];
-    sum.irradiance.assign(rows.size(), Real(0));
+    sum.irradiance.assign(rows.size() + lane_padding, Real(0));
     sum.level_flux.assign(columns * (box.nz() + 1), 0.);
     // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
-    std::vector<Real> path(columns);
+    std::vector<Real> path(columns + lane_padding);
     for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
       // The nudge keeps rays off the faces when the sun stands on an axis.
       const PathPattern pattern =
@@ -76,16 +78,16 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
         const Real chord = static_cast<Real>(pattern.chord_m[step]);
         const auto kernel = [&](std::size_t m, std::size_t cell, int count, const Segment& segment) {
           Real* __restrict const before = path.data() + m;
-          const Real* __restrict const sigma = extinction.data() + cell;
+          const Real* __restrict const sigma = padded.data() + cell;
           Real* __restrict const mean = sum.irradiance.data() + cell;
           const Real length = chord * static_cast<Real>(segment.fraction);
           const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
-#pragma omp simd
-          for (int i = 0; i < count; ++i) {
+          for_lanes<Real>(count, [=](int i, bool active) {
             const Real t = sigma[i] * length;
-            mean[i] += share * mean_transmission(t) * transmission(before[i]);
-            before[i] += t;
-          }
+            const Real more = share * mean_transmission(t) * transmission(before[i]);
+            mean[i] = active ? mean[i] + more : mean[i];
+            before[i] = active ? before[i] + t : before[i];
+          });
         };
         const auto enter = [&](const Segment& segment, double at) {
           if (box.periodic) return;
@@ -109,6 +111,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     for (std::size_t c = 0; c < rows.size(); ++c) result.irradiance[c] += sums[g].irradiance[c];
     for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sums[g].level_flux[c];
   }
+  result.irradiance.resize(rows.size());
   for (const auto& sum : sums) {
     result.side_gain += sum.gain * mu0 * sun.irradiance / rays / static_cast<double>(columns);
     result.side_loss += sum.loss * mu0 * sun.irradiance / rays / static_cast<double>(columns);

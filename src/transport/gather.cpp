@@ -236,7 +236,7 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
     std::vector<float>& flux = of_group[g];
     flux.assign(columns * levels, 0.F);
     MarchWorkspace<Real> work;
-    std::vector<Real> source(scene.cells.size());
+    std::vector<Real> source(scene.cells.size() + lane_padding);
     std::vector<Real> rays;
     std::vector<Real> from_ground;
     for (std::size_t q = g; q < directions.size(); q += groups) {
@@ -246,8 +246,9 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
       if (upward) {
         const Real* const start_of_rays = scene.ground->along(travel, from_ground);
         rays.assign(start_of_rays, start_of_rays + columns);
+        rays.resize(columns + lane_padding);
       } else {
-        rays.assign(columns, static_cast<Real>(scene.sky_radiance));
+        rays.assign(columns + lane_padding, static_cast<Real>(scene.sky_radiance));
       }
       const float power = static_cast<float>(directions[q].weight * std::abs(travel.z()));
       std::vector<Real> side;

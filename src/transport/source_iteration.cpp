@@ -182,8 +182,9 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
         if (upward) {
           const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
           rays.assign(start_of_rays, start_of_rays + columns);
+          rays.resize(columns + lane_padding);
         } else {
-          rays.assign(columns, static_cast<Real>(system.sky_radiance));
+          rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
         }
         OrdinateFluxes& totals = of_ordinate[d];
         if (record) totals.profile.assign(levels, 0.);

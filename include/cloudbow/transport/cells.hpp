@@ -11,6 +11,10 @@
 
 namespace cloudbow {
 
+/// Floats that a kernel crosses at a time, and what it may read behind the end of its arrays.
+inline constexpr int lanes = 8;
+inline constexpr std::size_t lane_padding = 8;
+
 /// A row of a level that holds active cells: spans [first, last).
 struct ActiveRow {
   std::int32_t j;
@@ -37,7 +41,7 @@ ActiveRows active_rows(const OpticalGrid& grid);
 template <class Real>
 struct Cells {
   ActiveRows rows;
-  std::vector<Real> extinction;  ///< [n] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
+  std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   std::vector<std::vector<Real>>
       scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
   /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a
@@ -47,7 +51,7 @@ struct Cells {
   std::array<std::vector<std::uint32_t>, 3> high;
   std::array<std::vector<Real>, 3> scale;
 
-  std::size_t size() const { return extinction.size(); }
+  std::size_t size() const { return rows.size(); }
 };
 
 /// @param forward_fraction [p] f of each phase function.

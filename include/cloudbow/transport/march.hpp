@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "cloudbow/transport/cells.hpp"
@@ -123,25 +124,43 @@ struct SegmentGeometry {
         to_z(static_cast<Real>(segment.to[2])) {}
 };
 
+/// Calls `use(i, active)` for i = 0 .. count - 1 with active = true, and in float beyond that, to the end of a vector
+/// of lanes, with active = false: runs of a few cells then cost a vector operation, not a scalar loop. What `use`
+/// writes where it is not active must be what was there. In double, whose kernels are not vectorised, nothing is added.
+template <class Real, class Use>
+[[gnu::always_inline]] inline void for_lanes(int count, const Use& use) {
+  if constexpr (std::is_same_v<Real, float>) {
+    for (int first = 0; first < count; first += lanes) {
+#pragma omp simd
+      for (int i = 0; i < lanes; ++i) use(first + i, first + i < count);
+    }
+  } else {
+    for (int i = 0; i < count; ++i) use(i, true);
+  }
+}
+
 /// `count` rays cross `count` cells of linear source (S1 where they enter, S2 where they leave; docs/theory.md, "March
 /// along a ray"):
 ///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
 ///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
+/// In float all arrays can be read and written up to lane_padding elements beyond.
 template <class Real, bool keep_mean>
 inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __restrict extinction,
                         const Real* __restrict source, const Real* __restrict slope_x, const Real* __restrict slope_y,
                         const Real* __restrict slope_z, Real* __restrict ray, Real* __restrict mean) {
-#pragma omp simd
-  for (int i = 0; i < count; ++i) {
+  for_lanes<Real>(count, [=](int i, bool active) {
     const Real t = std::min(extinction[i] * g.length, static_cast<Real>(largest_optical_path));
     const ExponentialFunctions<Real> phi = exponential_functions(t);
     const Real entry = source[i] + g.from_x * slope_x[i] + g.from_y * slope_y[i] + g.from_z * slope_z[i];
     const Real exit = source[i] + g.to_x * slope_x[i] + g.to_y * slope_y[i] + g.to_z * slope_z[i];
     const Real in = ray[i];
-    if constexpr (keep_mean)
-      mean[i] += g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
-    ray[i] = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
-  }
+    if constexpr (keep_mean) {
+      const Real more = g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
+      mean[i] = active ? mean[i] + more : mean[i];
+    }
+    const Real out = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
+    ray[i] = active ? out : in;
+  });
 }
 
 /// What one direction's march left behind.
@@ -158,7 +177,8 @@ struct MarchWorkspace {
 };
 
 /// One direction through all levels. `source` [n] becomes the voxel-mean radiance if keep_mean; `rays` [nx*ny] hold the
-/// radiance at the start and at the end. at_level(step, rays) is called before the first level and after each.
+/// radiance at the start and at the end; both with lane_padding more behind them. at_level(step, rays) is called before
+/// the first level and after each.
 /// @param side_radiance [nz + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
 template <class Real, bool keep_mean, class AtLevel>
@@ -168,7 +188,8 @@ MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool per
   const ActiveRows& rows = cells.rows;
   MarchTotals totals;
   const std::size_t largest = rows.largest_level();
-  for (auto* v : {&work.slope_x, &work.slope_y, &work.slope_z, &work.mean[0], &work.mean[1]}) v->resize(largest);
+  for (auto* v : {&work.slope_x, &work.slope_y, &work.slope_z, &work.mean[0], &work.mean[1]})
+    v->resize(largest + lane_padding);
   at_level(0, rays);
   int previous = -1;  // level whose mean waits to replace its source: its neighbour's slopes still need the source
   const auto flush = [&] {

@@ -40,8 +40,13 @@ Marched<Real> march_once(const BoxGrid& box, const Cells<Real>& cells, const Dir
   MarchWorkspace<Real> work;
   const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
   Marched<Real> result{std::move(source), std::move(rays), {}};
+  const std::size_t cell_count = result.mean.size(), ray_count = result.rays.size();
+  result.mean.resize(cell_count + lane_padding);
+  result.rays.resize(ray_count + lane_padding);
   result.totals = march<Real, true>(pattern, cells, box.periodic, side, result.mean.data(), result.rays.data(), work,
                                     [](int, const Real*) {});
+  result.mean.resize(cell_count);
+  result.rays.resize(ray_count);
   return result;
 }
 
