@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Radiances of plane-parallel scenes against tabulated discrete-ordinate solutions: up at the top and down at the bottom, cosines .3 to 1, in the
+sun's plane ahead and behind and across it.
+
+Truth: the radiances of the reference file (its own error is given there case by case, mostly below 1e-3). Errors are relative, in per cent. A sign
+error in an azimuth would exchange the forward and the backward half-plane, where the radiances differ by factors.
+
+usage: plane_parallel_radiance.py [--reference plane_parallel.json] [--accuracy fine] [--cases PATTERN] [--median-limit 0.5] [--worst-limit 3]
+"""
+import fnmatch
+import json
+import sys
+from pathlib import Path
+
+import plane_parallel
+import support
+from support import ROOT
+
+COSINES = (0.1, 0.3, 0.5, 0.7, 0.9, 1.0)  # rows of the reference's tables
+AZIMUTHS = (0.0, 90.0, 180.0)
+LEAST_COSINE = 0.3
+LEAST_RADIANCE = 1e-6  # of the incident flux: below it a relative error says nothing
+
+
+def views():
+    """(name, table of the reference, row, column, zenith of the sensor, its azimuth): the reference's azimuth is that of travel."""
+    for side, key in (("top", "radiance_up_top"), ("bottom", "radiance_down_bottom")):
+        for i, mu in enumerate(COSINES):
+            if mu < LEAST_COSINE:
+                continue
+            for j, azimuth in enumerate(AZIMUTHS):
+                zenith = support.zenith_deg(mu)
+                yield f"{side}_{i}_{j}", key, i, j, zenith if side == "top" else 180 - zenith, azimuth
+
+
+def solve_case(case, options, cloudbow, folder):
+    text, _ = plane_parallel.layers_scene(case, options.accuracy, options.moments)
+    text += "\n" + support.scene_text([("[radiance]", {"name": name, "zenith_deg": zenith, "azimuth_deg": azimuth})
+                                       for name, _, _, _, zenith, azimuth in views()])
+    scene = folder / f"{case['id']}.toml"
+    scene.write_text(text)
+    result = cloudbow.run(scene, folder / f"{case['id']}.h5", accept=(0, 3))
+    found = []
+    for name, key, i, j, _, _ in views():
+        reference = case["results"][key][i][j]
+        if reference > LEAST_RADIANCE:
+            found.append((100 * (result[f"radiance_{name}"].item() / reference - 1), name))
+    return {"case": case["id"], "errors": found}
+
+
+def judged(case):
+    """Cases that the goals are for: Henyey-Greenstein of g up to .85 and gentler ones, not thinner than .1."""
+    return case["id"][0] in "abcd" and sum(layer["tau"] for layer in case["layers"]) >= 0.1
+
+
+def main():
+    parser = support.argument_parser(__doc__.splitlines()[0])
+    default = support.reference_folder()
+    parser.add_argument("--reference", type=Path, default=default / "plane_parallel.json" if default else ROOT / "tests/data/plane_parallel_subset.json")
+    parser.add_argument("--moments", type=Path, default=ROOT / "tests/data/c1_legendre.txt")
+    parser.add_argument("--accuracy", default="fine")
+    parser.add_argument("--cases", default="*")
+    parser.add_argument("--median-limit", type=float, default=0.5)
+    parser.add_argument("--worst-limit", type=float, default=3.0)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"))
+    options = parser.parse_args()
+    cases = [case for case in json.loads(options.reference.read_text())["cases"]
+             if case["thermal"] is None and case["F0"] > 0 and fnmatch.fnmatch(case["id"], options.cases)]
+    cloudbow = support.Cloudbow(options.cloudbow, options.threads or 1)
+    with support.Workspace(options.keep) as folder:
+        rows = support.in_parallel(options.jobs, lambda case: solve_case(case, options, cloudbow, folder), cases)
+
+    selections = [(f"{plane_parallel.GROUPS[group]} ({group})", [r for r in rows if r["case"][0] == group])
+                  for group in sorted({row["case"][0] for row in rows})]
+    names = {case["id"] for case in cases if judged(case)}
+    goal = [row for row in rows if row["case"] in names]
+    selections.append(("**a to d, optical depth from .1**", goal))
+    table = []
+    for title, of_group in selections:
+        errors = [(abs(error), row["case"], name) for row in of_group for error, name in row["errors"]]
+        if not errors:
+            continue
+        worst = max(errors)
+        values = sorted(e[0] for e in errors)
+        table.append([title, len(of_group), f"{support.median(values):.3f}", f"{values[int(0.95 * (len(values) - 1))]:.2f}", f"{worst[0]:.2f}",
+                      f"`{worst[1]}`, {worst[2]}"])
+    text = support.markdown_table(["group", "cases", "median %", "95th percentile %", "worst %", "where"], table)
+    print(text)
+    if options.table:
+        support.write_between_markers(*options.table, text)
+    errors = [abs(error) for row in goal for error, _ in row["errors"]]
+    return 0 if support.median(errors) <= options.median_limit and max(errors) <= options.worst_limit else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
