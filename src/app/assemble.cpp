@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <numbers>
 
@@ -31,44 +32,90 @@ constexpr double extinction_per_liquid_water(double effective_radius_um) { retur
 struct OpenedCloud {
   CloudField field;
   CloudOptics optics;
+  std::vector<PhaseFunction>
+      droplet_phase;  ///< of droplets that vary from voxel to voxel: optics.phase_function counts here
 };
+
+/// Droplets of the voxels' own effective radius: each voxel a mixture of two neighbouring rows of the table.
+void apply_droplets(const DropletTable& table, const std::vector<float>& radius_um, bool field_is_water,
+                    OpenedCloud& cloud) {
+  std::vector<DropletMixture> mixture;
+  std::size_t first = table.size(), last = 0;
+  for (const float radius : radius_um) {
+    mixture.push_back(mixture_for(table, radius));
+    first = std::min(first, mixture.back().lower);
+    last = std::max(last, std::min(mixture.back().lower + 1, table.size() - 1));
+  }
+  for (std::size_t row = first; row <= last; ++row) {
+    cloud.droplet_phase.push_back(droplet_optics(table, table.effective_radius_um[row]).phase_function);
+  }
+  for (std::size_t n = 0; n < mixture.size(); ++n) {
+    const std::size_t lower = mixture[n].lower, upper = std::min(lower + 1, table.size() - 1);
+    const double share = mixture[n].upper_share;
+    const double lower_extinction = (1 - share) * table.extinction_m2_per_g[lower];
+    const double upper_extinction = share * table.extinction_m2_per_g[upper];
+    const double upper_scattering = upper_extinction * table.single_scattering_albedo[upper];
+    const double scattering = lower_extinction * table.single_scattering_albedo[lower] + upper_scattering;
+    const double extinction = lower_extinction + upper_extinction;
+    if (field_is_water) cloud.field.value[n] = static_cast<float>(cloud.field.value[n] * extinction);
+    cloud.optics.voxel_single_scattering_albedo.push_back(scattering / extinction);
+    cloud.optics.voxel_phase_function.push_back(static_cast<std::uint16_t>(lower - first));
+    cloud.optics.voxel_next_share.push_back(scattering > 0 ? static_cast<float>(upper_scattering / scattering) : 0);
+  }
+}
+
+std::vector<float> read_effective_radius(const Scene& scene, const CloudField& field, VdbReadOptions options) {
+  const SceneCloud& cloud = *scene.cloud;
+  options.grid = cloud.effective_radius_grid;
+  constexpr double smallest_um = 1e-6;
+  constexpr double rounding = 1e-6;  // of grids of floats
+  if (cloud.droplets == nullptr) return read_companion_vdb(cloud.file, field, options, smallest_um);
+  return read_companion_vdb(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
+                            cloud.droplets->effective_radius_um.back() * (1 + rounding));
+}
 
 OpenedCloud open_cloud(const Scene& scene) {
   const SceneCloud& cloud = *scene.cloud;
-  OpenedCloud opened{read_cloud_vdb(cloud.file, cloud.read), {}};
+  OpenedCloud opened{read_cloud_vdb(cloud.file, cloud.read), {}, {}};
   CloudField& field = opened.field;
   const std::string quantity = cloud.quantity.empty() ? field.quantity : cloud.quantity;
   VdbReadOptions companion = cloud.read;
   companion.scale = 1;
 
-  if (quantity == "liquid_water_content") {
-    if (cloud.effective_radius_um) {
-      opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
-    } else if (!cloud.effective_radius_grid.empty()) {
-      companion.grid = cloud.effective_radius_grid;
-      constexpr double smallest_um = 1e-6;
-      const std::vector<float> radius = read_companion_vdb(cloud.file, field, companion, smallest_um);
-      for (std::size_t n = 0; n < radius.size(); ++n) {
-        field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
-      }
-    } else {
-      throw InputError(
-          fmt::format("{}: missing (found quantity liquid_water_content, allowed with effective_radius_um "
-                      "or effective_radius_grid)",
-                      scene.where("cloud.effective_radius_um")));
-    }
-  } else if (quantity != "extinction") {
+  const bool is_water = quantity == "liquid_water_content";
+  if (!is_water && quantity != "extinction") {
     throw InputError(fmt::format(
         "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, liquid_water_content)",
         scene.where("cloud.quantity"), cloud.read.grid, cloud.file.string(),
         quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity)));
   }
+  if (cloud.droplets != nullptr) {
+    apply_droplets(*cloud.droplets, read_effective_radius(scene, field, companion), is_water, opened);
+  } else if (is_water && cloud.extinction_m2_per_g) {
+    opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
+  } else if (is_water && cloud.effective_radius_um) {
+    opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
+  } else if (is_water && !cloud.effective_radius_grid.empty()) {
+    const std::vector<float> radius = read_effective_radius(scene, field, companion);
+    for (std::size_t n = 0; n < radius.size(); ++n) {
+      field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
+    }
+  } else if (is_water) {
+    throw InputError(
+        fmt::format("{}: missing (found quantity liquid_water_content, allowed with effective_radius_um "
+                    "or effective_radius_grid)",
+                    scene.where("cloud.effective_radius_um")));
+  }
 
-  opened.optics.single_scattering_albedo = cloud.single_scattering_albedo;
-  opened.optics.phase_function = cloud.phase_function;
+  opened.optics.phase_function =
+      cloud.droplets == nullptr ? cloud.phase_function : static_cast<int>(scene.phase_functions.size());
   if (!cloud.single_scattering_albedo_grid.empty()) {
     companion.grid = cloud.single_scattering_albedo_grid;
-    opened.optics.voxel_single_scattering_albedo = read_companion_vdb(cloud.file, field, companion, 0, 1);
+    const std::vector<float> albedo = read_companion_vdb(cloud.file, field, companion, 0, 1);
+    opened.optics.voxel_single_scattering_albedo.assign(albedo.begin(), albedo.end());
+  } else if (cloud.single_scattering_albedo) {
+    opened.optics.single_scattering_albedo = *cloud.single_scattering_albedo;
+    opened.optics.voxel_single_scattering_albedo.clear();
   }
   return opened;
 }
@@ -192,6 +239,7 @@ std::filesystem::path cache_directory() {
 SolverOptions solver_options(const Scene& scene, bool one_column) {
   const SceneSolver& solver = scene.solver;
   const bool measured =
+      (scene.cloud && scene.cloud->droplets != nullptr) ||
       std::any_of(scene.phase_functions.begin(), scene.phase_functions.end(), [](const auto& p) { return p.measured; });
   SolverOptions options = accuracy_options(solver.accuracy, one_column, measured);
   if (solver.delta_m_order) {
@@ -258,6 +306,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   AssembledScene assembled;
   Problem& problem = assembled.problem;
   for (const ScenePhaseFunction& phase : scene.phase_functions) problem.phase.push_back(phase.function);
+  problem.phase.insert(problem.phase.end(), cloud.droplet_phase.begin(), cloud.droplet_phase.end());
   if (scene.sun) problem.sun = Sun{sun_travel(*scene.sun), scene.sun->irradiance_w_m2};
   problem.sky_radiance = scene.sky_radiance;
   problem.surface = scene.surface;

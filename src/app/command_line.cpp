@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "cloudbow/app/interrupt.hpp"
+#include "cloudbow/app/mie_command.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
@@ -162,6 +163,39 @@ void add_render(CLI::App& app, Action& action) {
   });
 }
 
+void add_mie(CLI::App& app, Action& action, const std::string& command) {
+  auto options = std::make_shared<MieOptions>();
+  options->command = command;
+  CLI::App* mie_app = app.add_subcommand("mie", "Make a table of droplets by Mie theory, for scenes");
+  mie_app->add_option("--wavelength-um", options->wavelength_um, "Wavelength [um]")
+      ->required()
+      ->check(finite_number(0, "a wavelength > 0"));
+  mie_app->add_option("--effective-radius-um", options->effective_radius_um, "Effective radii [um]")
+      ->type_name("R|FROM:TO:STEP")
+      ->required();
+  mie_app->add_option("--distribution", options->distribution, "Spread of the sizes: gamma, lognormal")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"gamma", "lognormal"}));
+  mie_app->add_option("--variance", options->variance, "Effective variance of the sizes")
+      ->capture_default_str()
+      ->check(finite_number(0, "a variance > 0"));
+  auto* substance = mie_app->add_option("--substance", options->substance, "What droplets are made of: water, ice")
+                        ->capture_default_str()
+                        ->check(CLI::IsMember({"water", "ice"}));
+  mie_app->add_option("--refractive-index", options->refractive_index, "Instead of the substance's: n + i k, k >= 0")
+      ->type_name("N K")
+      ->expected(2)
+      ->excludes(substance)
+      ->check(finite_number(0, "a number >= 0"));
+  mie_app->add_option("--density-g-cm3", options->density_g_cm3, "Density of the droplets (default: the substance's, or 1)")
+      ->check(finite_number(0, "a density > 0"));
+  mie_app->add_option("-o,--output", options->output, "Table (HDF5)")->type_name("FILE")->required();
+  mie_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+      ->check(whole_number(1, 4096));
+  mie_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  mie_app->callback([&action, options] { action = [options] { return make_mie_file(*options); }; });
+}
+
 std::string command_text(int argc, const char* const* argv) {
   std::string text = "cloudbow";
   for (int n = 1; n < argc; ++n) text += fmt::format(" {}", argv[n]);
@@ -178,6 +212,7 @@ int parse_and_act(int argc, const char* const* argv) {
   Action action;
   add_run(app, action, command_text(argc, argv));
   add_cloud(app, action);
+  add_mie(app, action, command_text(argc, argv));
   add_render(app, action);
   add_phase(app, action, command_text(argc, argv));
   try {

@@ -25,7 +25,7 @@ std::filesystem::path output_file(const RunOptions& options, const Scene& scene)
 }
 
 void check_not_an_input(const std::filesystem::path& output, const Scene& scene) {
-  for (const auto& input : {scene.path, scene.cloud ? scene.cloud->file : std::filesystem::path()}) {
+  for (const std::filesystem::path& input : scene.inputs) {
     std::error_code error;
     if (std::filesystem::equivalent(output, input, error)) {
       throw InputError(

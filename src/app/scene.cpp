@@ -9,6 +9,7 @@
 #include "cloudbow/app/config_reader.hpp"
 #include "cloudbow/app/phase_function_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/results/droplet_table_file.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
 
 namespace cloudbow {
@@ -23,6 +24,7 @@ class SceneReader {
  public:
   SceneReader(const ConfigTree& tree, const std::filesystem::path& path) : root_(tree.root, "") {
     scene_.path = path;
+    scene_.inputs.push_back(path);
     scene_.text = tree.text;
   }
 
@@ -48,21 +50,25 @@ class SceneReader {
   }
 
  private:
+  /// A function, or a mie table from which an effective radius makes one.
   struct DefinedPhaseFunction {
-    PhaseFunction function;
+    std::optional<PhaseFunction> function;
     bool measured = false;
+    std::shared_ptr<const DropletTable> droplets{};
+    std::optional<double> effective_radius_um{};
   };
 
   std::filesystem::path relative_to_scene(const std::string& file) const {
     return scene_.path.parent_path() / std::filesystem::path(file);
   }
 
-  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key) const {
+  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key) {
     const std::filesystem::path file = relative_to_scene(reader.text(key));
     std::error_code error;
     const auto status = std::filesystem::status(file, error);
     if (!std::filesystem::exists(status)) reader.fail(key, "no such file", file.string(), "a file that is there");
     if (std::filesystem::is_directory(status)) reader.fail(key, "a directory", file.string(), "a file");
+    scene_.inputs.push_back(file);
     return file;
   }
 
@@ -82,7 +88,7 @@ class SceneReader {
     }
   }
 
-  DefinedPhaseFunction read_phase_function(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_phase_function(const ConfigReader& reader) {
     const std::string type = reader.text("type");
     if (type == "isotropic" || type == "rayleigh") {
       reader.check_keys({"type"});
@@ -100,15 +106,16 @@ class SceneReader {
     }
     if (type == "legendre") return read_legendre(reader);
     if (type == "table") return read_table(reader);
-    if (type == "mie" || type == "set") {
+    if (type == "mie") return read_mie(reader);
+    if (type == "set") {
       throw InputError(fmt::format("{}: {}: \"{}\" is not available in this version", reader.place_of("type"),
                                    reader.full_name("type"), type));
     }
     reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
-                "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table");
+                "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie");
   }
 
-  DefinedPhaseFunction read_legendre(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_legendre(const ConfigReader& reader) {
     reader.check_keys({"type", "moments", "file"});
     if (reader.has("moments") == reader.has("file")) {
       reader.fail(reader.has("file") ? "file" : "moments", "moments = [...] and file exclude each other",
@@ -125,7 +132,7 @@ class SceneReader {
     return {*function, true};
   }
 
-  DefinedPhaseFunction read_table(const ConfigReader& reader) const {
+  DefinedPhaseFunction read_table(const ConfigReader& reader) {
     reader.check_keys({"type", "file"});
     const auto file = existing_file(reader, "file");
     std::optional<PhaseFunction> function;
@@ -133,11 +140,23 @@ class SceneReader {
     return {*function, true};
   }
 
-  int use_phase_function(const ConfigReader& reader) {
+  DefinedPhaseFunction read_mie(const ConfigReader& reader) {
+    reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um"});
+    const auto file = existing_file(reader, "file");
+    const auto wavelength = reader.find_number("wavelength_um", kPositive);
+    DefinedPhaseFunction defined;
+    defined.measured = true;
+    defined.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
+    reader.with_place(
+        "file", [&] { defined.droplets = std::make_shared<const DropletTable>(read_droplet_table(file, wavelength)); });
+    if (defined.effective_radius_um) {
+      reader.with_place("effective_radius_um", [&] { mixture_for(*defined.droplets, *defined.effective_radius_um); });
+    }
+    return defined;
+  }
+
+  const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const {
     const std::string name = reader.text("phase_function");
-    const auto used = std::find_if(scene_.phase_functions.begin(), scene_.phase_functions.end(),
-                                   [&name](const ScenePhaseFunction& phase) { return phase.name == name; });
-    if (used != scene_.phase_functions.end()) return static_cast<int>(used - scene_.phase_functions.begin());
     const auto defined = defined_.find(name);
     if (defined == defined_.end()) {
       std::string names;
@@ -145,8 +164,72 @@ class SceneReader {
       reader.fail("phase_function", "no phase function of this name", fmt::format("\"{}\"", name),
                   names + ", or any other with its own [phase_function.NAME]");
     }
-    scene_.phase_functions.push_back({name, defined->second.function, defined->second.measured});
+    return *defined;
+  }
+
+  /// Index in the scene of a function that may already be there.
+  int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured) {
+    const auto used = std::find_if(
+        scene_.phase_functions.begin(), scene_.phase_functions.end(),
+        [&](const ScenePhaseFunction& phase) { return phase.name == name && phase.function.key() == function.key(); });
+    if (used != scene_.phase_functions.end()) return static_cast<int>(used - scene_.phase_functions.begin());
+    scene_.phase_functions.push_back({name, function, measured});
     return static_cast<int>(scene_.phase_functions.size()) - 1;
+  }
+
+  /// The cloud's phase function, and what else a mie table tells of its droplets.
+  void read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud) {
+    const auto& [name, defined] = find_phase_function(reader);
+    if (defined.droplets == nullptr) {
+      if (cloud.single_scattering_albedo_grid.empty()) {
+        cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+      }
+      cloud.phase_function = add_phase_function(name, *defined.function, defined.measured);
+      return;
+    }
+    cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", kFraction);
+    const std::string of_function = fmt::format("phase_function.{}.effective_radius_um", name);
+    if (!cloud.effective_radius_grid.empty()) {
+      if (defined.effective_radius_um) {
+        reader.fail("effective_radius_grid", "excludes " + of_function, "both", "one of the two");
+      }
+      cloud.droplets = defined.droplets;
+      return;
+    }
+    if (cloud.effective_radius_um && defined.effective_radius_um &&
+        *cloud.effective_radius_um != *defined.effective_radius_um) {
+      reader.fail("effective_radius_um", "not that of the phase function",
+                  fmt::format("{}", *cloud.effective_radius_um),
+                  fmt::format("{}, as {} says, or one of the two keys", *defined.effective_radius_um, of_function));
+    }
+    const auto radius = cloud.effective_radius_um ? cloud.effective_radius_um : defined.effective_radius_um;
+    if (!radius) {
+      reader.fail_missing("effective_radius_um",
+                          fmt::format("effective_radius_um or effective_radius_grid, or {}", of_function));
+    }
+    reader.with_place(cloud.effective_radius_um ? "effective_radius_um" : "phase_function", [&] {
+      const DropletOptics optics = droplet_optics(*defined.droplets, *radius);
+      cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
+      if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
+      cloud.phase_function = add_phase_function(name, optics.phase_function, true);
+    });
+  }
+
+  void read_layer_optics(const ConfigReader& reader, Layer& layer) {
+    const auto& [name, defined] = find_phase_function(reader);
+    if (defined.droplets == nullptr) {
+      layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+      layer.phase_function = add_phase_function(name, *defined.function, defined.measured);
+      return;
+    }
+    if (!defined.effective_radius_um) {
+      reader.fail("phase_function", "a mie table without effective radius", fmt::format("\"{}\"", name),
+                  fmt::format("one with phase_function.{}.effective_radius_um", name));
+    }
+    const DropletOptics optics = droplet_optics(*defined.droplets, *defined.effective_radius_um);
+    layer.single_scattering_albedo =
+        reader.find_number("single_scattering_albedo", kFraction).value_or(optics.single_scattering_albedo);
+    layer.phase_function = add_phase_function(name, optics.phase_function, true);
   }
 
   void read_cloud(const ConfigReader& reader) {
@@ -177,10 +260,8 @@ class SceneReader {
         reader.fail("single_scattering_albedo_grid", "excludes single_scattering_albedo", "both", "one of the two");
       }
       cloud.single_scattering_albedo_grid = reader.text("single_scattering_albedo_grid");
-    } else {
-      cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
     }
-    cloud.phase_function = use_phase_function(reader);
+    read_cloud_optics(reader, cloud);
     for (const char* key : {"file", "quantity", "effective_radius_um"}) remember(reader, key);
     scene_.cloud = std::move(cloud);
   }
@@ -195,8 +276,7 @@ class SceneReader {
       reader.fail("top_m", "not above bottom_m", fmt::format("{}", layer.top_m), fmt::format("> {}", layer.bottom_m));
     }
     layer.optical_depth = reader.number("optical_depth", kNotNegative);
-    layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
-    layer.phase_function = use_phase_function(reader);
+    read_layer_optics(reader, layer);
     for (const char* key : {"bottom_m", "top_m"}) remember(reader, key);
     scene_.layers.push_back(layer);
   }

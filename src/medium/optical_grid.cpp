@@ -273,22 +273,27 @@ class GridBuilder {
       grid_.scattering[p].resize(offset + n, static_cast<float>(grid_.layer_scattering[p][k]));
     }
   }
-  /// Sets cell `index` to the sum of layers and cloud, added in double.
-  void set_cell(std::size_t index, int k, double cloud_absorption, int phase, double cloud_scattering) {
-    const auto absorption = static_cast<float>(grid_.layer_absorption[k] + cloud_absorption);
-    const auto scattering = static_cast<float>(grid_.layer_scattering[phase][k] + cloud_scattering);
-    if (!std::isfinite(absorption) || !std::isfinite(scattering)) {
-      throw InputError(fmt::format("cloud: extinction too large (found {} 1/m, allowed up to {} 1/m)",
-                                   cloud_absorption + cloud_scattering, std::numeric_limits<float>::max()));
-    }
-    grid_.absorption[index] = absorption;
-    grid_.scattering[phase][index] = scattering;
+  /// Set a coefficient of cell `index` to the sum of layers and cloud, added in double.
+  void set_absorption(std::size_t index, int k, double cloud) {
+    grid_.absorption[index] = checked_sum(grid_.layer_absorption[k], cloud);
+  }
+  void set_scattering(std::size_t index, int k, int phase, double cloud) {
+    grid_.scattering[phase][index] = checked_sum(grid_.layer_scattering[phase][k], cloud);
   }
   void end_row() { grid_.row_begin.push_back(static_cast<std::uint32_t>(grid_.spans.size())); }
 
   OpticalGrid& grid() { return grid_; }
 
  private:
+  static float checked_sum(double layers, double cloud) {
+    const auto sum = static_cast<float>(layers + cloud);
+    if (!std::isfinite(sum)) {
+      throw InputError(fmt::format("cloud: extinction too large (found {} 1/m, allowed up to {} 1/m)", cloud,
+                                   std::numeric_limits<float>::max()));
+    }
+    return sum;
+  }
+
   OpticalGrid grid_;
 };
 
@@ -363,7 +368,16 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
             const double ssa = cloud_optics.voxel_single_scattering_albedo.empty()
                                    ? cloud_optics.single_scattering_albedo
                                    : cloud_optics.voxel_single_scattering_albedo[voxel];
-            builder.set_cell(cell + n, k, (1 - ssa) * extinction, cloud_optics.phase_function, ssa * extinction);
+            const double scattering = ssa * extinction;
+            builder.set_absorption(cell + n, k, (1 - ssa) * extinction);
+            if (cloud_optics.voxel_phase_function.empty()) {
+              builder.set_scattering(cell + n, k, cloud_optics.phase_function, scattering);
+              continue;
+            }
+            const int phase = cloud_optics.phase_function + cloud_optics.voxel_phase_function[voxel];
+            const double next = cloud_optics.voxel_next_share[voxel] * scattering;
+            builder.set_scattering(cell + n, k, phase, scattering - next);
+            if (next > 0) builder.set_scattering(cell + n, k, phase + 1, next);
           }
         }
       }

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "cloudbow/medium/optical_grid.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
+#include "cloudbow/optics/droplet_table.hpp"
 #include "cloudbow/optics/phase_function.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -22,9 +24,13 @@ struct SceneCloud {
   std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: what the grid's metadata says
   std::optional<double> effective_radius_um;
   std::string effective_radius_grid;  ///< empty: none
-  double single_scattering_albedo = 1;
+  /// As given or from a mie table; absent where single_scattering_albedo_grid or the voxels' droplets say it.
+  std::optional<double> single_scattering_albedo;
   std::string single_scattering_albedo_grid;  ///< empty: none
-  int phase_function = 0;                     ///< index into Scene::phase_functions
+  int phase_function = 0;                     ///< index into Scene::phase_functions; unused where droplets are set
+  std::optional<double> extinction_m2_per_g;  ///< by a mie table at the one effective radius
+  /// A mie table whose effective radius varies from voxel to voxel (effective_radius_grid).
+  std::shared_ptr<const DropletTable> droplets;
 };
 
 struct ScenePhaseFunction {
@@ -73,7 +79,8 @@ struct SceneOutput {
 
 struct Scene {
   std::filesystem::path path;
-  std::string text;  ///< the TOML as run
+  std::vector<std::filesystem::path> inputs;  ///< the scene file and every file that it names as one to read
+  std::string text;                           ///< the TOML as run
   std::string title;
   std::optional<SceneCloud> cloud;
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once

@@ -50,8 +50,12 @@ OpticalGrid layers_only(const OpticalGrid& grid);
 struct CloudOptics {
   double extinction_per_value = 1;                    ///< multiplies CloudField::value to give extinction [1/m], > 0
   double single_scattering_albedo = 1;                ///< used where voxel_single_scattering_albedo is empty
-  std::vector<float> voxel_single_scattering_albedo;  ///< per active voxel, or empty
+  std::vector<double> voxel_single_scattering_albedo;  ///< per active voxel, or empty
   int phase_function = 0;                             ///< index into the problem's phase functions
+  /// Where droplets vary: per active voxel, the first of two phase functions, phase_function + voxel_phase_function, and
+  /// the share of its scattering that follows the next one; or both empty.
+  std::vector<std::uint16_t> voxel_phase_function;
+  std::vector<float> voxel_next_share;
 };
 
 /// Horizontally uniform matter between two heights.

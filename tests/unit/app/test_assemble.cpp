@@ -7,6 +7,7 @@
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/results/droplet_table_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace cloudbow {
@@ -104,6 +105,100 @@ TEST_F(AssembleTest, DropletsFromLiquidWater) {
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.003f);
   EXPECT_THAT(message("", "quantity = \"liquid_water_content\"\nsingle_scattering_albedo = 1"),
               AllOf(HasSubstr("effective_radius_um"), HasSubstr("missing")));
+}
+
+/// The same cloud with droplets by a table: radii 5 and 10 um, extinctions 0.4 and 0.1 m2/g, albedos 0.5 and 1.
+class MieSceneTest : public AssembleTest {
+ protected:
+  MieSceneTest() {
+    write_droplet_table(folder_ / "drops.h5",
+                        {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.8, 0.6, 0.01}, {1, 0.4, 0.1, 0.002}}},
+                        {{1.33, 0}, "", 1, "gamma", 0.1, "", ""});
+  }
+
+  AssembledScene mie(const std::string& cloud, const std::string& phase_function = "", const std::string& more = "") {
+    const std::string text = "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"drops\"\n" + cloud +
+                             "\n[phase_function.drops]\ntype = \"mie\"\nfile = \"drops.h5\"\n" + phase_function +
+                             "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" + more;
+    return assemble(read_scene(folder_.write("scene.toml", text)), kMemory);
+  }
+  std::string mie_message(const std::string& cloud, const std::string& phase_function = "",
+                          const std::string& more = "") {
+    try {
+      mie(cloud, phase_function, more);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+// 0.02 g/m3 times the table's extinction and albedo; the phase function is the row's.
+TEST_F(MieSceneTest, DropletsOfOneRadius) {
+  const std::string water = "quantity = \"liquid_water_content\"\n";
+  for (const auto& [cloud, phase] : {std::pair<std::string, std::string>{"effective_radius_um = 5", ""},
+                                     {"", "effective_radius_um = 5"},
+                                     {"effective_radius_um = 5", "effective_radius_um = 5"}}) {
+    const OpticalGrid grid = mie(water + cloud, phase).problem.grid;
+    EXPECT_FLOAT_EQ(grid.scattering[0][0], 0.02f * 0.4f * 0.5f);
+    EXPECT_FLOAT_EQ(grid.absorption[0], 0.02f * 0.4f * 0.5f);
+  }
+  const AssembledScene scene = mie("effective_radius_um = 10");  // the file's quantity: extinction
+  EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.02f);
+  EXPECT_EQ(scene.problem.grid.absorption[0], 0);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
+  // What the scene says itself wins over the table.
+  EXPECT_FLOAT_EQ(mie("effective_radius_um = 10\nsingle_scattering_albedo = 0.75").problem.grid.absorption[0], 0.005f);
+}
+
+TEST_F(MieSceneTest, LayersTakeTheTablesAlbedo) {
+  const std::string layer = "[[layer]]\nbottom_m = 0\ntop_m = 25\noptical_depth = 2\nphase_function = \"drops\"\n";
+  const OpticalGrid grid = mie("", "effective_radius_um = 5", layer).problem.grid;
+  EXPECT_NEAR(grid.layer_absorption[0], 0.5 * 2 / 25, 1e-12);
+  EXPECT_NEAR(grid.layer_scattering[0][0], 0.5 * 2 / 25, 1e-12);
+  EXPECT_THAT(mie_message("effective_radius_um = 5", "", layer),
+              AllOf(HasSubstr("layer.0.phase_function"), HasSubstr("phase_function.drops.effective_radius_um")));
+}
+
+// Voxel by voxel: two voxels of 5 and 6.667 um, the latter an even mixture by mass: extinction 0.25 m2/g, scattering
+// 0.1 of the first and 0.05 of the second row (DropletTable.BetweenRowsStandsTheirMixture).
+TEST_F(MieSceneTest, DropletsOfTheVoxelsRadius) {
+  const std::string cloud = "grid = \"reff\"\nquantity = \"liquid_water_content\"\neffective_radius_grid = \"reff\"";
+  const float mixed = 1 / (0.5f / 5 + 0.5f / 10);
+  write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({2, 1, 1}, {25, 25, 25}, {0, 0, 0}, {5.0f, mixed}, ""),
+                  {"reff", false});
+  const AssembledScene scene = mie(cloud);  // the radii serve as water contents too
+  const OpticalGrid& grid = scene.problem.grid;
+  ASSERT_EQ(scene.problem.phase.size(), 2u);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.8);
+  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.4);
+  EXPECT_FLOAT_EQ(grid.scattering[0][0], 5 * 0.4f * 0.5f);
+  EXPECT_EQ(grid.scattering[1][0], 0);
+  EXPECT_FLOAT_EQ(grid.absorption[0], 5 * 0.4f * 0.5f);
+  EXPECT_FLOAT_EQ(grid.scattering[0][1], mixed * 0.1f);
+  EXPECT_FLOAT_EQ(grid.scattering[1][1], mixed * 0.05f);
+  EXPECT_FLOAT_EQ(grid.absorption[1], mixed * 0.1f);
+
+  write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({2, 1, 1}, {25, 25, 25}, {0, 0, 0}, {5.0f, 11.0f}, ""),
+                  {"reff", false});
+  EXPECT_THAT(mie_message(cloud), AllOf(HasSubstr("11"), HasSubstr("10")));
+}
+
+TEST_F(MieSceneTest, SaysWhatIsWrong) {
+  EXPECT_THAT(mie_message(""), AllOf(HasSubstr("cloud.effective_radius_um"), HasSubstr("missing"),
+                                     HasSubstr("phase_function.drops.effective_radius_um")));
+  EXPECT_THAT(mie_message("effective_radius_um = 5", "effective_radius_um = 6"),
+              AllOf(HasSubstr("scene.toml:4: cloud.effective_radius_um"), HasSubstr("found 5"), HasSubstr("6")));
+  EXPECT_THAT(mie_message("effective_radius_grid = \"reff\"", "effective_radius_um = 6"), HasSubstr("one of the two"));
+  EXPECT_THAT(mie_message("effective_radius_um = 20"),
+              AllOf(HasSubstr("scene.toml:4: cloud.effective_radius_um"), HasSubstr("found 20"), HasSubstr("5 to 10")));
+  EXPECT_THAT(mie_message("", "effective_radius_um = 20"),
+              AllOf(HasSubstr("phase_function.drops.effective_radius_um"), HasSubstr("5 to 10")));
+  EXPECT_THAT(mie_message("effective_radius_um = 5", "wavelength_um = 0.5"),
+              AllOf(HasSubstr("scene.toml:7: phase_function.drops.file"), HasSubstr("drops.h5"), HasSubstr("0.67")));
+  folder_.write("drops.h5", "not a table");
+  EXPECT_THAT(mie_message("effective_radius_um = 5"),
+              AllOf(HasSubstr("phase_function.drops.file"), HasSubstr("not a table of droplets")));
 }
 
 TEST_F(AssembleTest, QuantityMustBeSaid) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "cloudbow/app/command_line.hpp"
+#include "cloudbow/results/droplet_table_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace cloudbow {
@@ -76,12 +77,31 @@ TEST(CommandLine, UsageErrors) {
            {"cloud", "make", "cirrus", "--cells", "4", "4", "4", "--voxel-size-m", "1", "1", "1", "-o", "x.vdb"},
            {"render"},
            {"mie", "--wavelength-um", "1"},
+           {"mie", "--wavelength-um", "1", "--effective-radius-um", "9:5:1", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "1", "--effective-radius-um", "5:9", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "100", "--effective-radius-um", "5", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "1", "--effective-radius-um", "5", "--variance", "0.6", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "1", "--effective-radius-um", "5", "--refractive-index", "1.3", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "1", "--effective-radius-um", "5", "--substance", "milk", "-o", "x.h5"},
        }) {
     const Outcome outcome = cloudbow(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
     EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
     EXPECT_EQ(outcome.output, "");
   }
+}
+
+TEST(CommandLine, MakesAMieTableThatAppearsWhole) {
+  const TemporaryFolder folder;
+  const auto table = folder / "drops.h5";
+  const Outcome outcome =
+      cloudbow({"mie", "--wavelength-um", "3.7", "--effective-radius-um", "4:8:2", "-o", table, "--threads", "1"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, testing::AllOf(HasSubstr("Segelstein"), HasSubstr("\n         8 ")));
+  EXPECT_EQ(read_droplet_table(table).effective_radius_um, (std::vector<double>{4, 6, 8}));
+  EXPECT_EQ(cloudbow({"mie", "--wavelength-um", "3.7", "--effective-radius-um", "4", "-o", folder / "no" / "drops.h5"})
+                .exit_code,
+            2);
 }
 
 TEST(CommandLine, RunsASlab) {

@@ -275,7 +275,11 @@ INSTANTIATE_TEST_SUITE_P(
                 {":13:", "\"drops\"", "droplets, isotropic, rayleigh"}},
         Mistake{
             "unknown_type", "\"henyey-greenstein\"", "\"henyey\"", {":4:", "\"henyey\"", "double-henyey-greenstein"}},
-        Mistake{"mie", "\"henyey-greenstein\"", "\"mie\"", {":4:", "not available in this version"}},
+        Mistake{"set", "\"henyey-greenstein\"", "\"set\"", {":4:", "not available in this version"}},
+        Mistake{"mie_without_file",
+                "type = \"henyey-greenstein\"\nasymmetry_parameter = 0.85",
+                "type = \"mie\"",
+                {"phase_function.droplets.file", "missing"}},
         Mistake{"redefined", "droplets]", "rayleigh]", {"phase_function.rayleigh", "already defined"}},
         Mistake{"surface_type", "\"lambertian\"", "\"rpv\"", {":28: surface.type", "not available in this version"}},
         Mistake{"surface_slope",

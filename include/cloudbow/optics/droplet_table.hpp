@@ -1,0 +1,46 @@
+// What clouds of droplets do to light of one wavelength, by effective radius.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cloudbow/optics/phase_function.hpp"
+
+namespace cloudbow {
+
+/// One row for each effective radius. Whoever made it, the table obeys check_droplet_table().
+struct DropletTable {
+  double wavelength_um = 0;                      ///< 0: not known
+  std::vector<double> effective_radius_um;       ///< ascending
+  std::vector<double> extinction_m2_per_g;       ///< extinction coefficient [1/m] of 1 g/m3 of water
+  std::vector<double> single_scattering_albedo;  ///< 0 to 1
+  std::vector<std::vector<double>> moments;      ///< [radius][l] chi_l, chi_0 = 1, without the factor 2l+1
+
+  std::size_t size() const { return effective_radius_um.size(); }
+};
+
+/// @throws InputError "PROBLEM (found X, allowed Y)": no row, rows of different number, radii that do not ascend,
+/// values out of range, chi_0 not 1 or |chi_l| > 1 (to 1e-4, the digits of text tables), moments of which the last
+/// still matters: (2l+1) |chi_l| above 5 % of the largest.
+void check_droplet_table(const DropletTable& table);
+
+struct DropletOptics {
+  double extinction_m2_per_g;
+  double single_scattering_albedo;
+  PhaseFunction phase_function;
+};
+
+/// Share of water in row `lower + 1`, the rest being in row `lower`.
+struct DropletMixture {
+  std::size_t lower;
+  double upper_share;
+};
+
+/// The mixture of the two neighbouring rows that has this effective radius: masses add up, so that 1/r_e is linear in
+/// the share of water. @throws InputError where the radius is outside the table.
+DropletMixture mixture_for(const DropletTable& table, double effective_radius_um);
+
+/// Optics of that mixture: extinction and scattering add up, and phase functions by the light that each scatters.
+DropletOptics droplet_optics(const DropletTable& table, double effective_radius_um);
+
+}  // namespace cloudbow

@@ -1,0 +1,42 @@
+// Tables of droplets by Mie theory.
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <span>
+
+#include "cloudbow/optics/droplet_distribution.hpp"
+#include "cloudbow/optics/droplet_table.hpp"
+
+namespace cloudbow {
+
+/// What droplets are made of and how their sizes are spread.
+struct DropletRecipe {
+  double wavelength_um = 0.55;                     ///< in the surroundings
+  std::complex<double> refractive_index{1.33, 0};  ///< n + i k relative to the surroundings
+  double density_g_cm3 = 1;
+  DistributionKind distribution = DistributionKind::gamma;
+  double effective_variance = 0.1;
+};
+
+struct MieTableOptions {
+  /// Largest step between sizes at which phase functions are computed, in size parameters; a fifth of it for extinction
+  /// and albedo. What the narrow resonances of single spheres leave is in docs/droplets.md.
+  double size_step = 0.05;
+  int threads = 0;                                  ///< 0: all. The table has the same bits for any number
+  std::function<void(double fraction)> progress{};  ///< called now and then from the calling thread; may throw to stop
+};
+
+/// Largest size parameter of any droplet that is computed: beyond it a table takes hours.
+inline constexpr double kLargestSizeParameter = 12000;
+
+/// All radii at once, over one set of sizes: the trapezoidal rule in a variable that gives steps of size_step for large
+/// and of constant ratio for small droplets. Phase functions are exact polynomials: as many Gauss-Legendre cosines as
+/// make the norm and every moment exact; moments are kept down to (2l+1) |chi_l| = 1e-8.
+/// @param effective_radius_um ascending.
+/// @throws InputError for radii that do not ascend or are out of range, index with n <= 0 or k < 0, distribution as
+/// DropletDistribution says, wavelength <= 0, density <= 0, droplets larger than kLargestSizeParameter.
+DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double> effective_radius_um,
+                            const MieTableOptions& options = {});
+
+}  // namespace cloudbow

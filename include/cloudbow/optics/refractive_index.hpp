@@ -1,0 +1,29 @@
+// Complex refractive indices of water and ice, m = n + i k.
+#pragma once
+
+#include <complex>
+#include <string>
+
+namespace cloudbow {
+
+enum class Substance { water, ice };
+
+/// Wavelengths [um] at which both substances are known.
+inline constexpr double kShortestIndexWavelength = 0.2;
+inline constexpr double kLongestIndexWavelength = 40;
+
+/// n linear and log k linear in the logarithm of the wavelength, between the rows of
+/// - water (25 C): D. J. Segelstein, "The complex refractive index of water", thesis, University of Missouri-Kansas
+/// City,
+///   1981, thinned where it is smooth;
+/// - ice (-7 C): S. G. Warren & R. E. Brandt, J. Geophys. Res. 113, D14220, 2008.
+/// @throws InputError for wavelengths outside 0.2 to 40 um.
+std::complex<double> refractive_index(Substance substance, double wavelength_um);
+
+/// Density [g/cm3]: water 1, as tables of cloud properties take it; ice 0.917 (0 C).
+double density_g_cm3(Substance substance);
+
+/// Where the numbers are from, in one line.
+std::string refractive_index_source(Substance substance);
+
+}  // namespace cloudbow

@@ -1,0 +1,112 @@
+#include "cloudbow/optics/droplet_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+void check_moments(const std::vector<double>& moments, double radius) {
+  constexpr double rounding = 1e-4;      // of tables with five decimals
+  constexpr double last_allowed = 0.05;  // of the largest (2l+1) chi_l
+  const auto fail = [radius](const std::string& problem) {
+    throw InputError(fmt::format("phase function at effective radius {} um: {}", radius, problem));
+  };
+  if (moments.size() < 2) fail(fmt::format("too few moments (found {}, allowed at least 2)", moments.size()));
+  if (!(std::abs(moments[0] - 1) <= rounding)) {
+    fail(fmt::format("wrong norm (found moment 0 = {}, allowed 1)", moments[0]));
+  }
+  double largest = 0;
+  for (std::size_t l = 0; l < moments.size(); ++l) {
+    if (!(std::abs(moments[l]) <= 1 + rounding)) {
+      fail(fmt::format("moment {} out of range (found {}, allowed -1 to 1, without the factor 2l+1)", l, moments[l]));
+    }
+    largest = std::max(largest, static_cast<double>(2 * l + 1) * std::abs(moments[l]));
+  }
+  // A series that is cut while its terms are large rings all over the sphere.
+  const double last = static_cast<double>(2 * moments.size() - 1) * std::abs(moments.back());
+  if (last > last_allowed * largest) {
+    fail(
+        fmt::format("too few moments (found {}, of which the last times 2l+1 is {:.3g}, allowed a series that has "
+                    "fallen to {} of its largest, {:.3g})",
+                    moments.size(), last, last_allowed, largest));
+  }
+}
+
+}  // namespace
+
+void check_droplet_table(const DropletTable& table) {
+  const std::size_t rows = table.size();
+  if (rows == 0) throw InputError("no effective radius (allowed at least one)");
+  if (table.extinction_m2_per_g.size() != rows || table.single_scattering_albedo.size() != rows ||
+      table.moments.size() != rows) {
+    throw InputError(fmt::format(
+        "{} effective radii with {} extinctions, {} albedos, {} phase functions (allowed as "
+        "many of each)",
+        rows, table.extinction_m2_per_g.size(), table.single_scattering_albedo.size(), table.moments.size()));
+  }
+  for (std::size_t n = 0; n < rows; ++n) {
+    const double radius = table.effective_radius_um[n];
+    if (!(radius > 0) || std::isinf(radius)) {
+      throw InputError(fmt::format("effective radius out of range (found {} um, allowed > 0)", radius));
+    }
+    if (n > 0 && !(radius > table.effective_radius_um[n - 1])) {
+      throw InputError(fmt::format("effective radii do not ascend (found {} um after {} um)", radius,
+                                   table.effective_radius_um[n - 1]));
+    }
+    const double extinction = table.extinction_m2_per_g[n], albedo = table.single_scattering_albedo[n];
+    if (!(extinction > 0) || std::isinf(extinction)) {
+      throw InputError(fmt::format("extinction at effective radius {} um out of range (found {} m2/g, allowed > 0)",
+                                   radius, extinction));
+    }
+    if (!(albedo >= 0 && albedo <= 1)) {
+      throw InputError(
+          fmt::format("single-scattering albedo at effective radius {} um out of range (found {}, allowed 0 to 1)",
+                      radius, albedo));
+    }
+    check_moments(table.moments[n], radius);
+  }
+}
+
+DropletMixture mixture_for(const DropletTable& table, double effective_radius_um) {
+  const std::vector<double>& radius = table.effective_radius_um;
+  constexpr double rounding = 1e-6;  // radii stored as floats
+  if (!(effective_radius_um >= radius.front() * (1 - rounding) &&
+        effective_radius_um <= radius.back() * (1 + rounding))) {
+    throw InputError(fmt::format("effective radius outside the table (found {} um, allowed {} to {} um)",
+                                 effective_radius_um, radius.front(), radius.back()));
+  }
+  if (radius.size() == 1) return {0, 0};
+  const auto above = std::upper_bound(radius.begin() + 1, radius.end() - 1, effective_radius_um);
+  const double low = *(above - 1), high = *above;
+  const double r = std::clamp(effective_radius_um, low, high);
+  return {static_cast<std::size_t>(above - radius.begin()) - 1, (1 / low - 1 / r) / (1 / low - 1 / high)};
+}
+
+DropletOptics droplet_optics(const DropletTable& table, double effective_radius_um) {
+  const auto [lower, share] = mixture_for(table, effective_radius_um);
+  const std::size_t upper = std::min(lower + 1, table.size() - 1);
+  const double lower_extinction = (1 - share) * table.extinction_m2_per_g[lower];
+  const double upper_extinction = share * table.extinction_m2_per_g[upper];
+  const double lower_scattering = lower_extinction * table.single_scattering_albedo[lower];
+  const double upper_scattering = upper_extinction * table.single_scattering_albedo[upper];
+  const double extinction = lower_extinction + upper_extinction;
+  const double scattering = lower_scattering + upper_scattering;
+
+  const std::vector<double>& a = table.moments[lower];
+  const std::vector<double>& b = table.moments[upper];
+  const double weight = scattering > 0 ? upper_scattering / scattering : share;
+  std::vector<double> moments(weight > 0 ? std::max(a.size(), b.size()) : a.size(), 0.0);
+  for (std::size_t l = 0; l < moments.size(); ++l) {
+    const double mixed = (l < a.size() ? (1 - weight) * a[l] : 0) + (l < b.size() ? weight * b[l] : 0);
+    moments[l] = std::clamp(mixed, -1.0, 1.0);
+  }
+  moments[0] = 1;
+  return {extinction, scattering / extinction, PhaseFunction::legendre(std::move(moments))};
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,230 @@
+#include "cloudbow/results/droplet_table_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "atomic_file.hpp"
+#include "cloudbow/core/error.hpp"
+#include "droplet_table_readers.hpp"
+#include "netcdf4_file.hpp"
+
+namespace cloudbow {
+
+namespace {
+
+constexpr const char* kRadius = "effective_radius";
+constexpr const char* kExtinction = "extinction_per_water_content";
+constexpr const char* kAlbedo = "single_scattering_albedo";
+constexpr const char* kMoments = "legendre_moment";
+constexpr std::size_t kLargestTable = std::size_t{1} << 27;  // values
+
+void write_all(const std::filesystem::path& path, const DropletTable& table, const DropletTableInfo& info) {
+  hdf5::Handle file = hdf5::create_file(path);
+  netcdf4::write_attributes(
+      file, {{"Conventions", "CF-1.10"},
+             {"title", fmt::format("scattering by droplets at {} um, by effective radius", table.wavelength_um)},
+             {"source", info.source},
+             {"history", info.history},
+             {"wavelength_um", table.wavelength_um},
+             {"refractive_index_real", info.refractive_index.real()},
+             {"refractive_index_imaginary", info.refractive_index.imag()},
+             {"refractive_index_source", info.refractive_index_source},
+             {"density_g_cm3", info.density_g_cm3},
+             {"size_distribution", info.distribution},
+             {"effective_variance", info.effective_variance}});
+
+  std::size_t moment_count = 0;
+  for (const auto& row : table.moments) moment_count = std::max(moment_count, row.size());
+  std::vector<double> degree(moment_count), moments(table.size() * moment_count, 0.0);
+  for (std::size_t l = 0; l < moment_count; ++l) degree[l] = static_cast<double>(l);
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    std::copy(table.moments[n].begin(), table.moments[n].end(),
+              moments.begin() + static_cast<std::ptrdiff_t>(n * moment_count));
+  }
+  const std::vector<double> angle = droplet_table_angles();
+  std::vector<float> phase;
+  std::vector<double> asymmetry;
+  for (const auto& row : table.moments) {
+    const PhaseFunction function = PhaseFunction::legendre(row);
+    asymmetry.push_back(function.asymmetry_parameter());
+    for (const double a : angle) phase.push_back(static_cast<float>(function(std::cos(a * std::numbers::pi / 180))));
+  }
+
+  netcdf4::write_coordinate(file, kRadius, table.effective_radius_um,
+                            {{"units", "um"}, {"long_name", "effective radius, <r^3>/<r^2>"}});
+  netcdf4::write_coordinate(file, "moment", degree, {{"units", "1"}, {"long_name", "degree l of the Legendre moment"}});
+  netcdf4::write_coordinate(file, "angle", angle, {{"units", "degree"}, {"long_name", "scattering angle"}});
+  netcdf4::write_variable(
+      file, kExtinction, {kRadius}, std::span<const double>(table.extinction_m2_per_g),
+      {{"units", "m2 g-1"}, {"long_name", "extinction coefficient [m-1] per mass of droplets in air [g m-3]"}});
+  netcdf4::write_variable(file, kAlbedo, {kRadius}, std::span<const double>(table.single_scattering_albedo),
+                          {{"units", "1"}, {"long_name", "single-scattering albedo"}});
+  netcdf4::write_variable(file, "asymmetry_parameter", {kRadius}, std::span<const double>(asymmetry),
+                          {{"units", "1"}, {"long_name", "mean cosine of the scattering angle"}});
+  netcdf4::write_variable(
+      file, kMoments, {kRadius, "moment"}, std::span<const double>(moments),
+      {{"units", "1"}, {"long_name", "chi_l of P(mu) = sum (2l+1) chi_l P_l(mu), without the factor 2l+1; chi_0 = 1"}});
+  netcdf4::write_variable(file, "phase_function", {kRadius, "angle"}, std::span<const float>(phase),
+                          {{"units", "1"}, {"long_name", "phase function, mean over the sphere 1"}});
+  hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
+  file.close();
+}
+
+std::vector<hsize_t> shape_of(hid_t dataset) {
+  const hdf5::Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+  std::vector<hsize_t> shape(static_cast<std::size_t>(hdf5::check(H5Sget_simple_extent_ndims(space), "read a shape")));
+  hdf5::check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
+  return shape;
+}
+
+/// @param rows 0: any length.
+std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, std::size_t rows) {
+  if (hdf5::check(H5Lexists(file, name, H5P_DEFAULT), "look for a variable") <= 0) {
+    throw InputError(fmt::format("no variable '{}' (allowed: a table by cloudbow mie)", name));
+  }
+  const hdf5::Handle dataset = hdf5::open_dataset(file, name);
+  const std::vector<hsize_t> shape = shape_of(dataset);
+  std::size_t count = 1;
+  for (const hsize_t size : shape) {
+    if (size > kLargestTable / std::max<std::size_t>(count, 1)) throw InputError(fmt::format("'{}': too large", name));
+    count *= size;
+  }
+  if (shape.size() != rank || (rows > 0 && shape[0] != rows)) {
+    throw InputError(fmt::format("'{}': wrong shape (found {} dimensions, allowed {}, the first of them {})", name,
+                                 shape.size(), rank, rows));
+  }
+  std::vector<double> value(count);
+  hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), "read a variable");
+  return value;
+}
+
+double read_number_attribute(hid_t file, const char* name) {
+  if (hdf5::check(H5Aexists(file, name), "look for an attribute") <= 0) {
+    throw InputError(fmt::format("no attribute '{}' (allowed: a table by cloudbow mie)", name));
+  }
+  const hdf5::Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose, "read an attribute");
+  const hdf5::Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
+  if (H5Sget_simple_extent_npoints(space) != 1) throw InputError(fmt::format("attribute '{}': not one number", name));
+  double value = 0;
+  hdf5::check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), "read an attribute");
+  return value;
+}
+
+DropletTable read_own_table(hid_t file, std::optional<double> wavelength_um) {
+  DropletTable table;
+  table.wavelength_um = read_number_attribute(file, "wavelength_um");
+  choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
+  table.effective_radius_um = read_values(file, kRadius, 1, 0);
+  const std::size_t rows = table.size();
+  if (rows == 0) throw InputError("no effective radius (allowed at least one)");
+  table.extinction_m2_per_g = read_values(file, kExtinction, 1, rows);
+  table.single_scattering_albedo = read_values(file, kAlbedo, 1, rows);
+  const std::vector<double> moments = read_values(file, kMoments, 2, rows);
+  const auto count = static_cast<std::ptrdiff_t>(moments.size() / rows);
+  for (std::size_t n = 0; n < rows; ++n) {
+    const auto begin = moments.begin() + static_cast<std::ptrdiff_t>(n) * count;
+    auto end = begin + count;
+    while (end - begin > 2 && *(end - 1) == 0) --end;
+    table.moments.emplace_back(begin, end);
+  }
+  return table;
+}
+
+DropletTable read_hdf5_table(const std::filesystem::path& path, std::optional<double> wavelength_um) {
+  {
+    const hdf5::Handle file = hdf5::open_file(path);
+    if (hdf5::check(H5Lexists(file, "pmom", H5P_DEFAULT), "look for a variable") <= 0) {
+      return read_own_table(file, wavelength_um);
+    }
+  }
+  return read_libradtran_table(path, wavelength_um);
+}
+
+DropletTable read_by_content(const std::filesystem::path& path, std::optional<double> wavelength_um) {
+  std::ifstream stream(path, std::ios::binary);
+  std::array<char, 512> head{};
+  stream.read(head.data(), head.size());
+  const std::string_view start(head.data(), static_cast<std::size_t>(stream.gcount()));
+  stream.close();
+  if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_table(path, wavelength_um);
+  if (start.starts_with("CDF")) return read_libradtran_table(path, wavelength_um);
+  if (start.find("able vs. effective radius") != std::string_view::npos) {
+    DropletTable table = read_shdom_table(path);
+    choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
+    return table;
+  }
+  throw InputError(
+      "not a table of droplets (allowed: HDF5 by cloudbow mie, netCDF by libRadtran's mie, text by SHDOM's "
+      "make_mie_table, whose first line says \"table vs. effective radius\")");
+}
+
+}  // namespace
+
+std::vector<double> droplet_table_angles() {
+  std::vector<double> angle;
+  const auto add = [&angle](double from, double to, int steps) {
+    for (int n = 0; n < steps; ++n) angle.push_back(from + (to - from) * n / steps);
+  };
+  add(0, 1, 50);
+  add(1, 5, 40);
+  add(5, 20, 60);
+  add(20, 130, 110);
+  add(130, 150, 80);
+  add(150, 175, 50);
+  add(175, 180, 50);
+  angle.push_back(180);
+  return angle;
+}
+
+std::size_t choose_wavelength(std::span<const double> there_um, std::optional<double> wanted_um) {
+  constexpr double slack = 1e-3;
+  if (!wanted_um) {
+    if (there_um.size() == 1) return 0;
+    throw InputError(fmt::format("{} wavelengths from {} to {} um (found no wavelength_um that chooses one)",
+                                 there_um.size(), there_um.empty() ? 0 : there_um.front(),
+                                 there_um.empty() ? 0 : there_um.back()));
+  }
+  std::size_t nearest = 0;
+  for (std::size_t n = 1; n < there_um.size(); ++n) {
+    if (std::abs(there_um[n] - *wanted_um) < std::abs(there_um[nearest] - *wanted_um)) nearest = n;
+  }
+  if (there_um.empty() || !(std::abs(there_um[nearest] - *wanted_um) <= slack * *wanted_um)) {
+    throw InputError(fmt::format("no such wavelength (found {} um, allowed {} um, the nearest)", *wanted_um,
+                                 there_um.empty() ? 0 : there_um[nearest]));
+  }
+  return nearest;
+}
+
+void write_droplet_table(const std::filesystem::path& file, const DropletTable& table, const DropletTableInfo& info) {
+  AtomicFile target(file);
+  try {
+    write_all(target.temporary(), table, info);
+  } catch (const hdf5::Error& error) {
+    throw_unwritable(file, error.what());
+  }
+  target.commit();
+}
+
+DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um) {
+  try {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) throw InputError("no such file");
+    DropletTable table = read_by_content(file, wavelength_um);
+    check_droplet_table(table);
+    return table;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+  } catch (const hdf5::Error& error) {
+    throw InputError(fmt::format("{}: damaged, or not a table ({})", file.string(), error.what()));
+  }
+}
+
+}  // namespace cloudbow

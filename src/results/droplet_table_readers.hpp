@@ -1,0 +1,18 @@
+// Readers of single forms; their InputErrors do not name the file.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+
+#include "cloudbow/optics/droplet_table.hpp"
+
+namespace cloudbow {
+
+DropletTable read_libradtran_table(const std::filesystem::path& file, std::optional<double> wavelength_um);
+DropletTable read_shdom_table(const std::filesystem::path& file);
+
+/// Index of the wavelength wanted; of the only one where none is. @throws InputError where it is not there.
+std::size_t choose_wavelength(std::span<const double> there_um, std::optional<double> wanted_um);
+
+}  // namespace cloudbow
