@@ -77,33 +77,50 @@ bool levels_are_uniform(const std::vector<double>& edge) {
   return true;
 }
 
-double thinnest_level_with_cloud(const LevelledCloud& cloud) {
-  double thinnest = cloud.z_edge_m.back() - cloud.z_edge_m.front();
-  for (int k = 0; k < cloud.nz(); ++k) {
-    const auto begin = cloud.density.begin() + static_cast<std::ptrdiff_t>(cloud.cell(0, 0, k));
-    const bool any =
-        std::any_of(begin, begin + static_cast<std::ptrdiff_t>(cloud.columns()), [](float v) { return v > 0; });
-    if (any) thinnest = std::min(thinnest, cloud.z_edge_m[k + 1] - cloud.z_edge_m[k]);
-  }
-  return thinnest;
-}
-
 struct UniformLevels {
+  double bottom_m;
   double size_m;
   int count;
   bool as_they_are;
 };
 
+bool has_cloud(const LevelledCloud& cloud, int k) {
+  const auto begin = cloud.density.begin() + static_cast<std::ptrdiff_t>(cloud.cell(0, 0, k));
+  return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(cloud.columns()), [](float v) { return v > 0; });
+}
+
+/// As high as the thinnest level with cloud unless the user says otherwise. Where all levels from the lowest to the
+/// highest with cloud are of one height the voxels are those levels, and the clear air below and above them is rounded
+/// to whole voxels; else voxels fill the domain.
 UniformLevels choose_levels(const LevelledCloud& cloud, const CloudImportOptions& options) {
-  const double extent = cloud.z_edge_m.back() - cloud.z_edge_m.front();
-  if (options.vertical_size_m <= 0 && levels_are_uniform(cloud.z_edge_m))
-    return {extent / cloud.nz(), cloud.nz(), true};
-  const double wanted = options.vertical_size_m > 0 ? options.vertical_size_m : thinnest_level_with_cloud(cloud);
-  const double fits = extent / wanted;
+  const std::vector<double>& edge = cloud.z_edge_m;
+  const double extent = edge.back() - edge.front();
+  if (options.vertical_size_m <= 0 && levels_are_uniform(edge)) {
+    return {edge.front(), extent / cloud.nz(), cloud.nz(), true};
+  }
+  int first = 0, last = cloud.nz() - 1;
+  while (!has_cloud(cloud, first)) ++first;
+  while (!has_cloud(cloud, last)) --last;
+  double size = options.vertical_size_m;
+  if (size <= 0) {
+    size = extent;
+    for (int k = first; k <= last; ++k) {
+      if (has_cloud(cloud, k)) size = std::min(size, edge[k + 1] - edge[k]);
+    }
+    const std::vector<double> of_cloud(edge.begin() + first, edge.begin() + last + 2);
+    if (levels_are_uniform(of_cloud)) {
+      size = (of_cloud.back() - of_cloud.front()) / (last + 1 - first);
+      const double below = std::round((of_cloud.front() - edge.front()) / size);
+      const double count = below + (last + 1 - first) + std::round((edge.back() - of_cloud.back()) / size);
+      check_import_size(options.file, cloud.nx, cloud.ny, count);
+      return {of_cloud.front() - below * size, size, static_cast<int>(count), false};
+    }
+  }
+  const double fits = extent / size;
   const double count = std::abs(fits - std::round(fits)) < 1e-3 ? std::round(fits) : std::ceil(fits);
   check_import_size(options.file, cloud.nx, cloud.ny, std::max(1.0, count));
   const int levels = std::max(1, static_cast<int>(count));
-  return {extent / levels, levels, false};
+  return {edge.front(), extent / levels, levels, false};
 }
 
 /// Sums over the levels in one voxel; what each is for stands with ImportedCloud.
@@ -188,15 +205,16 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   }
 
   const UniformLevels levels = choose_levels(cloud, options);
-  const Overlaps overlaps = overlaps_of(cloud.z_edge_m, cloud.z_edge_m.front(), levels.size_m, levels.count);
+  const Overlaps overlaps = overlaps_of(cloud.z_edge_m, levels.bottom_m, levels.size_m, levels.count);
   if (!levels.as_they_are) {
-    imported.notes.push_back(fmt::format("levels: {} from {:.6g} to {:.6g} m, resampled to {} of {:.6g} m", cloud.nz(),
-                                         cloud.z_edge_m.front(), cloud.z_edge_m.back(), levels.count, levels.size_m));
+    imported.notes.push_back(
+        fmt::format("levels: {} from {:.6g} to {:.6g} m, resampled to {} of {:.6g} m from {:.6g} m", cloud.nz(),
+                    cloud.z_edge_m.front(), cloud.z_edge_m.back(), levels.count, levels.size_m, levels.bottom_m));
   }
   CloudField& field = imported.field;
   field.cells = {cloud.nx, cloud.ny, levels.count};
   field.cell_size_m = {cloud.dx_m, cloud.dy_m, levels.size_m};
-  field.min_m = {cloud.x_min_m, cloud.y_min_m, cloud.z_edge_m.front()};
+  field.min_m = {cloud.x_min_m, cloud.y_min_m, levels.bottom_m};
   field.quantity = cloud.quantity;
 
   VdbCompanion radius{"reff", "effective_radius", "um", {}};
