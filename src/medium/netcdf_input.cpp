@@ -4,16 +4,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "import_parts.hpp"
 
 namespace cloudbow {
+namespace {
+
+constexpr double kWord = 4;  // bytes to which the classic format pads
+
+double padded(double bytes) { return kWord * std::ceil(bytes / kWord); }
+double name_bytes(const std::string& name) { return kWord + padded(static_cast<double>(name.size())); }
+
+}  // namespace
 
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
   check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");
   try {
     list_variables();
+    check_length();
   } catch (...) {
     nc_close(id_);
     throw;
@@ -46,6 +56,51 @@ void NetcdfInput::list_variables() {
     variable.units = text_attribute(variable, "units");
     variables_.push_back(std::move(variable));
   }
+}
+
+/// Bytes that a classic header takes for the attributes of a variable, or of the file.
+double NetcdfInput::attribute_bytes(int variable) const {
+  int count = 0;
+  check(variable == NC_GLOBAL ? nc_inq_natts(id_, &count) : nc_inq_varnatts(id_, variable, &count), "damaged");
+  double bytes = 2 * kWord;
+  for (int n = 0; n < count; ++n) {
+    std::array<char, NC_MAX_NAME + 1> name{};
+    nc_type type = NC_NAT;
+    std::size_t length = 0, size = 0;
+    check(nc_inq_attname(id_, variable, n, name.data()), "damaged");
+    check(nc_inq_att(id_, variable, name.data(), &type, &length), "damaged");
+    check(nc_inq_type(id_, type, nullptr, &size), "damaged");
+    bytes += name_bytes(name.data()) + 2 * kWord + padded(static_cast<double>(length * size));
+  }
+  return bytes;
+}
+
+/// The library reads zeros beyond the end of a classic file that was cut off: header and data must be there as the file
+/// format says (netCDF User's Guide, "File Format Specifications"; the sizes of CDF-1, which the later ones exceed),
+/// but for the padding after the last number.
+void NetcdfInput::check_length() const {
+  int format = 0, dimensions = 0;
+  check(nc_inq_format(id_, &format), "damaged");
+  if (format == NC_FORMAT_NETCDF4 || format == NC_FORMAT_NETCDF4_CLASSIC) return;
+  check(nc_inq_ndims(id_, &dimensions), "damaged");
+  double least = 6 * kWord + attribute_bytes(NC_GLOBAL) - (kWord - 1);
+  for (int d = 0; d < dimensions; ++d) {
+    std::array<char, NC_MAX_NAME + 1> name{};
+    check(nc_inq_dimname(id_, d, name.data()), "damaged");
+    least += name_bytes(name.data()) + kWord;
+  }
+  for (const NetcdfVariable& variable : variables_) {
+    nc_type type = NC_NAT;
+    std::size_t bytes = 0;
+    check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+    check(nc_inq_type(id_, type, nullptr, &bytes), variable.name);
+    auto size = static_cast<double>(bytes);
+    for (const std::size_t length : variable.length) size *= static_cast<double>(length);
+    const auto rank = static_cast<double>(variable.length.size());
+    least += name_bytes(variable.name) + (4 + rank) * kWord + attribute_bytes(variable.id) + size;
+  }
+  const auto found = static_cast<double>(std::filesystem::file_size(path_));
+  if (found < least) fail_import(path_, "the file is cut off (found {} bytes, allowed at least {})", found, least);
 }
 
 const NetcdfVariable* NetcdfInput::find(const std::string& name) const {

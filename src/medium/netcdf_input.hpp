@@ -39,6 +39,8 @@ class NetcdfInput {
   void check(int status, const std::string& what) const;
   std::optional<double> number_attribute(const NetcdfVariable& variable, const char* name) const;
   void list_variables();
+  double attribute_bytes(int variable) const;
+  void check_length() const;
 
   std::filesystem::path path_;
   int id_ = 0;
