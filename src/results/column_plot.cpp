@@ -39,15 +39,16 @@ void draw_curve(const std::filesystem::path& file, const ColumnPlot& plot) {
   canvas.write_png(file);
 }
 
+// Adding 0 to a tick makes "0" of -0.
 void draw_ticks(PlotCanvas& canvas, const PlotBox& box, const ColumnPlot& plot, int axis) {
   const double low = plot.min_m[axis], high = low + plot.columns[axis] * plot.column_size_m[axis];
   for (const double tick : axis_ticks(PlotAxis{}, {low, high})) {
     const double share = (tick - low) / (high - low);
     if (axis == 0) {
-      canvas.text(fmt::format("{:g}", tick), {box.left + share * box.width(), box.bottom + 14}, kTextSize,
+      canvas.text(fmt::format("{:g}", tick + 0.0), {box.left + share * box.width(), box.bottom + 14}, kTextSize,
                   TextAnchor::centre);
     } else {
-      canvas.text(fmt::format("{:g}", tick), {box.left - 6, box.bottom - share * box.height()}, kTextSize,
+      canvas.text(fmt::format("{:g}", tick + 0.0), {box.left - 6, box.bottom - share * box.height()}, kTextSize,
                   TextAnchor::right);
     }
   }
@@ -78,7 +79,7 @@ void draw_map(const std::filesystem::path& file, const ColumnPlot& plot) {
     canvas.fill({scale.left, scale.top + py, scale.right, scale.top + py + 1}, colour_of(1 - (py + 0.5) / height));
   }
   for (const double tick : axis_ticks(PlotAxis{}, {0, largest})) {
-    canvas.text(fmt::format("{:.4g}", tick), {scale.right + 6, scale.bottom - tick / largest * scale.height()},
+    canvas.text(fmt::format("{:.4g}", tick + 0.0), {scale.right + 6, scale.bottom - tick / largest * scale.height()},
                 kTextSize);
   }
   draw_ticks(canvas, box, plot, 0);

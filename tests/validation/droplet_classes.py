@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Droplets that vary in space: what few size classes change against a class for every row of a fine droplet table.
 
-A made-up LES file (scripts/examples/make_les_file.py) is imported, water content and effective radius, and solved with a Mie table of steps of
-0.25 um: once with the classes that `balanced` chooses, once with every row that the field uses (`class_tolerance = 0`). The difference of
+A made-up LES file (scripts/examples/make_les_file.py) is imported, water content and effective radius, and solved with a Mie table of fine
+steps: once with the classes that `balanced` chooses, once with every row that the field uses (`class_tolerance = 0`). The difference of
 reflectance, transmittance and absorptance must stay below the limit, and below twice what the program itself estimates.
 
-usage: droplet_classes.py --cloudbow PROGRAM [--wavelength-um 2.13] [--limit 0.1]
+usage: droplet_classes.py --cloudbow PROGRAM [--wavelength-um 2.13] [--step-um 0.5] [--limit 0.1]
 """
 import argparse
 import subprocess
@@ -36,6 +36,7 @@ def main():
     parser.add_argument("--cloudbow", required=True)
     parser.add_argument("--wavelength-um", default="2.13")
     parser.add_argument("--columns", default="16")
+    parser.add_argument("--step-um", default="0.5", help="of the table; the finer the slower: each row is fitted once")
     parser.add_argument("--limit", type=float, default=0.1, help="per cent of the incident light")
     options = parser.parse_args()
     try:
@@ -44,15 +45,17 @@ def main():
         print("netCDF4 for Python is not there")
         return SKIPPED
 
+    program = Path(options.cloudbow).resolve()
+
     def call(*arguments):
-        subprocess.run([options.cloudbow, *arguments, "--quiet"], cwd=folder, check=True)
+        subprocess.run([program, *arguments, "--quiet"], cwd=folder, check=True)
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         script = ROOT / "scripts" / "examples" / "make_les_file.py"
         subprocess.run([sys.executable, script, folder / "les.nc", "--columns", options.columns], check=True)
-        call("cloud", "import", "les.nc", "-o", "les.vdb")
-        call("mie", "--wavelength-um", options.wavelength_um, "--effective-radius-um", "1:18:0.25", "-o", "droplets.h5")
+        call("cloud", "import", "les.nc", "--minimum", "0.003", "-o", "les.vdb")
+        call("mie", "--wavelength-um", options.wavelength_um, "--effective-radius-um", f"2:16:{options.step_um}", "-o", "droplets.h5")
         (folder / "scene.toml").write_text(SCENE)
         results = []
         for tolerance in (None, "0"):
