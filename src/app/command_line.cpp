@@ -3,55 +3,22 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <optional>
 
+#include "cloud_commands.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/mie_command.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/medium/cloud_makers.hpp"
-#include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/results/render.hpp"
+#include "command_checks.hpp"
 #include "phase_command.hpp"
 
 namespace cloudbow {
 namespace {
-
-/// Checks on the text itself: conversions further on take "nan" for a number and wrap "-1" to a huge one.
-CLI::Validator finite_number(double low, const std::string& allowed) {
-  return CLI::Validator(
-      [low, allowed](std::string& text) {
-        double value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        const bool good =
-            error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value >= low;
-        return good ? std::string() : fmt::format("found {}, allowed {}", text, allowed);
-      },
-      "NUMBER");
-}
-
-CLI::Validator whole_number(std::uint64_t low, std::uint64_t high) {
-  return CLI::Validator(
-      [low, high](std::string& text) {
-        std::uint64_t value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        const bool good = error == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
-        return good ? std::string() : fmt::format("found {}, allowed a whole number from {} to {}", text, low, high);
-      },
-      "N");
-}
-
-template <class Container>
-std::string joined(const Container& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 /// What a subcommand sets up and then does. Only the one that the user named is run.
 using Action = std::function<int()>;
@@ -74,63 +41,6 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
   run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
   run_app->callback([&action, options] { action = [options] { return run(*options); }; });
-}
-
-void add_cloud_make(CLI::App& cloud_app, Action& action) {
-  struct Options {
-    CloudMakerOptions maker;
-    std::vector<int> cells;
-    std::vector<double> voxel_size_m;
-    VdbWriteOptions write;
-    std::filesystem::path output;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* make_app = cloud_app.add_subcommand("make", "Make a cloud field from parameters and a seed");
-  make_app->add_option("kind", options->maker.kind, joined(cloud_maker_kinds()))->required();
-  make_app->add_option("--cells", options->cells, "Cells of the domain along x, y, z")
-      ->required()
-      ->expected(3)
-      ->check(whole_number(1, 100000));
-  make_app->add_option("--voxel-size-m", options->voxel_size_m, "Size of a cell along x, y, z [m]")
-      ->required()
-      ->expected(3)
-      ->check(finite_number(0, "a number > 0"));
-  make_app->add_option("--optical-depth", options->maker.optical_depth, "Mean over cloudy columns (default: by kind)")
-      ->check(finite_number(0, "a number > 0"));
-  make_app->add_option("--cover", options->maker.cover, "Fraction of cloudy columns; cumulus and stratocumulus")
-      ->check(finite_number(0, "0 to 1"));
-  make_app->add_option("--base-m", options->maker.base_m, "Height of the cloud base [m]")
-      ->check(finite_number(0, "a height >= 0"));
-  make_app->add_option("--seed", options->maker.seed, "Seed of the random numbers")
-      ->capture_default_str()
-      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
-  make_app->add_flag("--half", options->write.half, "Store 16 bits a value: half the size");
-  make_app->add_option("-o,--output", options->output, "VDB file")->type_name("FILE")->required();
-  make_app->callback([&action, options] {
-    action = [options] {
-      std::copy(options->cells.begin(), options->cells.end(), options->maker.cells.begin());
-      std::copy(options->voxel_size_m.begin(), options->voxel_size_m.end(), options->maker.voxel_size_m.begin());
-      write_cloud_vdb(options->output, make_cloud(options->maker), options->write);
-      fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->output)));
-      return kExitDone;
-    };
-  });
-}
-
-void add_cloud(CLI::App& app, Action& action) {
-  CLI::App* cloud_app = app.add_subcommand("cloud", "Make and describe cloud fields (OpenVDB)");
-  cloud_app->require_subcommand(1);
-  add_cloud_make(*cloud_app, action);
-  auto file = std::make_shared<std::filesystem::path>();
-  CLI::App* info_app =
-      cloud_app->add_subcommand("info", "Grids, size, voxel size, active voxels, values, column optical depth, fill");
-  info_app->add_option("file", *file, "VDB file")->type_name("FILE")->required();
-  info_app->callback([&action, file] {
-    action = [file] {
-      fmt::print("{}", format_cloud_info(describe_cloud_vdb(*file)));
-      return kExitDone;
-    };
-  });
 }
 
 void add_render(CLI::App& app, Action& action) {
@@ -187,7 +97,9 @@ void add_mie(CLI::App& app, Action& action, const std::string& command) {
       ->expected(2)
       ->excludes(substance)
       ->check(finite_number(0, "a number >= 0"));
-  mie_app->add_option("--density-g-cm3", options->density_g_cm3, "Density of the droplets (default: the substance's, or 1)")
+  mie_app
+      ->add_option("--density-g-cm3", options->density_g_cm3,
+                   "Density of the droplets (default: the substance's, or 1)")
       ->check(finite_number(0, "a density > 0"));
   mie_app->add_option("-o,--output", options->output, "Table (HDF5)")->type_name("FILE")->required();
   mie_app->add_option("--threads", options->threads, "Threads (default: one a processor)")

@@ -36,12 +36,18 @@ void check_not_an_input(const std::filesystem::path& output, const Scene& scene)
   }
 }
 
+std::string classes_text(const PhaseClassReport& classes) {
+  return fmt::format("{} of {} functions, which changes fluxes by about {:.1e} of the incident", classes.classes,
+                     classes.functions, classes.estimated_error);
+}
+
 void print_prediction(const AssembledScene& scene, std::size_t memory, std::uint64_t available) {
   const OpticalGrid& grid = scene.problem.grid;
   fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
              grid.active_cells());
   fmt::print("solver    {} control points, {}, tolerance {}\n", scene.options.control_points, scene.options.directions,
              scene.options.tolerance);
+  if (scene.phase_classes) fmt::print("phase     {}\n", classes_text(*scene.phase_classes));
   fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(memory) / 1e9,
              static_cast<double>(available) / 1e9);
   fmt::print("time      {:.1f} s predicted\n", predict_seconds(scene.problem, scene.options));
@@ -88,10 +94,17 @@ int run(const RunOptions& options) {
     });
   }
   InterruptGuard::check();
-  write_result(output, solution,
-               {scene.title, fmt::format("cloudbow {}", version()), history_line(options.command), scene.text});
+  ResultInfo info{scene.title, fmt::format("cloudbow {}", version()), history_line(options.command), scene.text};
+  if (assembled.phase_classes) {
+    info.phase_classes = assembled.phase_classes->classes;
+    info.phase_class_error = assembled.phase_classes->estimated_error;
+  }
+  write_result(output, solution, info);
   InterruptGuard::check();
 
+  if (!options.quiet && assembled.phase_classes) {
+    fmt::print("{:<21}{}\n", "phase functions", classes_text(*assembled.phase_classes));
+  }
   if (!options.quiet) fmt::print("{}\nwritten to {}\n", summary_table(solution), output.string());
   if (!solution.report.converged) {
     fmt::print(stderr,

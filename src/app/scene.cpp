@@ -9,6 +9,7 @@
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/config_reader.hpp"
 #include "cloudbow/app/phase_function_file.hpp"
+#include "cloudbow/app/phase_set_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
@@ -52,12 +53,13 @@ class SceneReader {
   }
 
  private:
-  /// A function, or a mie table from which an effective radius makes one.
+  /// A function, or a mie table from which an effective radius makes one, or a set of functions.
   struct DefinedPhaseFunction {
     std::optional<PhaseFunction> function;
     bool measured = false;
     std::shared_ptr<const DropletTable> droplets{};
     std::optional<double> effective_radius_um{};
+    std::shared_ptr<const ScenePhaseSet> set{};
   };
 
   std::filesystem::path relative_to_scene(const std::string& file) const {
@@ -109,12 +111,9 @@ class SceneReader {
     if (type == "legendre") return read_legendre(reader);
     if (type == "table") return read_table(reader);
     if (type == "mie") return read_mie(reader);
-    if (type == "set") {
-      throw InputError(fmt::format("{}: {}: \"{}\" is not available in this version", reader.place_of("type"),
-                                   reader.full_name("type"), type));
-    }
+    if (type == "set") return read_set(reader);
     reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
-                "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie");
+                "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie, set");
   }
 
   DefinedPhaseFunction read_legendre(const ConfigReader& reader) {
@@ -157,6 +156,22 @@ class SceneReader {
     return defined;
   }
 
+  DefinedPhaseFunction read_set(const ConfigReader& reader) {
+    reader.check_keys({"type", "file", "index_grid"});
+    auto set = std::make_shared<ScenePhaseSet>();
+    set->file = existing_file(reader, "file");
+    set->index_grid = reader.find_text("index_grid").value_or("phase_index");
+    reader.with_place("file", [&] {
+      for (auto& moments : read_phase_set_file(set->file, MomentFactor::excluded).moments) {
+        set->function.push_back(PhaseFunction::legendre(std::move(moments)));
+      }
+    });
+    DefinedPhaseFunction defined;
+    defined.measured = true;
+    defined.set = std::move(set);
+    return defined;
+  }
+
   const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const {
     const std::string name = reader.text("phase_function");
     const auto defined = defined_.find(name);
@@ -185,6 +200,10 @@ class SceneReader {
     if (defined.droplets == nullptr) {
       if (cloud.single_scattering_albedo_grid.empty()) {
         cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+      }
+      if (defined.set != nullptr) {
+        cloud.phase_set = defined.set;
+        return;
       }
       cloud.phase_function = add_phase_function(name, *defined.function, defined.measured);
       return;
@@ -219,6 +238,10 @@ class SceneReader {
 
   void read_layer_optics(const ConfigReader& reader, Layer& layer) {
     const auto& [name, defined] = find_phase_function(reader);
+    if (defined.set != nullptr) {
+      reader.fail("phase_function", "a set, which only a cloud's voxels can choose from", fmt::format("\"{}\"", name),
+                  "a single phase function");
+    }
     if (defined.droplets == nullptr) {
       layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
       layer.phase_function = add_phase_function(name, *defined.function, defined.measured);
@@ -397,7 +420,7 @@ class SceneReader {
 
   void read_solver(const ConfigReader& reader) {
     reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
-                       "beam_rays", "tolerance", "max_sweeps"});
+                       "beam_rays", "tolerance", "class_tolerance", "max_sweeps"});
     SceneSolver& solver = scene_.solver;
     const std::string mode = reader.find_choice("mode", {"auto", "3d", "independent-columns"}).value_or("auto");
     if (mode == "3d") solver.mode = SolveMode::three_dimensional;
@@ -424,6 +447,7 @@ class SceneReader {
       }
     }
     solver.tolerance = reader.find_number("tolerance", kTolerance);
+    solver.class_tolerance = reader.find_number("class_tolerance", {"0 to 0.1", 0, 0.1});
     solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);
   }
 

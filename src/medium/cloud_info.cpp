@@ -37,6 +37,11 @@ std::string format_box(const std::array<double, 3>& min, const std::array<double
                      max[1], max[2]);
 }
 
+/// Whether sums over a column mean anything.
+bool is_content(const std::string& quantity) {
+  return quantity != "effective_radius" && quantity != "single_scattering_albedo" && quantity != "phase_index";
+}
+
 std::string column_name(const std::string& quantity) {
   if (quantity == "extinction") return "optical depth";
   if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
@@ -44,6 +49,19 @@ std::string column_name(const std::string& quantity) {
 }
 
 }  // namespace
+
+std::vector<double> column_integrals(const CloudField& field) {
+  const auto nx = static_cast<std::size_t>(field.cells[0]), ny = static_cast<std::size_t>(field.cells[1]);
+  std::vector<double> column(nx * ny, 0.0);
+  for (std::size_t row = 0; row + 1 < field.row_begin.size(); ++row) {
+    for (auto s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
+      const RowSpan& span = field.spans[s];
+      double* const first = column.data() + row % ny * nx + static_cast<std::size_t>(span.i);
+      for (int n = 0; n < span.n; ++n) first[n] += field.value[span.offset + n] * field.cell_size_m[2];
+    }
+  }
+  return column;
+}
 
 CloudSummary summarize(const CloudField& field) {
   CloudSummary summary{.cells = field.cells,
@@ -54,7 +72,7 @@ CloudSummary summarize(const CloudField& field) {
   std::array<int, 3> low = field.cells;
   std::array<int, 3> high = {0, 0, 0};
   SpreadOf value;
-  std::vector<double> column(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), 0.0);
+  const std::vector<double> column = column_integrals(field);
   std::size_t row = 0;
   for (int k = 0; k < nz; ++k) {
     for (int j = 0; j < ny; ++j, ++row) {
@@ -66,12 +84,7 @@ CloudSummary summarize(const CloudField& field) {
           low[a] = std::min(low[a], first[a]);
           high[a] = std::max(high[a], end[a]);
         }
-        for (int i = 0; i < span.n; ++i) {
-          const double number = field.value[span.offset + static_cast<std::size_t>(i)];
-          value.add(number);
-          column[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(span.i + i)] +=
-              number * field.cell_size_m[2];
-        }
+        for (int i = 0; i < span.n; ++i) value.add(field.value[span.offset + static_cast<std::size_t>(i)]);
       }
     }
   }
@@ -116,6 +129,7 @@ std::string format_cloud_info(const CloudInfo& info) {
     line("value", format_spread(cloud.value));
     line("cover", fmt::format("{:.4g} % of {} columns", 100 * cloud.cover,
                               static_cast<std::int64_t>(cloud.cells[0]) * cloud.cells[1]));
+    if (!is_content(grid.quantity)) continue;
     line("cloudy columns", fmt::format("{}: {}", column_name(grid.quantity), format_spread(cloud.column)));
   }
   return text;

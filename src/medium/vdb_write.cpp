@@ -4,6 +4,7 @@
 #include <openvdb/openvdb.h>
 #include <unistd.h>
 
+#include <cassert>
 #include <cmath>
 #include <fstream>
 #include <system_error>
@@ -17,7 +18,16 @@ namespace {
 
 constexpr float largest_half = 65504.0F;
 
-openvdb::FloatGrid::Ptr to_grid(const CloudField& field, const VdbWriteOptions& options) {
+/// What tells a grid from the others on the same voxels.
+struct GridContent {
+  const std::string& name;
+  const std::string& quantity;
+  const std::string& units;
+  const std::vector<float>& value;
+  bool half;
+};
+
+openvdb::FloatGrid::Ptr to_grid(const CloudField& field, const GridContent& content) {
   const auto grid = openvdb::FloatGrid::create(0.0F);
   auto accessor = grid->getAccessor();
   std::size_t row = 0;
@@ -26,8 +36,8 @@ openvdb::FloatGrid::Ptr to_grid(const CloudField& field, const VdbWriteOptions& 
       for (auto s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
         const auto& span = field.spans[s];
         for (int i = 0; i < span.n; ++i) {
-          const float value = field.value[span.offset + static_cast<std::size_t>(i)];
-          if (options.half && value > largest_half) {
+          const float value = content.value[span.offset + static_cast<std::size_t>(i)];
+          if (content.half && value > largest_half) {
             throw InputError(fmt::format(
                 "cloud field: voxel ({}, {}, {}) has the value {} (up to {} fits into half) write it as float",
                 span.i + i, j, k, value, largest_half));
@@ -48,25 +58,30 @@ openvdb::FloatGrid::Ptr to_grid(const CloudField& field, const VdbWriteOptions& 
   }
   grid->setTransform(openvdb::math::Transform::Ptr(new openvdb::math::Transform(
       openvdb::math::MapBase::Ptr(new openvdb::math::ScaleTranslateMap(size, min + 0.5 * size)))));
-  grid->setName(options.grid);
+  grid->setName(content.name);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  grid->setSaveFloatAsHalf(options.half);
+  grid->setSaveFloatAsHalf(content.half);
   grid->setCreator("cloudbow");
   grid->insertMeta("domain_min_m", openvdb::Vec3DMetadata(min));
   grid->insertMeta("domain_max_m", openvdb::Vec3DMetadata(max));
-  if (!field.quantity.empty()) grid->insertMeta("quantity", openvdb::StringMetadata(field.quantity));
-  if (field.quantity == "extinction") grid->insertMeta("units", openvdb::StringMetadata("1/m"));
-  if (field.quantity == "liquid_water_content") grid->insertMeta("units", openvdb::StringMetadata("g/m3"));
+  if (!content.quantity.empty()) grid->insertMeta("quantity", openvdb::StringMetadata(content.quantity));
+  if (!content.units.empty()) grid->insertMeta("units", openvdb::StringMetadata(content.units));
   return grid;
 }
 
-void write(const std::filesystem::path& path, const openvdb::FloatGrid::ConstPtr& grid) {
+std::string units_of(const std::string& quantity) {
+  if (quantity == "extinction") return "1/m";
+  if (quantity == "liquid_water_content") return "g/m3";
+  return "";
+}
+
+void write(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids) {
   std::ofstream stream;
   stream.exceptions(std::ios::failbit | std::ios::badbit);
   stream.open(path, std::ios::binary | std::ios::trunc);
   openvdb::io::Stream archive(stream);
   archive.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
-  archive.write(openvdb::GridCPtrVec{grid});
+  archive.write(grids);
   stream.close();
 }
 
@@ -80,13 +95,19 @@ void flush_to_disk(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options) {
+void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
+                     const std::vector<VdbCompanion>& companions) {
   openvdb::initialize();
-  const auto grid = to_grid(field, options);
+  const std::string units = units_of(field.quantity);
+  openvdb::GridCPtrVec grids{to_grid(field, {options.grid, field.quantity, units, field.value, options.half})};
+  for (const VdbCompanion& companion : companions) {
+    assert(companion.value.size() == field.value.size());
+    grids.push_back(to_grid(field, {companion.grid, companion.quantity, companion.units, companion.value, false}));
+  }
   auto part = path;
   part += fmt::format(".{}.part", getpid());
   try {
-    write(part, grid);
+    write(part, grids);
     flush_to_disk(part);
     std::filesystem::rename(part, path);
   } catch (const std::exception&) {

@@ -150,7 +150,7 @@ void write_summary(hid_t file, const EnergyLedger& ledger) {
   group.close();
 }
 
-void write_solver(hid_t file, const SolverReport& report) {
+void write_solver(hid_t file, const SolverReport& report, const ResultInfo& info) {
   hdf5::Handle group = netcdf4::create_group(file, "solver");
   netcdf4::write_attributes(group, {{"converged", std::int32_t{report.converged}},
                                     {"sweeps", std::int32_t{report.sweeps}},
@@ -173,6 +173,10 @@ void write_solver(hid_t file, const SolverReport& report) {
                                     {"fit_closure", report.fit_closure},
                                     {"fit_max_error", report.fit_max_error},
                                     {"fit_fallbacks", std::int32_t{report.fit_fallbacks}}});
+  if (info.phase_classes > 0) {
+    netcdf4::write_attributes(
+        group, {{"phase_classes", std::int32_t{info.phase_classes}}, {"phase_class_error", info.phase_class_error}});
+  }
   group.close();
 }
 
@@ -208,7 +212,7 @@ void write_all(const std::filesystem::path& path, const Solution& solution, cons
   write_fields(file, solution);
   write_profile(file, solution);
   write_summary(file, solution.ledger);
-  write_solver(file, solution.report);
+  write_solver(file, solution.report, info);
   write_images(file, solution);
   if (solution.radiance_field) write_radiance_field(file, *solution.radiance_field);
   // After a failed write closing may report success and leave zeros in the file: what is still in memory goes out here,

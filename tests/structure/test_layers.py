@@ -17,7 +17,7 @@ ROOT = Path(sys.argv.pop(1)) if len(sys.argv) > 1 and Path(sys.argv[1]).is_dir()
 THIRD_PARTY = {
     r"openvdb/": {"medium"},
     r"(hdf5|hdf5_hl|H5\w*)\.h": {"results"},
-    r"netcdf\.h": {"results"},
+    r"netcdf\.h": {"medium", "results"},
     r"png\.h": {"results"},
     r"toml\+\+/|toml\.hpp": {"app"},
     r"CLI/": {"app"},

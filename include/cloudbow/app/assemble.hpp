@@ -2,15 +2,24 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
 
+/// How many phase functions of a droplet table or a set the scene's voxels use, and how many are solved with.
+struct PhaseClassReport {
+  int functions = 0;
+  int classes = 0;
+  double estimated_error = 0;  ///< of the classes, fraction of the incident light
+};
+
 struct AssembledScene {
   Problem problem;
   SolverOptions options;
+  std::optional<PhaseClassReport> phase_classes;  ///< where droplets vary from voxel to voxel
 };
 
 /// @param memory_limit_bytes of the optical grid; told before it is taken.

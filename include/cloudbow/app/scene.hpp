@@ -18,6 +18,13 @@
 
 namespace cloudbow {
 
+/// Phase functions of which each voxel has one, by number.
+struct ScenePhaseSet {
+  std::filesystem::path file;
+  std::vector<PhaseFunction> function;
+  std::string index_grid;  ///< holds numbers from 1
+};
+
 struct SceneCloud {
   std::filesystem::path file;
   VdbReadOptions read;
@@ -27,10 +34,11 @@ struct SceneCloud {
   /// As given or from a mie table; absent where single_scattering_albedo_grid or the voxels' droplets say it.
   std::optional<double> single_scattering_albedo;
   std::string single_scattering_albedo_grid;  ///< empty: none
-  int phase_function = 0;                     ///< index into Scene::phase_functions; unused where droplets are set
+  int phase_function = 0;  ///< index into Scene::phase_functions; unused where droplets or phase_set are
   std::optional<double> extinction_m2_per_g;  ///< by a mie table at the one effective radius
   /// A mie table whose effective radius varies from voxel to voxel (effective_radius_grid).
   std::shared_ptr<const DropletTable> droplets;
+  std::shared_ptr<const ScenePhaseSet> phase_set;  ///< in place of phase_function and droplets
 };
 
 struct ScenePhaseFunction {
@@ -71,6 +79,7 @@ struct SceneSolver {
   std::optional<int> gather_directions;
   std::optional<int> beam_rays;
   std::optional<double> tolerance;
+  std::optional<double> class_tolerance;
   int max_sweeps = 200;
 };
 

@@ -54,10 +54,19 @@ struct VdbWriteOptions {
   bool half = false;  ///< 16 bits a value: half the size, 11 significant bits above 6.1e-5, at most 65504
 };
 
+/// A second grid on the voxels of a field.
+struct VdbCompanion {
+  std::string grid;
+  std::string quantity;
+  std::string units;
+  std::vector<float> value;  ///< in the order of CloudField::value
+};
+
 /// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator, under a temporary name
-/// beside `path` that is renamed when complete. Cell (0, 0, 0) is voxel (0, 0, 0).
+/// beside `path` that is renamed when complete. Cell (0, 0, 0) is voxel (0, 0, 0). Companions are stored as float.
 /// @throws InputError where the file cannot be written, or a value does not fit into half.
-void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {});
+void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
+                     const std::vector<VdbCompanion>& companions = {});
 
 /// Smallest, mean and largest of a set of numbers.
 struct Spread {
@@ -100,6 +109,9 @@ struct CloudInfo {
 };
 
 CloudSummary summarize(const CloudField& field);
+
+/// Vertical integrals of the values over the columns, [j][i].
+std::vector<double> column_integrals(const CloudField& field);
 
 /// @throws InputError where the file as a whole cannot be read.
 CloudInfo describe_cloud_vdb(const std::filesystem::path& path);

@@ -12,7 +12,9 @@ struct ResultInfo {
   std::string title;
   std::string source;  ///< program name and version
   std::string history;
-  std::string scene;  ///< the whole scene file as run
+  std::string scene;      ///< the whole scene file as run
+  int phase_classes = 0;  ///< phase functions that stand for droplets which vary; 0: they do not
+  double phase_class_error = 0;
 };
 
 /// Tells before a long solve whether a result or picture could be written: makes and removes a temporary file beside

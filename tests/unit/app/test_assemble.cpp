@@ -201,6 +201,81 @@ TEST_F(MieSceneTest, SaysWhatIsWrong) {
               AllOf(HasSubstr("phase_function.drops.file"), HasSubstr("not a table of droplets")));
 }
 
+// Voxel by voxel a function of a set: scattering 0.02 times the voxel's albedo goes to the voxel's own function, sorted
+// by asymmetry parameter.
+class PhaseSetTest : public AssembleTest {
+ protected:
+  PhaseSetTest() {
+    folder_.write("set.csv", "# three functions\nl,a,b,c\n0,1,1,1\n1,0.8,0.4,0.6\n2,0.6,0.1,0.35\n");
+    write(std::vector<float>{1, 3, 2, 3});
+  }
+  void write(const std::vector<float>& index) {
+    const CloudField field =
+        make_cloud_field({4, 1, 1}, {25, 25, 25}, {0, 0, 0}, {0.02f, 0.02f, 0.02f, 0.02f}, "extinction");
+    write_cloud_vdb(folder_ / "cloud.vdb", field, {},
+                    {{"phase_index", "phase_index", "1", index}, {"albedo", "", "1", {0.5f, 1, 1, 0.75f}}});
+  }
+  AssembledScene with_set(const std::string& more = "") {
+    const std::string text =
+        "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"drops\"\nsingle_scattering_albedo_grid = \"albedo\"\n"
+        "[phase_function.drops]\ntype = \"set\"\nfile = \"set.csv\"\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" +
+        more;
+    return assemble(read_scene(folder_.write("scene.toml", text)), kMemory);
+  }
+  std::string set_message(const std::string& more = "") {
+    try {
+      with_set(more);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(PhaseSetTest, VoxelsTakeTheirOwnFunction) {
+  const AssembledScene scene = with_set("[solver]\nclass_tolerance = 0");
+  ASSERT_EQ(scene.problem.phase.size(), 3u);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.6);
+  EXPECT_EQ(scene.problem.phase[2].moment(1), 0.8);
+  const auto& scattering = scene.problem.grid.scattering;
+  EXPECT_EQ(scattering[0], (std::vector<float>{0, 0, 0.02f, 0}));
+  EXPECT_EQ(scattering[1], (std::vector<float>{0, 0.02f, 0, 0.015f}));
+  EXPECT_EQ(scattering[2], (std::vector<float>{0.01f, 0, 0, 0}));
+  ASSERT_TRUE(scene.phase_classes);
+  EXPECT_EQ(scene.phase_classes->functions, 3);
+  EXPECT_EQ(scene.phase_classes->classes, 3);
+  EXPECT_EQ(scene.phase_classes->estimated_error, 0);
+}
+
+TEST_F(PhaseSetTest, ClassesKeepScatteringAndAsymmetry) {
+  const AssembledScene scene = with_set("[solver]\nclass_tolerance = 0.1");
+  ASSERT_EQ(scene.problem.phase.size(), 2u);  // 0.6 lies halfway between 0.4 and 0.8
+  const auto& scattering = scene.problem.grid.scattering;
+  EXPECT_FLOAT_EQ(scattering[0][1], 0.01f);
+  EXPECT_FLOAT_EQ(scattering[1][1], 0.01f);
+  EXPECT_FLOAT_EQ(scattering[0][3] + scattering[1][3], 0.015f);
+  EXPECT_GT(scene.phase_classes->estimated_error, 0);
+}
+
+TEST_F(PhaseSetTest, SaysWhatIsWrong) {
+  EXPECT_THAT(set_message("[[layer]]\nbottom_m = 0\ntop_m = 25\noptical_depth = 2\nphase_function = \"drops\"\n"),
+              AllOf(HasSubstr("layer.0.phase_function"), HasSubstr("a set")));
+  write({1, 4, 2, 3});
+  EXPECT_THAT(set_message(), AllOf(HasSubstr("phase_index"), HasSubstr("value 4"), HasSubstr("1 to 3")));
+  write({1, 1.5f, 2, 3});
+  EXPECT_THAT(set_message(), AllOf(HasSubstr("phase_index"), HasSubstr("1.5"), HasSubstr("whole numbers")));
+  for (const auto& [text, words] : {std::pair<std::string, std::string>{"l,a\n0,1\n1,2.4\n", "without the factor 2l+1"},
+                                    {"0,1\n1,0.8,0.3\n", ":2: 3 numbers"},
+                                    {"0,1\n2,0.8\n", "found l = 2, allowed 1"},
+                                    {"0,0.9\n1,0.8\n", "moment 0 of function 1"},
+                                    {"0,1\n1,nan\n", "out of range"},
+                                    {"nothing here\n", "too few rows"}}) {
+    folder_.write("set.csv", text);
+    EXPECT_THAT(set_message(), AllOf(HasSubstr("set.csv"), HasSubstr(words)));
+  }
+}
+
 TEST_F(AssembleTest, QuantityMustBeSaid) {
   std::vector<float> dense{1.0f};
   write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({1, 1, 1}, {25, 25, 25}, {0, 0, 0}, dense, ""));

@@ -275,7 +275,10 @@ INSTANTIATE_TEST_SUITE_P(
                 {":13:", "\"drops\"", "droplets, isotropic, rayleigh"}},
         Mistake{
             "unknown_type", "\"henyey-greenstein\"", "\"henyey\"", {":4:", "\"henyey\"", "double-henyey-greenstein"}},
-        Mistake{"set", "\"henyey-greenstein\"", "\"set\"", {":4:", "not available in this version"}},
+        Mistake{"set_without_file",
+                "type = \"henyey-greenstein\"\nasymmetry_parameter = 0.85",
+                "type = \"set\"",
+                {"phase_function.droplets.file", "missing"}},
         Mistake{"mie_without_file",
                 "type = \"henyey-greenstein\"\nasymmetry_parameter = 0.85",
                 "type = \"mie\"",

@@ -1,0 +1,62 @@
+// Clouds that others simulated, brought onto uniform voxels: LES output (netCDF), SHDOM's files, text (docs/formats.md,
+// "Clouds to import").
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloudbow/medium/cloud_field.hpp"
+#include "cloudbow/medium/vdb_file.hpp"
+
+namespace cloudbow {
+
+struct CloudImportOptions {
+  std::filesystem::path file;
+  std::string format = "auto";  ///< one of cloud_import_formats()
+  /// Horizontal cell sizes, and the vertical where the file gives no levels, instead of the file's. LES files with
+  /// levels keep them.
+  std::optional<std::array<double, 3>> voxel_size_m;
+  std::optional<std::array<int, 2>> columns;  ///< nx, ny of the domain where a text file does not say
+  double vertical_size_m = 0;                 ///< of the uniform cells; 0: the thinnest level with cloud
+  double minimum = 0;                         ///< cells with less than this of the quantity count as clear air
+  std::string quantity;  ///< of text columns: "extinction" [1/m] or "liquid_water_content" [g/m3]; empty: the former
+
+  // LES files; names that are empty are guessed.
+  std::string variable;             ///< liquid water
+  std::string units;                ///< of it, instead of the file's
+  std::size_t time = 0;             ///< index on the time axis
+  std::array<std::string, 4> axes;  ///< dimensions x, y, z, time
+  std::string air_density;          ///< kg/m3
+  std::string pressure;             ///< with temperature, in place of air density
+  std::string temperature;
+  std::string droplet_number;     ///< for the effective radius
+  std::string effective_radius;   ///< in place of droplet number
+  double droplet_number_cm3 = 0;  ///< the same everywhere, in place of a variable; 0: none
+  /// (r_volume / r_effective)^3 of the droplets' spectrum; 0.8 is that of maritime stratocumulus (Martin, Johnson &
+  /// Spice 1994, doi 10.1175/1520-0469(1994)051<1823:TMAPOE>2.0.CO;2)
+  double radius_ratio_cubed = 0.8;
+};
+
+const std::vector<std::string>& cloud_import_formats();
+
+struct ImportedCloud {
+  CloudField field;
+  std::vector<VdbCompanion> companions;      ///< "reff", "single_scattering_albedo", "phase_index"
+  std::vector<std::vector<double>> moments;  ///< [phase function][l] where the file holds them, without the factor 2l+1
+  std::vector<std::string> notes;            ///< what was found and what was guessed, for the user to check
+};
+
+/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass: each voxel is the
+/// mean of the levels in it by thickness, an effective radius the mean that keeps mass and mass / radius, an albedo the
+/// one that keeps scattering.
+/// @throws InputError naming file and variable, line or cell: missing or damaged file, missing variable or axis, unit
+/// not known, time index beyond the axis, levels or columns not monotonic or not uniform, NaN, negative or no cloud.
+ImportedCloud import_cloud(const CloudImportOptions& options);
+
+/// r_e [um] = 1e6 (3 L / (4 pi rho_w k N))^(1/3) for L [g/m3] of water and N droplets per m3, k = radius_ratio_cubed.
+double effective_radius_of_droplets(double liquid_g_m3, double droplets_per_m3, double radius_ratio_cubed);
+
+}  // namespace cloudbow

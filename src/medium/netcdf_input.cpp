@@ -1,0 +1,168 @@
+#include "netcdf_input.hpp"
+
+#include <netcdf.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "import_parts.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double kWord = 4;  // bytes to which the classic format pads
+
+double padded(double bytes) { return kWord * std::ceil(bytes / kWord); }
+double name_bytes(const std::string& name) { return kWord + padded(static_cast<double>(name.size())); }
+
+}  // namespace
+
+NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
+  check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");
+  try {
+    list_variables();
+    check_length();
+  } catch (...) {
+    nc_close(id_);
+    throw;
+  }
+}
+
+NetcdfInput::~NetcdfInput() { nc_close(id_); }
+
+void NetcdfInput::check(int status, const std::string& what) const {
+  if (status != NC_NOERR) fail_import(path_, "{} (the library says: {})", what, nc_strerror(status));
+}
+
+void NetcdfInput::list_variables() {
+  int count = 0;
+  check(nc_inq_nvars(id_, &count), "damaged");
+  for (int id = 0; id < count; ++id) {
+    std::array<char, NC_MAX_NAME + 1> name{};
+    int rank = 0;
+    check(nc_inq_varname(id_, id, name.data()), "damaged");
+    check(nc_inq_varndims(id_, id, &rank), "damaged");
+    NetcdfVariable variable{id, name.data(), {}, {}, {}};
+    std::vector<int> dimension(static_cast<std::size_t>(rank));
+    check(nc_inq_vardimid(id_, id, dimension.data()), "damaged");
+    for (const int d : dimension) {
+      std::size_t length = 0;
+      check(nc_inq_dim(id_, d, name.data(), &length), "damaged");
+      variable.dimension.emplace_back(name.data());
+      variable.length.push_back(length);
+    }
+    variable.units = text_attribute(variable, "units");
+    variables_.push_back(std::move(variable));
+  }
+}
+
+/// Bytes that a classic header takes for the attributes of a variable, or of the file.
+double NetcdfInput::attribute_bytes(int variable) const {
+  int count = 0;
+  check(variable == NC_GLOBAL ? nc_inq_natts(id_, &count) : nc_inq_varnatts(id_, variable, &count), "damaged");
+  double bytes = 2 * kWord;
+  for (int n = 0; n < count; ++n) {
+    std::array<char, NC_MAX_NAME + 1> name{};
+    nc_type type = NC_NAT;
+    std::size_t length = 0, size = 0;
+    check(nc_inq_attname(id_, variable, n, name.data()), "damaged");
+    check(nc_inq_att(id_, variable, name.data(), &type, &length), "damaged");
+    check(nc_inq_type(id_, type, nullptr, &size), "damaged");
+    bytes += name_bytes(name.data()) + 2 * kWord + padded(static_cast<double>(length * size));
+  }
+  return bytes;
+}
+
+/// The library reads zeros beyond the end of a classic file that was cut off: header and data must be there as the file
+/// format says (netCDF User's Guide, "File Format Specifications"; the sizes of CDF-1, which the later ones exceed),
+/// but for the padding after the last number.
+void NetcdfInput::check_length() const {
+  int format = 0, dimensions = 0;
+  check(nc_inq_format(id_, &format), "damaged");
+  if (format == NC_FORMAT_NETCDF4 || format == NC_FORMAT_NETCDF4_CLASSIC) return;
+  check(nc_inq_ndims(id_, &dimensions), "damaged");
+  double least = 6 * kWord + attribute_bytes(NC_GLOBAL) - (kWord - 1);
+  for (int d = 0; d < dimensions; ++d) {
+    std::array<char, NC_MAX_NAME + 1> name{};
+    check(nc_inq_dimname(id_, d, name.data()), "damaged");
+    least += name_bytes(name.data()) + kWord;
+  }
+  for (const NetcdfVariable& variable : variables_) {
+    nc_type type = NC_NAT;
+    std::size_t bytes = 0;
+    check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+    check(nc_inq_type(id_, type, nullptr, &bytes), variable.name);
+    auto size = static_cast<double>(bytes);
+    for (const std::size_t length : variable.length) size *= static_cast<double>(length);
+    const auto rank = static_cast<double>(variable.length.size());
+    least += name_bytes(variable.name) + (4 + rank) * kWord + attribute_bytes(variable.id) + size;
+  }
+  const auto found = static_cast<double>(std::filesystem::file_size(path_));
+  if (found < least) fail_import(path_, "the file is cut off (found {} bytes, allowed at least {})", found, least);
+}
+
+const NetcdfVariable* NetcdfInput::find(const std::string& name) const {
+  const auto found = std::find_if(variables_.begin(), variables_.end(), [&](const auto& v) { return v.name == name; });
+  return found == variables_.end() ? nullptr : &*found;
+}
+
+std::string NetcdfInput::text_attribute(const NetcdfVariable& variable, const char* name) const {
+  std::size_t length = 0;
+  nc_type type = NC_NAT;
+  if (nc_inq_att(id_, variable.id, name, &type, &length) != NC_NOERR) return {};
+  constexpr std::size_t longest = 4096;
+  std::string text;
+  if (type == NC_CHAR && length <= longest) {
+    text.assign(length, '\0');
+    check(nc_get_att_text(id_, variable.id, name, text.data()), variable.name);
+  } else if (type == NC_STRING && length == 1) {
+    char* string = nullptr;
+    check(nc_get_att_string(id_, variable.id, name, &string), variable.name);
+    if (string != nullptr) text = string;
+    nc_free_string(1, &string);
+  }
+  return text.substr(0, text.find('\0'));
+}
+
+std::optional<double> NetcdfInput::number_attribute(const NetcdfVariable& variable, const char* name) const {
+  std::size_t length = 0;
+  nc_type type = NC_NAT;
+  if (nc_inq_att(id_, variable.id, name, &type, &length) != NC_NOERR || length != 1) return std::nullopt;
+  double number = 0;
+  if (nc_get_att_double(id_, variable.id, name, &number) != NC_NOERR) return std::nullopt;
+  return number;
+}
+
+std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
+                                      const std::vector<std::size_t>& count) const {
+  double size = 1;
+  for (const std::size_t length : count) size *= static_cast<double>(length);
+  if (size > kMaxImportCells) fail_import(path_, "'{}': too large ({:.3g} numbers)", variable.name, size);
+  std::vector<double> value(static_cast<std::size_t>(size));
+  if (value.empty()) return value;
+  check(nc_get_vara_double(id_, variable.id, start.data(), count.data(), value.data()),
+        fmt::format("'{}' cannot be read", variable.name));
+
+  const auto fill = number_attribute(variable, "_FillValue");
+  const auto missing = number_attribute(variable, "missing_value");
+  const double scale = number_attribute(variable, "scale_factor").value_or(1);
+  const double offset = number_attribute(variable, "add_offset").value_or(0);
+  // Written nowhere, floats hold the library's own fill value.
+  constexpr double never_written = 9.9e36;
+  for (double& number : value) {
+    if (number == fill || number == missing || number > never_written) {
+      number = std::numeric_limits<double>::quiet_NaN();
+    } else {
+      number = number * scale + offset;
+    }
+  }
+  return value;
+}
+
+std::vector<double> NetcdfInput::read(const NetcdfVariable& variable) const {
+  return read(variable, std::vector<std::size_t>(variable.length.size(), 0), variable.length);
+}
+
+}  // namespace cloudbow
