@@ -148,7 +148,10 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
     const double longest_free_path = std::max(4 * edge, .05 * depth);
     const double x = 1.5 * given.extinction[c] * edge;
     const double thick = x < 1e-2 ? x / 6 : 1 / std::tanh(x / 2) - 2 / x;
-    diffusivity[c] = 1 / (3 * std::max<double>(given.transport[c], 1 / longest_free_path)) + edge / 4 * thick;
+    const double free = 1 / (3 * std::max<double>(given.transport[c], 1 / longest_free_path));
+    diffusivity[c] = free + edge / 4 * thick;
+    free_diffusivity_.push_back(static_cast<float>(free));
+    diffusivity_.push_back(static_cast<float>(diffusivity[c]));
   }
 
   level->east.assign(n, 0.);

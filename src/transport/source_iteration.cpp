@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
 #include "cloudbow/transport/anderson.hpp"
+#include "cloudbow/transport/low_order_correction.hpp"
 
 namespace cloudbow {
 namespace {
 
-constexpr int anderson_depth = 5;
+// Two are as good as five with the low-order correction, and take less memory.
+constexpr int anderson_depth = 2;
 
 class Stopwatch {
  public:
@@ -45,87 +46,6 @@ std::vector<std::size_t> columns_at_exit(const BoxGrid& box, const PathPattern& 
   }
   return column;
 }
-
-// The moments' own shapes: a unit of the l = 0 moment is 1/(4 pi) everywhere, one of x is x over the quadrature of x^2.
-template <class Real>
-struct LowMoments {
-  DenseMatrix<Real> weights;  // low_moments x D
-  DenseMatrix<Real> shape;    // D x low_moments
-
-  explicit LowMoments(const OrdinateSet& ordinates)
-      : weights(low_moments, ordinates.size()), shape(ordinates.size(), low_moments) {
-    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-    for (int d = 0; d < ordinates.size(); ++d) squares += ordinates.weight[d] * ordinates.direction[d].cwiseAbs2();
-    for (int d = 0; d < ordinates.size(); ++d) {
-      weights(0, d) = static_cast<Real>(ordinates.weight[d]);
-      shape(d, 0) = static_cast<Real>(1 / (4 * std::numbers::pi));
-      for (int axis = 0; axis < 3; ++axis) {
-        weights(axis + 1, d) = static_cast<Real>(ordinates.weight[d] * ordinates.direction[d][axis]);
-        shape(d, axis + 1) = static_cast<Real>(ordinates.direction[d][axis] / squares[axis]);
-      }
-    }
-  }
-};
-
-// Diffusion correction of the scalar flux, from cells to the dense box and back.
-template <class Real>
-class Acceleration {
- public:
-  explicit Acceleration(const TransportSystem<Real>& system)
-      : dense_(dense_indices(system.cells.rows)), operator_(system.box, coefficients(system, dense_)) {
-    const std::size_t n = dense_.size();
-    power_per_change_.resize(n);
-    const std::size_t columns = system.box.columns();
-    for (std::size_t c = 0; c < n; ++c) {
-      double scattered = 0;
-      for (const auto& share : system.cells.scattered) scattered += static_cast<double>(share[c]);
-      const double volume =
-          system.box.dx_m * system.box.dy_m * system.box.thickness_m(static_cast<int>(dense_[c] / columns));
-      power_per_change_[c] = scattered * static_cast<double>(system.cells.extinction[c]) * volume;
-    }
-    source_.resize(columns * static_cast<std::size_t>(system.box.nz()));
-    correction_.resize(source_.size());
-  }
-
-  // g[c] += e(change of the scalar flux in one sweep)
-  void correct(std::span<const Real> change, std::span<Real> g) {
-    std::fill(source_.begin(), source_.end(), 0.);
-    for (std::size_t c = 0; c < dense_.size(); ++c)
-      source_[dense_[c]] = power_per_change_[c] * static_cast<double>(change[c]);
-    operator_.solve(source_, correction_);
-    for (std::size_t c = 0; c < dense_.size(); ++c) g[c] += static_cast<Real>(correction_[dense_[c]]);
-  }
-
- private:
-  static DiffusionCoefficients coefficients(const TransportSystem<Real>& system,
-                                            const std::vector<std::uint32_t>& dense) {
-    DiffusionCoefficients result;
-    const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
-    result.extinction.assign(cells, 0.F);
-    result.transport.assign(cells, 0.F);
-    result.absorption.assign(cells, 0.F);
-    for (std::size_t c = 0; c < dense.size(); ++c) {
-      const double extinction = static_cast<double>(system.cells.extinction[c]);
-      double transport = system.absorption[c];
-      for (std::size_t p = 0; p < system.cells.scattered.size(); ++p) {
-        transport +=
-            static_cast<double>(system.cells.scattered[p][c]) * extinction * (1 - system.truncated_asymmetry[p]);
-      }
-      result.extinction[dense[c]] = static_cast<float>(extinction);
-      result.transport[dense[c]] = static_cast<float>(transport);
-      result.absorption[dense[c]] = static_cast<float>(system.absorption[c]);
-    }
-    result.surface_albedo = system.ground.mean_albedo();
-    result.vertical = system.vertical;
-    return result;
-  }
-
-  std::vector<std::uint32_t> dense_;
-  DiffusionOperator operator_;
-  std::vector<double> power_per_change_;
-  std::vector<double> source_;
-  std::vector<double> correction_;
-};
 
 template <class Real>
 EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes,
@@ -257,11 +177,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   IterationReport& report = result.report;
 
   const LowMoments<Real> low(system.ordinates);
-  std::optional<Acceleration<Real>> acceleration;
-  {
-    const Stopwatch watch(report.seconds_acceleration);
-    acceleration.emplace(system);
-  }
+  std::optional<LowOrderCorrection<Real>> low_order;
   std::vector<double> volume(n);
   {
     const auto dense = dense_indices(system.cells.rows);
@@ -273,32 +189,42 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   AndersonMixer<Real> mixer(anderson_depth);
   std::vector<Real> x(low_moments * n, Real(0));  // moments that scattered in this sweep
   std::vector<Real> g(low_moments * n);
-  std::vector<Real> change(n);
+  std::vector<Real> change(low_moments * n);
   std::vector<Real> correction;
   std::vector<double> steps;  // relative size of each accelerated change
-  bool within_tolerance = false;
+  bool nearly_done = false;
+  {
+    const Stopwatch watch(report.seconds_acceleration);
+    low_order.emplace(system);
+    if (!system.beam.empty()) {
+      low_order->guess(x);
+      correction = x;
+    }
+  }
 
   for (report.sweeps = 1;; ++report.sweeps) {
-    const bool last_try = within_tolerance || report.sweeps == options.max_sweeps;
+    const bool record = nearly_done || report.sweeps == options.max_sweeps;
     {
       const Stopwatch watch(report.seconds_scattering);
       scatter_in_place<Real>(result.radiance, system.scattering, system.cells, system.beam, correction, low.shape);
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
-      result.fluxes = sweep(system, result.radiance, last_try);
+      result.fluxes = sweep(system, result.radiance, record);
       moments_of<Real>(result.radiance, low.weights, result.moments);
     }
     result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n), volume);
 
     const Stopwatch watch(report.seconds_acceleration);
-    g = result.moments;
-    for (std::size_t c = 0; c < n; ++c) change[c] = g[c] - x[c];
-    acceleration->correct(change, std::span<Real>(g).first(n));
-    for (std::size_t c = 0; c < n; ++c) change[c] = g[c] - x[c];
-    const double size =
-        std::sqrt(ordered_dot<Real>(std::span<const Real>(g).first(n), std::span<const Real>(g).first(n)));
-    const double step = size > 0 ? std::sqrt(ordered_dot<Real>(change, change)) / size : 0;
+    for (std::size_t c = 0; c < g.size(); ++c) change[c] = result.moments[c] - x[c];
+    low_order->correct(change, g);
+    for (std::size_t c = 0; c < g.size(); ++c) {
+      g[c] += result.moments[c];
+      change[c] = g[c] - x[c];
+    }
+    const auto flux = [n](const std::vector<Real>& of) { return std::span<const Real>(of).first(n); };
+    const double size = std::sqrt(ordered_dot<Real>(flux(g), flux(g)));
+    const double step = size > 0 ? std::sqrt(ordered_dot<Real>(flux(change), flux(change))) / size : 0;
     steps.push_back(step);
     // The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
     // rho/(1 - rho).
@@ -308,13 +234,14 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     report.estimated_error = step * std::max(.5, rho / (1 - rho));
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
-    const bool was_recorded = last_try;
-    within_tolerance =
-        report.estimated_error <= options.tolerance && std::abs(result.ledger.residual) <= options.energy_tolerance;
-    if (was_recorded && (within_tolerance || report.sweeps >= options.max_sweeps)) {
+    const double imbalance = std::abs(result.ledger.residual);
+    const bool within_tolerance = report.estimated_error <= options.tolerance && imbalance <= options.energy_tolerance;
+    if (record && (within_tolerance || report.sweeps >= options.max_sweeps)) {
       report.converged = within_tolerance;
       break;
     }
+    // Recording costs a little of a sweep; a sweep within tolerance that was not recorded costs another.
+    nearly_done = report.estimated_error <= 100 * options.tolerance && imbalance <= 100 * options.energy_tolerance;
     mixer.advance(x, g);
     correction.resize(low_moments * n);
     for (std::size_t c = 0; c < correction.size(); ++c) correction[c] = x[c] - result.moments[c];
@@ -324,11 +251,10 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
 
 std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates,
                              std::size_t size_of_real) {
-  const std::size_t history = 2 * (anderson_depth + 1) + 6;
-  const std::size_t a_cell =
-      size_of_real * (static_cast<std::size_t>(ordinates) + low_moments * history + 8) + 8 * 4 + 12 * 3;
-  const std::size_t a_place =
-      12 + 8 * (4 + 2 + 3 + 4) * 4 / 3;  // diffusion: coefficients, vectors, and a third more for the coarser grids
+  const std::size_t history = 2 * (anderson_depth + 1) + 7;
+  const std::size_t a_cell = size_of_real * (static_cast<std::size_t>(ordinates) + low_moments * history + 8) + 8 +
+                             LowOrderCorrection<float>::bytes_a_cell(size_of_real);
+  const std::size_t a_place = 12 + LowOrderCorrection<float>::bytes_a_place();
   return active_cells * a_cell + dense_cells * a_place;
 }
 

@@ -34,8 +34,14 @@ class DiffusionOperator {
   /// @param source [cells] power released in each cell; @param correction [cells] out: scalar flux e.
   void solve(std::span<const double> source, std::span<double> correction, double tolerance = .02) const;
 
+  /// Diffusivity of a dense cell [m]: all of (23), or its first term alone.
+  double diffusivity(std::size_t cell) const { return diffusivity_[cell]; }
+  double free_diffusivity(std::size_t cell) const { return free_diffusivity_[cell]; }
+
  private:
   struct Level;
+  std::vector<float> diffusivity_;
+  std::vector<float> free_diffusivity_;
   std::vector<std::unique_ptr<Level>> levels_;
 };
 

@@ -9,9 +9,8 @@
 
 namespace cloudbow {
 
-/// Low moments of the radiance of a cell: integral of J over the sphere, and of J times the x, y and z components of
-/// the direction.
-inline constexpr int low_moments = 4;
+/// Low moments of the radiance of a cell: integral of J times the 9 functions of degree l <= 2; the first is 1.
+inline constexpr int low_moments = 9;
 
 /// D values a cell, one row an ordinate: value(d, c) at data[d * stride + c]. Holds source or voxel-mean radiance, each
 /// in the other's place.

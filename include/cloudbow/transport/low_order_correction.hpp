@@ -1,0 +1,56 @@
+// Correction of the iterate by the same transport problem with few directions (transport synthetic acceleration),
+// itself sped up by diffusion where the medium is thick (docs/theory.md, "Acceleration").
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "cloudbow/transport/source_iteration.hpp"
+
+namespace cloudbow {
+
+/// The moments l <= 2 in the basis 1, sqrt(3) (x, y, z), ... that is orthonormal over the sphere up to 4 pi.
+template <class Real>
+struct LowMoments {
+  explicit LowMoments(const OrdinateSet& ordinates);
+
+  DenseMatrix<Real> weights;  ///< low_moments x D: radiance at the ordinates to moments
+  DenseMatrix<Real> shape;    ///< D x low_moments: what a unit of each moment adds to the radiance
+};
+
+template <class Real>
+class LowOrderCorrection {
+ public:
+  explicit LowOrderCorrection(const TransportSystem<Real>& system);
+  ~LowOrderCorrection();
+  LowOrderCorrection(LowOrderCorrection&&) noexcept;
+  LowOrderCorrection& operator=(LowOrderCorrection&&) noexcept;
+
+  /// The moments [low_moments][n] of the light that the system's own beam leaves: a first guess.
+  void guess(std::span<Real> moments);
+  /// What is missing after a sweep that changed the moments by `change`: moments of the light that this change leads
+  /// to. Both [low_moments][n].
+  void correct(std::span<const Real> change, std::span<Real> correction);
+
+  int sweeps() const { return sweeps_; }  ///< with few directions, so far
+  bool uses_diffusion() const;
+
+  /// Bytes held for each active cell and for each place of the box.
+  static std::size_t bytes_a_cell(std::size_t size_of_real);
+  static std::size_t bytes_a_place();
+
+ private:
+  class Diffusion;
+  void solve(std::span<Real> moments);
+
+  TransportSystem<Real> low_;
+  std::vector<DenseMatrix<Real>> scattered_moments_;  // [p] low_moments x low_moments
+  std::vector<Real> beam_moments_;                    // [beam][low_moments]
+  const TransportSystem<Real>* full_;
+  LowMoments<Real> basis_;
+  std::unique_ptr<Diffusion> diffusion_;
+  int sweeps_ = 0;
+};
+
+}  // namespace cloudbow

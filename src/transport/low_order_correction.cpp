@@ -1,0 +1,350 @@
+#include "cloudbow/transport/low_order_correction.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cloudbow/transport/anderson.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Enough for the moments l <= 2; fewer azimuths lose one of them, and the correction with it.
+constexpr const char* low_directions = "double-gauss-4x8";
+constexpr int low_mixing_depth = 5;
+// The correction is worth no more than its few directions are: it need not converge.
+constexpr double low_tolerance = .1;
+constexpr int most_low_sweeps = 12;
+// Below this transport optical depth (mean over the columns that hold cells) light gets out within the few sweeps that
+// are needed anyway, and diffusion does not pay.
+constexpr double thin_for_diffusion = 2.5;
+// Optical depth of a cell beyond which its current is not corrected: light hardly crosses it within a sweep, and the
+// correction would overshoot.
+constexpr double thick_for_currents = 50;
+
+Eigen::MatrixXd orthonormal_basis(const OrdinateSet& ordinates) {
+  Eigen::MatrixXd y(low_moments, ordinates.size());
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const Direction& o = ordinates.direction[d];
+    const double first = std::sqrt(3.);
+    const double second = std::sqrt(15.);
+    y.col(d) << 1, first * o.x(), first * o.y(), first * o.z(), second * o.x() * o.y(), second * o.x() * o.z(),
+        second * o.y() * o.z(), second / 2 * (o.x() * o.x() - o.y() * o.y()),
+        std::sqrt(5.) / 2 * (3 * o.z() * o.z() - 1);
+  }
+  return y;
+}
+
+struct MomentMatrices {
+  Eigen::MatrixXd weights;
+  Eigen::MatrixXd shape;
+
+  explicit MomentMatrices(const OrdinateSet& ordinates) {
+    const Eigen::MatrixXd y = orthonormal_basis(ordinates);
+    weights = y * Eigen::Map<const Eigen::VectorXd>(ordinates.weight.data(), ordinates.size()).asDiagonal();
+    // A set with few directions may not tell all moments apart; the pseudoinverse then leaves those out.
+    const Eigen::MatrixXd gram = weights * y.transpose();
+    shape = y.transpose() * gram.completeOrthogonalDecomposition().pseudoInverse();
+  }
+};
+
+}  // namespace
+
+template <class Real>
+LowMoments<Real>::LowMoments(const OrdinateSet& ordinates) {
+  const MomentMatrices matrices(ordinates);
+  weights = matrices.weights.template cast<Real>();
+  shape = matrices.shape.template cast<Real>();
+}
+
+// Diffusion correction of scalar flux and current, on the levels that hold cells.
+template <class Real>
+class LowOrderCorrection<Real>::Diffusion {
+ public:
+  explicit Diffusion(const TransportSystem<Real>& system)
+      : vertical_(system.vertical), box_(system.box), dense_(dense_indices(system.cells.rows)) {
+    const std::size_t columns = box_.columns();
+    const int bottom = static_cast<int>(dense_.front() / columns);
+    const int top = static_cast<int>(dense_.back() / columns) + 1;
+    for (auto& place : dense_) place -= static_cast<std::uint32_t>(static_cast<std::size_t>(bottom) * columns);
+    box_.z_edge_m.assign(system.box.z_edge_m.begin() + bottom, system.box.z_edge_m.begin() + top + 1);
+    const std::size_t places = columns * static_cast<std::size_t>(box_.nz());
+    DiffusionCoefficients given;
+    given.extinction.assign(places, 0.F);
+    given.transport.assign(places, 0.F);
+    given.absorption.assign(places, 0.F);
+    given.surface_albedo = system.ground.mean_albedo();
+    given.vertical = vertical_;
+    const std::size_t n = dense_.size();
+    power_.resize(n);
+    forward_.resize(n);
+    current_share_.resize(n);
+    for (std::size_t c = 0; c < n; ++c) {
+      const int level = static_cast<int>(dense_[c] / columns);
+      const double extinction = static_cast<double>(system.cells.extinction[c]);
+      double scattering = 0;
+      double forward = 0;
+      for (std::size_t p = 0; p < system.cells.scattered.size(); ++p) {
+        const double share = static_cast<double>(system.cells.scattered[p][c]) * extinction;
+        scattering += share;
+        forward += share * system.truncated_asymmetry[p];
+      }
+      const double transport = system.absorption[c] + scattering - forward;
+      given.extinction[dense_[c]] = static_cast<float>(extinction);
+      given.transport[dense_[c]] = static_cast<float>(transport);
+      given.absorption[dense_[c]] = static_cast<float>(system.absorption[c]);
+      power_[c] = scattering * box_.dx_m * box_.dy_m * box_.thickness_m(level);
+      const double thickness = extinction * box_.thickness_m(level) / thick_for_currents;
+      current_share_[c] = 1 / (1 + thickness * thickness);
+      forward_[c] = forward;
+    }
+    operator_.emplace(box_, given);
+    for (std::size_t c = 0; c < n; ++c)
+      forward_[c] *= 3 * std::min(operator_->free_diffusivity(dense_[c]), 1e30) * current_share_[c];
+    source_.resize(places);
+    correction_.resize(places);
+    for (auto& flow : flow_) flow.resize(places);
+  }
+
+  // moments += what diffuses from the change of scalar flux and current in one sweep.
+  void correct(std::span<const Real> change, std::span<Real> moments) {
+    const std::size_t n = dense_.size();
+    std::fill(source_.begin(), source_.end(), 0.);
+    for (auto& flow : flow_) std::fill(flow.begin(), flow.end(), 0.);
+    for (std::size_t c = 0; c < n; ++c) {
+      source_[dense_[c]] = power_[c] * static_cast<double>(change[c]);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        flow_[axis][dense_[c]] = forward_[c] * static_cast<double>(change[(axis + 1) * n + c]) / std::sqrt(3.);
+    }
+    diverge();
+    operator_->solve(source_, correction_);
+    const std::size_t columns = box_.columns();
+    for (std::size_t c = 0; c < n; ++c) {
+      const std::size_t at = dense_[c];
+      const int i = static_cast<int>(at % box_.nx);
+      const int j = static_cast<int>(at / box_.nx % box_.ny);
+      const int k = static_cast<int>(at / columns);
+      moments[c] += static_cast<Real>(correction_[at]);
+      const double slide = current_share_[c] * operator_->diffusivity(at);
+      const auto add = [&](std::size_t axis, double gradient) {
+        moments[(axis + 1) * n + c] += static_cast<Real>(std::sqrt(3.) * (flow_[axis][at] - slide * gradient));
+      };
+      const auto across = [&](int position, int count, std::size_t stride, double width) {
+        const bool seam = box_.periodic;
+        const std::size_t high = position + 1 < count ? at + stride
+                                 : seam               ? at - stride * static_cast<std::size_t>(count - 1)
+                                                      : at;
+        const std::size_t low = position > 0 ? at - stride
+                                : seam       ? at + stride * static_cast<std::size_t>(count - 1)
+                                             : at;
+        return (correction_[high] - correction_[low]) / (2 * width);
+      };
+      if (!vertical_ && box_.nx > 1) add(0, across(i, box_.nx, 1, box_.dx_m));
+      if (!vertical_ && box_.ny > 1) add(1, across(j, box_.ny, static_cast<std::size_t>(box_.nx), box_.dy_m));
+      // At the ends about half the flux is left on the face, half a cell away.
+      const bool last = k + 1 == box_.nz();
+      const double above = last ? correction_[at] / 2 : correction_[at + columns];
+      const double below = k == 0 ? correction_[at] / 2 : correction_[at - columns];
+      const double distance = last || k == 0 ? 1.5 : 2;
+      add(2, (above - below) / (distance * box_.thickness_m(k)));
+    }
+  }
+
+ private:
+  // source -= divergence of the flow, through faces.
+  void diverge() {
+    const std::size_t columns = box_.columns();
+    for (int k = 0; k < box_.nz(); ++k) {
+      const double dz = box_.thickness_m(k);
+      for (int j = 0; j < box_.ny; ++j) {
+        for (int i = 0; i < box_.nx; ++i) {
+          const std::size_t at = (static_cast<std::size_t>(k) * box_.ny + j) * box_.nx + i;
+          const auto face = [&](std::size_t axis, std::size_t other, double area) {
+            const double through = (flow_[axis][at] + flow_[axis][other]) / 2 * area;
+            source_[at] -= through;
+            source_[other] += through;
+          };
+          if (!vertical_ && box_.nx > 1 && (box_.periodic || i + 1 < box_.nx))
+            face(0, at - i + (i + 1) % box_.nx, box_.dy_m * dz);
+          if (!vertical_ && box_.ny > 1 && (box_.periodic || j + 1 < box_.ny)) {
+            const std::size_t level = static_cast<std::size_t>(k) * columns;
+            face(1, level + static_cast<std::size_t>((j + 1) % box_.ny) * box_.nx + i, box_.dx_m * dz);
+          }
+          if (k + 1 < box_.nz()) face(2, at + columns, box_.dx_m * box_.dy_m);
+        }
+      }
+    }
+  }
+
+  bool vertical_;
+  BoxGrid box_;
+  std::vector<std::uint32_t> dense_;
+  std::optional<DiffusionOperator> operator_;
+  std::vector<double> power_;          // [n] scattered power per scalar flux
+  std::vector<double> forward_;        // [n] current that a change of the current leads to
+  std::vector<double> current_share_;  // [n] of the correction of the current that is made
+  std::vector<double> source_;         // [places]
+  std::vector<double> correction_;     // [places]
+  std::array<std::vector<double>, 3> flow_;
+};
+
+namespace {
+
+// Mean over the columns that hold cells.
+template <class Real>
+double transport_depth(const TransportSystem<Real>& system) {
+  const std::size_t columns = system.box.columns();
+  const auto dense = dense_indices(system.cells.rows);
+  std::vector<char> cloudy(columns, 0);
+  double sum = 0;
+  for (std::size_t c = 0; c < dense.size(); ++c) {
+    double remains = 1;
+    for (std::size_t p = 0; p < system.cells.scattered.size(); ++p)
+      remains -= static_cast<double>(system.cells.scattered[p][c]) * system.truncated_asymmetry[p];
+    sum += remains * static_cast<double>(system.cells.extinction[c]) *
+           system.box.thickness_m(static_cast<int>(dense[c] / columns));
+    cloudy[dense[c] % columns] = 1;
+  }
+  const auto count = std::count(cloudy.begin(), cloudy.end(), 1);
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+template <class Real>
+TransportSystem<Real> low_order_system(const TransportSystem<Real>& full) {
+  TransportSystem<Real> low;
+  low.box = full.box;
+  low.vertical = full.vertical;
+  low.cells = full.cells;
+  low.ordinates = make_ordinate_set(low_directions);
+  low.truncated_asymmetry = full.truncated_asymmetry;
+  low.absorption = full.absorption;
+  if (full.ground.is_lambertian()) {
+    low.ground = full.ground;
+  } else {
+    Surface surface;
+    surface.albedo = full.ground.mean_albedo();
+    low.ground = Ground<Real>(surface, low.ordinates, std::nullopt);
+  }
+  return low;
+}
+
+}  // namespace
+
+template <class Real>
+LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system)
+    : low_(low_order_system(system)), full_(&system), basis_(low_.ordinates) {
+  const MomentMatrices full(system.ordinates);
+  const MomentMatrices low(low_.ordinates);
+  for (const DenseMatrix<Real>& matrix : system.scattering) {
+    const Eigen::MatrixXd moments = full.weights * matrix.template cast<double>() * full.shape;
+    scattered_moments_.push_back(moments.template cast<Real>());
+    low_.scattering.push_back((low.shape * moments * low.weights).template cast<Real>());
+  }
+  for (const BeamSource<Real>& beam : system.beam) {
+    const Eigen::VectorXd moments = full.weights * beam.direction.template cast<double>();
+    for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
+  }
+  for (int m = 0; m < low_moments; ++m) {
+    low_.beam.push_back({low.shape.col(m).template cast<Real>(), std::vector<Real>(system.cells.size())});
+  }
+  if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<Diffusion>(low_);
+}
+
+template <class Real>
+LowOrderCorrection<Real>::~LowOrderCorrection() = default;
+template <class Real>
+LowOrderCorrection<Real>::LowOrderCorrection(LowOrderCorrection&&) noexcept = default;
+template <class Real>
+LowOrderCorrection<Real>& LowOrderCorrection<Real>::operator=(LowOrderCorrection&&) noexcept = default;
+
+template <class Real>
+bool LowOrderCorrection<Real>::uses_diffusion() const {
+  return diffusion_ != nullptr;
+}
+
+template <class Real>
+void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
+  const std::size_t n = low_.cells.size();
+#pragma omp parallel for schedule(static)
+  for (int m = 0; m < low_moments; ++m) {
+    std::vector<Real>& source = low_.beam[m].intensity;
+    std::fill(source.begin(), source.end(), Real(0));
+    for (std::size_t b = 0; b < full_->beam.size(); ++b) {
+      const Real share = beam_moments_[b * low_moments + m];
+      for (std::size_t c = 0; c < n; ++c) source[c] += share * full_->beam[b].intensity[c];
+    }
+  }
+  solve(moments);
+}
+
+template <class Real>
+void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<Real> correction) {
+  const std::size_t n = low_.cells.size();
+#pragma omp parallel for schedule(static)
+  for (int m = 0; m < low_moments; ++m) {
+    std::vector<Real>& source = low_.beam[m].intensity;
+    std::fill(source.begin(), source.end(), Real(0));
+    for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
+      const std::vector<Real>& scattered = low_.cells.scattered[p];
+      for (int from = 0; from < low_moments; ++from) {
+        const Real share = scattered_moments_[p](m, from);
+        if (std::abs(share) < Real(1e-6)) continue;
+        const std::span<const Real> of = change.subspan(from * n, n);
+        for (std::size_t c = 0; c < n; ++c) source[c] += share * scattered[c] * of[c];
+      }
+    }
+  }
+  solve(correction);
+}
+
+// Light of the sources in low_.beam.
+template <class Real>
+void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
+  const std::size_t n = low_.cells.size();
+  const std::size_t mixed = 4 * n;  // the moments l <= 1
+  AngularField<Real> radiance(low_.ordinates.size(), n);
+  AndersonMixer<Real> mixer(low_mixing_depth);
+  std::vector<Real> x(low_moments * n, Real(0)), g, correction, change(mixed);
+  for (int sweeps = 1;; ++sweeps) {
+    scatter_in_place<Real>(radiance, low_.scattering, low_.cells, low_.beam, correction, basis_.shape);
+    sweep(low_, radiance, false);
+    ++sweeps_;
+    moments_of<Real>(radiance, basis_.weights, moments);
+    g.assign(moments.begin(), moments.begin() + static_cast<std::ptrdiff_t>(mixed));
+    if (diffusion_) {
+      for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
+      diffusion_->correct(change, g);
+    }
+    for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
+    const auto flux = [n](const std::vector<Real>& of) { return std::span<const Real>(of).first(n); };
+    const double size = ordered_dot<Real>(flux(g), flux(g));
+    const double step = ordered_dot<Real>(flux(change), flux(change));
+    if (step <= low_tolerance * low_tolerance * size || sweeps == most_low_sweeps) break;
+    mixer.advance(std::span<Real>(x).first(mixed), g);
+    correction.assign(low_moments * n, Real(0));
+    for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments[i];
+  }
+  std::copy(g.begin(), g.end(), moments.begin());
+}
+
+template <class Real>
+std::size_t LowOrderCorrection<Real>::bytes_a_cell(std::size_t size_of_real) {
+  const auto directions = static_cast<std::size_t>(make_ordinate_set(low_directions).size());
+  const std::size_t mixing = 4 * (2 * low_mixing_depth + 5);
+  return size_of_real * (directions + mixing + 3 * low_moments + 8) + 8 * 4 + 9 * 4;
+}
+
+template <class Real>
+std::size_t LowOrderCorrection<Real>::bytes_a_place() {
+  return 8 * (4 + 2 + 3 + 4 + 3) * 4 / 3;  // coefficients, vectors, and a third more for the coarser grids
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)  \
+  template struct LowMoments<Real>; \
+  template class LowOrderCorrection<Real>
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow
