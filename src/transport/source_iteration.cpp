@@ -14,6 +14,8 @@ namespace {
 
 // Two are as good as five with the low-order correction, and take less memory.
 constexpr int anderson_depth = 2;
+// Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
+constexpr double least_safety = 3;
 
 class Stopwatch {
  public:
@@ -231,7 +233,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     double rho = .5;
     if (steps.size() >= 3 && steps[steps.size() - 3] > 0)
       rho = std::clamp(std::sqrt(step / steps[steps.size() - 3]), .2, .95);
-    report.estimated_error = step * std::max(.5, rho / (1 - rho));
+    report.estimated_error = step * std::max(least_safety, rho / (1 - rho));
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
     const double imbalance = std::abs(result.ledger.residual);
