@@ -33,7 +33,7 @@ double predict_seconds(const Problem& problem, const SolverOptions& options) {
   constexpr double seconds_a_segment = 2.5e-9;
   constexpr double seconds_a_cell_and_direction = 6e-9;
   constexpr double seconds_a_multiply = 2.5e-11;
-  constexpr int usual_sweeps = 16;
+  constexpr int usual_sweeps = 10;
   const OrdinateSet ordinates = make_ordinate_set(options.directions);
   const BoxGrid& box = problem.grid.box;
   const double dz = (box.z_edge_m.back() - box.z_edge_m.front()) / box.nz();
