@@ -176,12 +176,13 @@ class FluxFields {
   void append(Solution& solution, int edge, const LevelFlux& flux) const {
     for (std::size_t c = 0; c < columns_; ++c) {
       double direct = 0;
-      double diffuse = flux.down[c];
+      // Where hardly any light comes, what the iteration has left to correct may be less than nothing.
+      double diffuse = std::max(0., flux.down[c]);
       if (problem_.sun) {
         direct = true_beam_->level_flux[edge * columns_ + c];
         diffuse += std::max(0., flux_beam_->level_flux[edge * columns_ + c] - direct);
       }
-      solution.upwelling_flux.push_back(static_cast<float>(flux.up[c]));
+      solution.upwelling_flux.push_back(static_cast<float>(std::max(0., flux.up[c])));
       solution.downwelling_diffuse_flux.push_back(static_cast<float>(diffuse));
       solution.direct_flux.push_back(static_cast<float>(direct));
     }
@@ -191,6 +192,9 @@ class FluxFields {
     const int levels = system_.box.nz() + 1;
     solution.profile_upwelling_flux = solved_.fluxes.profile_up;
     solution.profile_downwelling_diffuse_flux = solved_.fluxes.profile_down;
+    for (auto* profile : {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux}) {
+      for (double& flux : *profile) flux = std::max(0., flux);
+    }
     solution.profile_direct_flux.assign(levels, 0.);
     if (!problem_.sun) return;
     for (int e = 0; e < levels; ++e) {
