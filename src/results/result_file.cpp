@@ -172,7 +172,9 @@ void write_solver(hid_t file, const SolverReport& report, const ResultInfo& info
                                     {"peak_memory_bytes", static_cast<std::int64_t>(report.peak_memory_bytes)},
                                     {"fit_closure", report.fit_closure},
                                     {"fit_max_error", report.fit_max_error},
-                                    {"fit_fallbacks", std::int32_t{report.fit_fallbacks}}});
+                                    {"fit_fallbacks", std::int32_t{report.fit_fallbacks}},
+                                    {"surface_largest_albedo", report.surface_largest_albedo},
+                                    {"surface_largest_correction", report.surface_largest_correction}});
   if (info.phase_classes > 0) {
     netcdf4::write_attributes(
         group, {{"phase_classes", std::int32_t{info.phase_classes}}, {"phase_class_error", info.phase_class_error}});

@@ -57,6 +57,12 @@ double Ground<Real>::mean_albedo() const {
 }
 
 template <class Real>
+double Ground<Real>::largest_albedo() const {
+  if (table_) return table_->largest_albedo;
+  return albedo_map_.empty() ? albedo_ : static_cast<double>(*std::max_element(albedo_map_.begin(), albedo_map_.end()));
+}
+
+template <class Real>
 typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<std::vector<Real>>& arriving,
                                                         std::span<const double> direct_flux,
                                                         const OrdinateSet& ordinates, std::size_t columns) const {

@@ -107,6 +107,9 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
     report.fit_max_error = std::max(report.fit_max_error, table.report.max_error);
     report.fit_fallbacks += table.report.fallbacks;
   }
+  report.surface_largest_albedo = system.ground.largest_albedo();
+  if (const auto& reflection = system.ground.table())
+    report.surface_largest_correction = reflection->largest_correction;
   report.seconds_total = seconds_since(start);
   report.cpu_seconds = cpu_seconds() - cpu_start;
   report.peak_memory_bytes = peak_memory_bytes();

@@ -54,6 +54,7 @@ class Ground {
   bool is_lambertian() const { return !table_; }
   /// Share of evenly arriving light that leaves.
   double mean_albedo() const;
+  double largest_albedo() const;  ///< over directions and columns
   const std::optional<ReflectionTable>& table() const { return table_; }
 
  private:

@@ -100,6 +100,8 @@ struct SolverReport {
   double fit_closure = 0;
   double fit_max_error = 0;
   int fit_fallbacks = 0;
+  double surface_largest_albedo = 0;      ///< directional-hemispherical, of the model itself; above 1 it was held to 1
+  double surface_largest_correction = 0;  ///< worst |factor - 1| that gave a column of its table that albedo
 };
 
 struct RadianceField {

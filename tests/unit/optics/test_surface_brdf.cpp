@@ -82,8 +82,8 @@ TEST(SurfaceBrdf, GlintLiesWhereAMirrorWouldSendIt) {
 }
 
 TEST(SurfaceBrdf, NearlyFlatWaterReturnsFresnelsReflectance) {
-  // Without wind the slopes' standard deviation is three degrees: the albedo of a high sun is that of a mirror. Hale &
-  // Querry: .0211 at normal incidence for n = 1.34; a per cent of it is the waves'.
+  // Without wind the slopes' standard deviation is three degrees: a high sun finds a mirror, R(0) = ((n-1)/(n+1))^2 =
+  // .0211, but for a per cent that slanted facets make.
   EXPECT_NEAR(SurfaceBrdf::cox_munk(0, 1.34).directional_albedo(1), std::pow(.34 / 2.34, 2), 3e-4);
 }
 
