@@ -12,6 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import h5py
+
 SCENE = """\
 title = "a scene that runs"
 [cloud]
@@ -50,6 +52,13 @@ def scenes():
     yield "not TOML", SCENE + "albedo = = 3\n", ["scene.toml:20"]
     yield "value out of range", replaced("albedo = 0.05", "albedo = -0.1"), ["scene.toml:17", "surface.albedo", "-0.1", "0 to 1"]
     yield "albedo 1.2", replaced("albedo = 0.05", "albedo = 1.2"), ["scene.toml:17", "surface.albedo", "1.2", "0 to 1"]
+    yield "surface of an unknown type", replaced('"lambertian"', '"snow"'), ["scene.toml:16", "surface.type", "snow", "rpv"]
+    yield "surface without its parameter", replaced('"lambertian"\nalbedo = 0.05', '"cox-munk"'), ["surface.wind_speed_m_s", "missing"]
+    yield "missing albedo map", replaced("albedo = 0.05", 'albedo_map = "none.h5"'), ["scene.toml:17", "surface.albedo_map", "none.h5"]
+    yield "a cloud as albedo map", replaced("albedo = 0.05", 'albedo_map = "cloud.vdb"'), ["scene.toml:17", "cloud.vdb", "neither PNG nor HDF5"]
+    yield "albedo map above 1", replaced("albedo = 0.05", 'albedo_map = "bright.h5"'), ["scene.toml:17", "bright.h5", "1.5", "0 to 1"]
+    yield "radiance along the horizon", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 90.0\n', ["radiance.0.zenith_deg", "90"]
+    yield "two images of one name", SCENE + 2 * '[[radiance]]\nname = "a"\nzenith_deg = 0.0\n', ["radiance.1.name", "already in use"]
     yield "g = 1", replaced("= 0.85", "= 1.0"), ["scene.toml:11", "asymmetry_parameter", "1"]
     yield "ssa 1.01", replaced("= 0.99", "= 1.01"), ["scene.toml:7", "single_scattering_albedo", "1.01", "0 to 1"]
     yield "sun below the horizon", replaced("zenith_deg = 60.0", "zenith_deg = 95.0"), ["scene.toml:13", "sun.zenith_deg", "95", "90"]
@@ -151,6 +160,9 @@ def main():
             (folder / f"cut_{cut}.vdb").write_bytes(whole[:len(whole) * cut // 100])
         for fault in ("nan", "infinite", "negative", "rotated", "empty", "double"):
             subprocess.run([options.faulty_vdb, fault, str(folder / f"{fault}.vdb")], check=True)
+
+        with h5py.File(folder / "bright.h5", "w") as file:
+            file["albedo"] = [[0.5, 1.5]]
 
         scene, output = folder / "scene.toml", folder / "output.h5"
         scene.write_text(SCENE)
