@@ -34,6 +34,37 @@ void scatter_tile(std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& 
   }
 }
 
+// tile.row(d) += scale * from
+template <class Real>
+void add_scaled(Real scale, const Real* __restrict from, std::size_t n, Tile<Real>& tile, Eigen::Index d) {
+  Real* __restrict const to = tile.data() + d * tile.cols();
+  for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
+}
+
+// Tile by tile: radiance, changed by prepare(first, n, tile), scatters; the source, changed by finish(first, n, tile),
+// goes to `to`, which may be `from` itself.
+template <class Real, class Prepare, class Finish>
+void scatter_tiles(const AngularField<Real>& from, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
+                   AngularField<Real>& to, const Prepare& prepare, const Finish& finish) {
+  const std::size_t tiles = (from.cells + tile_cells - 1) / tile_cells;
+#pragma omp parallel
+  {
+    Tile<Real> radiance = Tile<Real>::Zero(from.rows, tile_cells);
+    Tile<Real> product(to.rows, tile_cells);
+    Tile<Real> source(to.rows, tile_cells);
+#pragma omp for schedule(static)
+    for (std::size_t tile = 0; tile < tiles; ++tile) {
+      const std::size_t first = tile * tile_cells;
+      const std::size_t n = std::min(tile_cells, from.cells - first);
+      load(from, first, n, radiance);
+      prepare(first, n, radiance);
+      scatter_tile(matrix, cells, first, n, radiance, product, source);
+      finish(first, n, source);
+      for (int d = 0; d < to.rows; ++d) std::copy_n(source.data() + d * source.cols(), n, to.row(d) + first);
+    }
+  }
+}
+
 }  // namespace
 
 template <class Real>
@@ -54,61 +85,26 @@ template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                       std::span<const BeamSource<Real>> beam, std::span<const Real> correction,
                       const DenseMatrix<Real>& correction_shape) {
-  const std::size_t tiles = (field.cells + tile_cells - 1) / tile_cells;
-#pragma omp parallel
-  {
-    Tile<Real> radiance = Tile<Real>::Zero(field.rows, tile_cells);
-    Tile<Real> product(field.rows, tile_cells);
-    Tile<Real> source(field.rows, tile_cells);
-#pragma omp for schedule(static)
-    for (std::size_t tile = 0; tile < tiles; ++tile) {
-      const std::size_t first = tile * tile_cells;
-      const std::size_t n = std::min(tile_cells, field.cells - first);
-      load(field, first, n, radiance);
-      if (!correction.empty()) {
-        for (int d = 0; d < field.rows; ++d) {
-          for (int m = 0; m < low_moments; ++m) {
-            const Real shape = correction_shape(d, m);
-            const Real* __restrict const add = correction.data() + m * field.cells + first;
-            Real* __restrict const to = radiance.data() + d * static_cast<Eigen::Index>(tile_cells);
-            for (std::size_t c = 0; c < n; ++c) to[c] += shape * add[c];
-          }
-        }
-      }
-      scatter_tile(matrix, cells, first, n, radiance, product, source);
-      for (const BeamSource<Real>& b : beam) {
-        for (int d = 0; d < field.rows; ++d) {
-          const Real scale = b.direction[d];
-          const Real* __restrict const from = b.intensity.data() + first;
-          Real* __restrict const to = source.data() + d * static_cast<Eigen::Index>(tile_cells);
-          for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
-        }
-      }
-      for (int d = 0; d < field.rows; ++d)
-        std::copy_n(source.data() + d * static_cast<Eigen::Index>(tile_cells), n, field.row(d) + first);
+  const auto correct = [&](std::size_t first, std::size_t n, Tile<Real>& radiance) {
+    if (correction.empty()) return;
+    for (int d = 0; d < field.rows; ++d) {
+      for (int m = 0; m < low_moments; ++m)
+        add_scaled(correction_shape(d, m), correction.data() + m * field.cells + first, n, radiance, d);
     }
-  }
+  };
+  const auto add_beams = [&](std::size_t first, std::size_t n, Tile<Real>& source) {
+    for (const BeamSource<Real>& b : beam) {
+      for (int d = 0; d < field.rows; ++d) add_scaled(b.direction[d], b.intensity.data() + first, n, source, d);
+    }
+  };
+  scatter_tiles(field, matrix, cells, field, correct, add_beams);
 }
 
 template <class Real>
 void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                 AngularField<Real>& source) {
-  const std::size_t tiles = (radiance.cells + tile_cells - 1) / tile_cells;
-#pragma omp parallel
-  {
-    Tile<Real> in = Tile<Real>::Zero(radiance.rows, tile_cells);
-    Tile<Real> product(source.rows, tile_cells);
-    Tile<Real> out(source.rows, tile_cells);
-#pragma omp for schedule(static)
-    for (std::size_t tile = 0; tile < tiles; ++tile) {
-      const std::size_t first = tile * tile_cells;
-      const std::size_t n = std::min(tile_cells, radiance.cells - first);
-      load(radiance, first, n, in);
-      scatter_tile(matrix, cells, first, n, in, product, out);
-      for (int d = 0; d < source.rows; ++d)
-        std::copy_n(out.data() + d * static_cast<Eigen::Index>(tile_cells), n, source.row(d) + first);
-    }
-  }
+  const auto nothing = [](std::size_t, std::size_t, Tile<Real>&) {};
+  scatter_tiles(radiance, matrix, cells, source, nothing, nothing);
 }
 
 template <class Real>
