@@ -18,7 +18,8 @@ struct Band {
 
 template <class Real>
 struct GatherWorkspace {
-  std::vector<Real> source, slope_x, slope_y, slope_z, gathered, transmitted, ground;
+  LinearSource<Real> source;
+  std::vector<Real> gathered, transmitted, ground;
 };
 
 /// Rays leave the plane against the light's travel, one a column, as `pattern` says. of_band[b] is what the cells of a
@@ -29,11 +30,10 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
                 std::vector<Real>& beyond) {
   const BoxGrid& box = scene.box;
   const ActiveRows& rows = scene.cells.rows;
-  const std::size_t n = rows.size();
   const std::size_t columns = box.columns();
-  for (auto* v : {&work.source, &work.slope_x, &work.slope_y, &work.slope_z}) v->resize(n + lane_padding);
-  scene.source.query(travel, work.source.data());
-  source_slopes(scene.cells, 0, n, work.source.data(), work.slope_x.data(), work.slope_y.data(), work.slope_z.data());
+  work.source.resize(scene.cells.size());
+  scene.source.query(travel, work.source.value.data());
+  work.source.make_gradient(scene.cells);
   work.gathered.assign(columns + lane_padding, Real(0));
   work.transmitted.assign(columns + lane_padding, Real(1));
   beyond.assign(columns, Real(0));
@@ -43,30 +43,27 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
   for (std::size_t b = 0; b < bands.size(); ++b) {
     for (int step = bands[b].first_step; step < bands[b].last_step; ++step) {
       const int level = pattern.level(step);
-      const Real chord = static_cast<Real>(pattern.chord_m[step]);
-      const auto kernel = [&](std::size_t ray, std::size_t cell, int count, const Segment& segment) {
-        Real* __restrict const gathered = work.gathered.data() + ray;
-        Real* __restrict const transmitted = work.transmitted.data() + ray;
-        const Real* __restrict const sigma = scene.cells.extinction.data() + cell;
-        const Real* __restrict const s = work.source.data() + cell;
-        const Real* __restrict const gx = work.slope_x.data() + cell;
-        const Real* __restrict const gy = work.slope_y.data() + cell;
-        const Real* __restrict const gz = work.slope_z.data() + cell;
-        const Real length = chord * static_cast<Real>(segment.fraction);
-        const Real fx = static_cast<Real>(segment.from[0]), fy = static_cast<Real>(segment.from[1]),
-                   fz = static_cast<Real>(segment.from[2]);
-        const Real tx = static_cast<Real>(segment.to[0]), ty = static_cast<Real>(segment.to[1]),
-                   tz = static_cast<Real>(segment.to[2]);
-        for_lanes<Real>(count, [=](int i, bool active) {
-          const Real t = std::min(sigma[i] * length, static_cast<Real>(largest_optical_path));
-          const auto phi = exponential_functions(t);
-          const Real near = s[i] + fx * gx[i] + fy * gy[i] + fz * gz[i];
-          const Real far = s[i] + tx * gx[i] + ty * gy[i] + tz * gz[i];
-          const Real seen = t * transmitted[i];
-          const Real more = seen * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
-          gathered[i] = active ? gathered[i] + more : gathered[i];
-          transmitted[i] = active ? transmitted[i] - seen * phi.phi1 : transmitted[i];
-        });
+      const double chord = pattern.chord_m[step];
+      const auto begin = [&](const Segment& segment) {
+        return [&, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+          Real* __restrict const gathered = work.gathered.data() + ray;
+          Real* __restrict const transmitted = work.transmitted.data() + ray;
+          const Real* __restrict const sigma = scene.cells.extinction.data() + cell;
+          const Real* __restrict const s = work.source.value.data() + cell;
+          const Real* __restrict const gx = work.source.gradient[0].data() + cell;
+          const Real* __restrict const gy = work.source.gradient[1].data() + cell;
+          const Real* __restrict const gz = work.source.gradient[2].data() + cell;
+          for_lanes<Real>(count, [=](int i, bool active) {
+            const Real t = std::min(sigma[i] * g.length, static_cast<Real>(largest_optical_path));
+            const auto phi = exponential_functions(t);
+            const Real near = s[i] * (1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i]);
+            const Real far = s[i] * (1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i]);
+            const Real seen = t * transmitted[i];
+            const Real more = seen * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
+            gathered[i] = active ? gathered[i] + more : gathered[i];
+            transmitted[i] = active ? transmitted[i] - seen * phi.phi1 : transmitted[i];
+          });
+        };
       };
       const auto leave = [&](const Segment& segment, double at) {
         if (box.periodic) return;
@@ -78,7 +75,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
           work.transmitted[m] = 0;
         });
       };
-      cross_level(pattern, step, level, rows, kernel, leave);
+      cross_level(pattern, step, level, rows, begin, leave);
     }
     if (!bands[b].empty) {
       of_band[b].swap(work.gathered);

@@ -9,7 +9,7 @@ namespace cloudbow {
 template <class Real>
 void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system,
                       const IterationResult<Real>& solved, Solution& solution) {
-  const auto dense = dense_indices(system.cells.rows);
+  const auto dense = dense_indices(system.cells->rows);
   const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
   if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
   if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
@@ -26,16 +26,16 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
                                   const SolverOptions& options, const TransportSystem<Real>& system,
                                   const IterationResult<Real>& solved, const Surroundings* surroundings) {
   std::optional<DirectBeam<Real>> beam;
-  if (problem.sun) beam = beam_with<Real>(problem, system.cells.rows, discretisation.gather_fraction(), options);
+  if (problem.sun) beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options);
   const DirectionalSource<Real> source =
       make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr);
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;
   field.direction.assign(points.directions().begin(), points.directions().end());
-  const std::size_t n = system.cells.size();
+  const std::size_t n = system.cells->size();
   const std::size_t m = field.direction.size();
   const std::size_t columns = system.box.columns();
-  for (const std::uint32_t c : dense_indices(system.cells.rows)) {
+  for (const std::uint32_t c : dense_indices(system.cells->rows)) {
     field.voxel.push_back({static_cast<std::int32_t>(c % system.box.nx),
                            static_cast<std::int32_t>(c / system.box.nx % system.box.ny),
                            static_cast<std::int32_t>(c / columns)});
@@ -47,13 +47,14 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
       system.ground.radiance(solved.fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
 #pragma omp parallel
   {
-    MarchWorkspace<Real> work;
     std::vector<Real> from_ground;
+    LinearSource<Real> emitted;
+    emitted.resize(n);
     std::vector<Real> radiance(n + lane_padding);
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t d = 0; d < m; ++d) {
       const Direction& travel = field.direction[d];
-      const StartFraction start = start_for_centred_exit(system.box, travel, system.vertical);
+      const StartFraction start = start_for_centred_exit(system.box, travel, system.vertical, {0, system.box.nz()});
       const PathPattern pattern =
           make_path_pattern(system.box, travel, start.x, start.y, system.vertical, {0, system.box.nz()});
       std::vector<Real> rays(columns + lane_padding, static_cast<Real>(problem.sky_radiance));
@@ -68,9 +69,11 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
         side.assign(by_height.begin(), by_height.end());
         if (!pattern.upward) std::reverse(side.begin(), side.end());
       }
-      source.query(travel, radiance.data());
-      march<Real, true>(pattern, system.cells, system.box.periodic, side, radiance.data(), rays.data(), work,
-                        [](int, const Real*) {});
+      source.query(travel, emitted.value.data());
+      emitted.make_gradient(*system.cells);
+      std::fill(radiance.begin(), radiance.end(), Real(0));
+      march<Real, true>(pattern, system.cells->rows, emitted.view(*system.cells), system.box.periodic, side,
+                        emitted.value.data(), rays.data(), radiance.data(), [](int, const Real*) {});
       for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
     }
   }

@@ -1,6 +1,9 @@
 #include "cloudbow/transport/cells.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace cloudbow {
 
@@ -10,6 +13,17 @@ std::size_t ActiveRows::largest_level() const {
   return largest;
 }
 
+namespace {
+
+void append_chunks(Sheets& sheets, std::uint32_t first_cell, int first_column, int row, int n) {
+  for (int i = 0; i < n; i += lanes) {
+    sheets.chunks.push_back(
+        {first_cell + static_cast<std::uint32_t>(i), first_column + i, row, std::min(lanes, n - i)});
+  }
+}
+
+}  // namespace
+
 ActiveRows active_rows(const OpticalGrid& grid) {
   ActiveRows active;
   active.nx = grid.box.nx;
@@ -18,16 +32,25 @@ ActiveRows active_rows(const OpticalGrid& grid) {
   active.spans = grid.spans;
   active.level_row.push_back(0);
   active.level_cell.push_back(0);
+  active.levels.count = active.nz;
+  active.levels.rows = active.ny;
+  active.levels.columns = active.nx;
   std::uint32_t cells = 0;
   for (int k = 0; k < active.nz; ++k) {
     for (int j = 0; j < active.ny; ++j) {
+      active.levels.begin.push_back(static_cast<std::uint32_t>(active.levels.chunks.size()));
       const std::size_t row = static_cast<std::size_t>(k) * active.ny + j;
       const std::uint32_t first = grid.row_begin[row];
       const std::uint32_t last = grid.row_begin[row + 1];
       if (first == last) continue;
       active.rows.push_back({j, first, last});
-      for (std::uint32_t s = first; s < last; ++s) cells += static_cast<std::uint32_t>(grid.spans[s].n);
+      for (std::uint32_t s = first; s < last; ++s) {
+        const RowSpan& span = grid.spans[s];
+        append_chunks(active.levels, span.offset, span.i, j, span.n);
+        cells += static_cast<std::uint32_t>(span.n);
+      }
     }
+    active.levels.begin.push_back(static_cast<std::uint32_t>(active.levels.chunks.size()));
     active.level_row.push_back(static_cast<std::uint32_t>(active.rows.size()));
     active.level_cell.push_back(cells);
   }
@@ -59,6 +82,99 @@ std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
   const auto dense = dense_indices(rows);
   for (std::size_t c = 0; c < dense.size(); ++c) cell[dense[c]] = static_cast<std::uint32_t>(c);
   return cell;
+}
+
+// The run of levels of one thickness that holds most cells, without empty levels at its ends.
+LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
+  LevelRange best{0, 0};
+  std::uint32_t most = 0;
+  const auto empty = [&](int k) { return rows.level_cell[k + 1] == rows.level_cell[k]; };
+  for (int first = 0, last; first < box.nz(); first = last) {
+    const double thickness = box.thickness_m(first);
+    last = first + 1;
+    while (last < box.nz() && std::abs(box.thickness_m(last) - thickness) <= 1e-6 * thickness) ++last;
+    const std::uint32_t cells = rows.level_cell[last] - rows.level_cell[first];
+    if (cells > most) {
+      most = cells;
+      best = {first, last};
+    }
+  }
+  while (best.first < best.last && empty(best.first)) ++best.first;
+  while (best.first < best.last && empty(best.last - 1)) --best.last;
+  return best;
+}
+
+// Fewer cells are solved soon enough without.
+constexpr std::size_t worth_shortcuts = 2000;
+
+template <class Real>
+bool varies_along(const Cells<Real>& cells, std::size_t axis) {
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const std::uint32_t next = cells.high[axis][c];
+    if (next == c || cells.extinction[next] != cells.extinction[c]) return true;
+    for (const auto& scattered : cells.scattered) {
+      if (scattered[next] != scattered[c]) return true;
+    }
+  }
+  return false;
+}
+
+Sheets sheets_along_y(const ActiveRows& rows) {
+  Sheets sheets;
+  sheets.count = rows.ny;
+  sheets.rows = rows.nz;
+  sheets.columns = rows.nx;
+  for (int j = 0; j < rows.ny; ++j) {
+    for (int k = 0; k < rows.nz; ++k) {
+      sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+      for (Chunk chunk : rows.levels.of(k, j, j + 1)) {
+        chunk.row = k;
+        sheets.chunks.push_back(chunk);
+      }
+    }
+    sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+  }
+  return sheets;
+}
+
+// Sheets along x, and the cells level by level in the order i, j.
+std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& rows) {
+  std::vector<std::uint32_t> turned(rows.size());
+  std::vector<std::uint32_t> begin(static_cast<std::size_t>(rows.nz) * rows.nx + 1, 0);  // [k][i]
+  std::vector<std::int32_t> row_of(rows.size());                                         // j of each turned cell
+  for (int k = 0; k < rows.nz; ++k) {
+    std::uint32_t* const of_level = begin.data() + static_cast<std::size_t>(k) * rows.nx;
+    for (const Chunk& chunk : rows.levels.of(k)) {
+      for (int i = 0; i < chunk.n; ++i) ++of_level[chunk.column + i + 1];
+    }
+    for (int i = 0; i < rows.nx; ++i) of_level[i + 1] += of_level[i];
+    std::vector<std::uint32_t> next(of_level, of_level + rows.nx);
+    for (const Chunk& chunk : rows.levels.of(k)) {
+      for (int i = 0; i < chunk.n; ++i) {
+        const std::uint32_t place = next[chunk.column + i]++;
+        turned[place] = chunk.cell + static_cast<std::uint32_t>(i);
+        row_of[place] = chunk.row;
+      }
+    }
+  }
+  Sheets sheets;
+  sheets.count = rows.nx;
+  sheets.rows = rows.nz;
+  sheets.columns = rows.ny;
+  for (int i = 0; i < rows.nx; ++i) {
+    for (int k = 0; k < rows.nz; ++k) {
+      sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+      const std::size_t at = static_cast<std::size_t>(k) * rows.nx + i;
+      for (std::uint32_t first = begin[at]; first < begin[at + 1];) {
+        std::uint32_t last = first + 1;
+        while (last < begin[at + 1] && row_of[last] == row_of[last - 1] + 1) ++last;
+        append_chunks(sheets, first, row_of[first], k, static_cast<int>(last - first));
+        first = last;
+      }
+    }
+    sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+  }
+  return {std::move(sheets), std::move(turned)};
 }
 
 }  // namespace
@@ -121,6 +237,16 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       cells.high[axis][c] = high == no_cell ? static_cast<std::uint32_t>(c) : high;
       cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
     }
+  }
+  cells.varied = n >= worth_shortcuts && !vertical && box.nx > 1 && box.ny > 1 && varies_along(cells, 0) &&
+                 varies_along(cells, 1);
+  if (cells.varied && box.periodic) {
+    cells.even_levels = longest_even_run(box, cells.rows);
+    cells.turned[1].sheets = sheets_along_y(cells.rows);
+    auto& along_x = cells.turned[0];
+    std::tie(along_x.sheets, along_x.cell) = sheets_along_x(cells.rows);
+    along_x.extinction.assign(n + lane_padding, Real(0));
+    for (std::size_t c = 0; c < n; ++c) along_x.extinction[c] = cells.extinction[along_x.cell[c]];
   }
   return cells;
 }

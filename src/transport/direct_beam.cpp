@@ -76,18 +76,20 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
       record(0);
       for (int step = 0; step < box.nz(); ++step) {
         const Real chord = static_cast<Real>(pattern.chord_m[step]);
-        const auto kernel = [&](std::size_t m, std::size_t cell, int count, const Segment& segment) {
-          Real* __restrict const before = path.data() + m;
-          const Real* __restrict const sigma = padded.data() + cell;
-          Real* __restrict const mean = sum.irradiance.data() + cell;
+        const auto begin = [&](const Segment& segment) {
           const Real length = chord * static_cast<Real>(segment.fraction);
           const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
-          for_lanes<Real>(count, [=](int i, bool active) {
-            const Real t = sigma[i] * length;
-            const Real more = share * mean_transmission(t) * transmission(before[i]);
-            mean[i] = active ? mean[i] + more : mean[i];
-            before[i] = active ? before[i] + t : before[i];
-          });
+          return [&, length, share](std::size_t m, std::size_t cell, int count) {
+            Real* __restrict const before = path.data() + m;
+            const Real* __restrict const sigma = padded.data() + cell;
+            Real* __restrict const mean = sum.irradiance.data() + cell;
+            for_lanes<Real>(count, [=](int i, bool active) {
+              const Real t = sigma[i] * length;
+              const Real more = share * mean_transmission(t) * transmission(before[i]);
+              mean[i] = active ? mean[i] + more : mean[i];
+              before[i] = active ? before[i] + t : before[i];
+            });
+          };
         };
         const auto enter = [&](const Segment& segment, double at) {
           if (box.periodic) return;
@@ -98,7 +100,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
             path[m] = outside;
           });
         };
-        cross_level(pattern, step, pattern.level(step), rows, kernel, enter);
+        cross_level(pattern, step, pattern.level(step), rows, begin, enter);
         record(step + 1);
       }
     }

@@ -41,14 +41,14 @@ class FluxFields {
         columns_(system.box.columns()) {
     const bool by_ordinates = !solved.fluxes.column_up.empty();
     if (problem.sun) {
-      true_beam_ = beam_with<Real>(problem, system.cells.rows, std::vector<double>(problem.phase.size(), 0.), options);
+      true_beam_ = beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
       // Columns by themselves keep the iteration's own beam: their fluxes are the iteration's.
       flux_beam_ =
-          beam_with<Real>(problem, system.cells.rows,
+          beam_with<Real>(problem, system.cells->rows,
                           by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(), options);
       solver_beam_ = by_ordinates
                          ? flux_beam_
-                         : beam_with<Real>(problem, system.cells.rows, discretisation.beam_fraction(), options);
+                         : beam_with<Real>(problem, system.cells->rows, discretisation.beam_fraction(), options);
     }
     if (!by_ordinates) {
       source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance,
@@ -102,7 +102,8 @@ class FluxFields {
   }
 
   GatherScene<Real> gather_scene() const {
-    return {system_.box, system_.cells, *source_, side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
+    return {system_.box,    *system_.cells,        *source_,
+            side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
   }
 
   void report_progress(double fraction) const {
@@ -144,7 +145,9 @@ class FluxFields {
     const std::vector<double> direct = problem_.sun ? slice(flux_beam_->level_flux, 0) : std::vector<double>{};
     ground_ = system_.ground.radiance(solved_.fluxes.surface_arriving, bottom_down_, direct, system_.ordinates);
     const double factor = rescale(ground_->flux, profile_up(0));
-    for (Real& radiance : ground_->at_points.data) radiance *= static_cast<Real>(factor);
+    for (auto& row : ground_->at_points.data) {
+      for (Real& radiance : row) radiance *= static_cast<Real>(factor);
+    }
     note_factor(solution, factor);
     report_progress(.25);
     top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,

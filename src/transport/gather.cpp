@@ -235,13 +235,14 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
   for (std::size_t g = 0; g < groups; ++g) {
     std::vector<float>& flux = of_group[g];
     flux.assign(columns * levels, 0.F);
-    MarchWorkspace<Real> work;
-    std::vector<Real> source(scene.cells.size() + lane_padding);
+    LinearSource<Real> source;
+    source.resize(scene.cells.size());
     std::vector<Real> rays;
     std::vector<Real> from_ground;
     for (std::size_t q = g; q < directions.size(); q += groups) {
       const Direction& travel = directions[q].travel;
-      scene.source.query(travel, source.data());
+      scene.source.query(travel, source.value.data());
+      source.make_gradient(scene.cells);
       const PathPattern pattern = make_path_pattern(box, travel, .5, .5, false, {0, box.nz()});
       if (upward) {
         const Real* const start_of_rays = scene.ground->along(travel, from_ground);
@@ -257,14 +258,15 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
         side.assign(by_height.begin(), by_height.end());
         if (!upward) std::reverse(side.begin(), side.end());
       }
-      march<Real, false>(
-          pattern, scene.cells, box.periodic, side, source.data(), rays.data(), work, [&](int step, const Real* p) {
-            float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
-            spread_on_columns(pattern.x[step], pattern.y[step], 1., box.nx, box.ny, box.periodic,
-                              [&](std::size_t column, std::size_t ray, double weight) {
-                                at[column] += power * static_cast<float>(weight) * static_cast<float>(p[ray]);
-                              });
-          });
+      march<Real, false>(pattern, scene.cells.rows, source.view(scene.cells), box.periodic, side, source.value.data(),
+                         rays.data(), nullptr, [&](int step, const Real* p) {
+                           float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
+                           spread_on_columns(pattern.x[step], pattern.y[step], 1., box.nx, box.ny, box.periodic,
+                                             [&](std::size_t column, std::size_t ray, double weight) {
+                                               at[column] +=
+                                                   power * static_cast<float>(weight) * static_cast<float>(p[ray]);
+                                             });
+                         });
     }
   }
   for (std::size_t g = 1; g < groups; ++g) {

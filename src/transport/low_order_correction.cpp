@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cloudbow/transport/anderson.hpp"
+#include "cloudbow/transport/diffusion.hpp"
 
 namespace cloudbow {
 namespace {
@@ -63,7 +64,7 @@ template <class Real>
 class LowOrderCorrection<Real>::Diffusion {
  public:
   explicit Diffusion(const TransportSystem<Real>& system)
-      : vertical_(system.vertical), box_(system.box), dense_(dense_indices(system.cells.rows)) {
+      : vertical_(system.vertical), box_(system.box), dense_(dense_indices(system.cells->rows)) {
     const std::size_t columns = box_.columns();
     const int bottom = static_cast<int>(dense_.front() / columns);
     const int top = static_cast<int>(dense_.back() / columns) + 1;
@@ -82,11 +83,11 @@ class LowOrderCorrection<Real>::Diffusion {
     current_share_.resize(n);
     for (std::size_t c = 0; c < n; ++c) {
       const int level = static_cast<int>(dense_[c] / columns);
-      const double extinction = static_cast<double>(system.cells.extinction[c]);
+      const double extinction = static_cast<double>(system.cells->extinction[c]);
       double scattering = 0;
       double forward = 0;
-      for (std::size_t p = 0; p < system.cells.scattered.size(); ++p) {
-        const double share = static_cast<double>(system.cells.scattered[p][c]) * extinction;
+      for (std::size_t p = 0; p < system.cells->scattered.size(); ++p) {
+        const double share = static_cast<double>(system.cells->scattered[p][c]) * extinction;
         scattering += share;
         forward += share * system.truncated_asymmetry[p];
       }
@@ -195,14 +196,14 @@ namespace {
 template <class Real>
 double transport_depth(const TransportSystem<Real>& system) {
   const std::size_t columns = system.box.columns();
-  const auto dense = dense_indices(system.cells.rows);
+  const auto dense = dense_indices(system.cells->rows);
   std::vector<char> cloudy(columns, 0);
   double sum = 0;
   for (std::size_t c = 0; c < dense.size(); ++c) {
     double remains = 1;
-    for (std::size_t p = 0; p < system.cells.scattered.size(); ++p)
-      remains -= static_cast<double>(system.cells.scattered[p][c]) * system.truncated_asymmetry[p];
-    sum += remains * static_cast<double>(system.cells.extinction[c]) *
+    for (std::size_t p = 0; p < system.cells->scattered.size(); ++p)
+      remains -= static_cast<double>(system.cells->scattered[p][c]) * system.truncated_asymmetry[p];
+    sum += remains * static_cast<double>(system.cells->extinction[c]) *
            system.box.thickness_m(static_cast<int>(dense[c] / columns));
     cloudy[dense[c] % columns] = 1;
   }
@@ -217,6 +218,7 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full) {
   low.vertical = full.vertical;
   low.cells = full.cells;
   low.ordinates = make_ordinate_set(low_directions);
+  low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.vertical);
   low.truncated_asymmetry = full.truncated_asymmetry;
   low.absorption = full.absorption;
   if (full.ground.is_lambertian()) {
@@ -246,7 +248,7 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
   }
   for (int m = 0; m < low_moments; ++m) {
-    low_.beam.push_back({low.shape.col(m).template cast<Real>(), std::vector<Real>(system.cells.size())});
+    low_.beam.push_back({low.shape.col(m).template cast<Real>(), std::vector<Real>(system.cells->size())});
   }
   if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<Diffusion>(low_);
 }
@@ -265,7 +267,7 @@ bool LowOrderCorrection<Real>::uses_diffusion() const {
 
 template <class Real>
 void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
-  const std::size_t n = low_.cells.size();
+  const std::size_t n = low_.cells->size();
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
     std::vector<Real>& source = low_.beam[m].intensity;
@@ -280,13 +282,13 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
 
 template <class Real>
 void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<Real> correction) {
-  const std::size_t n = low_.cells.size();
+  const std::size_t n = low_.cells->size();
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
     std::vector<Real>& source = low_.beam[m].intensity;
     std::fill(source.begin(), source.end(), Real(0));
     for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
-      const std::vector<Real>& scattered = low_.cells.scattered[p];
+      const std::vector<Real>& scattered = low_.cells->scattered[p];
       for (int from = 0; from < low_moments; ++from) {
         const Real share = scattered_moments_[p](m, from);
         if (std::abs(share) < Real(1e-6)) continue;
@@ -301,13 +303,13 @@ void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<R
 // Light of the sources in low_.beam.
 template <class Real>
 void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
-  const std::size_t n = low_.cells.size();
+  const std::size_t n = low_.cells->size();
   const std::size_t mixed = 4 * n;  // the moments l <= 1
   AngularField<Real> radiance(low_.ordinates.size(), n);
   AndersonMixer<Real> mixer(low_mixing_depth);
   std::vector<Real> x(low_moments * n, Real(0)), g, correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
-    scatter_in_place<Real>(radiance, low_.scattering, low_.cells, low_.beam, correction, basis_.shape);
+    scatter_in_place<Real>(radiance, low_.scattering, *low_.cells, low_.beam, correction, basis_.shape);
     sweep(low_, radiance, false);
     ++sweeps_;
     moments_of<Real>(radiance, basis_.weights, moments);

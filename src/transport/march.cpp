@@ -5,8 +5,8 @@
 namespace cloudbow {
 
 template <class Real>
-void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x,
-                   Real* slope_y, Real* slope_z) {
+void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source,
+                     Real* __restrict gradient_x, Real* __restrict gradient_y, Real* __restrict gradient_z) {
   const std::uint32_t* __restrict const xl = cells.low[0].data() + first;
   const std::uint32_t* __restrict const xh = cells.high[0].data() + first;
   const std::uint32_t* __restrict const yl = cells.low[1].data() + first;
@@ -23,15 +23,16 @@ void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, c
     const Real z = sz[c] * (source[zh[c]] - source[zl[c]]);
     const Real here = source[first + c] > 0 ? source[first + c] : Real(0);
     const Real swing = Real(.5) * (std::abs(x) + std::abs(y) + std::abs(z));
-    const Real limit = swing > here ? here / (swing + std::numeric_limits<Real>::min()) : Real(1);
-    slope_x[c] = x * limit;
-    slope_y[c] = y * limit;
-    slope_z[c] = z * limit;
+    const Real relative = here > std::numeric_limits<Real>::min() ? Real(1) / std::max(swing, here) : Real(0);
+    gradient_x[c] = x * relative;
+    gradient_y[c] = y * relative;
+    gradient_z[c] = z * relative;
   }
 }
 
-template void source_slopes<float>(const Cells<float>&, std::size_t, std::size_t, const float*, float*, float*, float*);
-template void source_slopes<double>(const Cells<double>&, std::size_t, std::size_t, const double*, double*, double*,
-                                    double*);
+template void source_gradient<float>(const Cells<float>&, std::size_t, std::size_t, const float*, float*, float*,
+                                     float*);
+template void source_gradient<double>(const Cells<double>&, std::size_t, std::size_t, const double*, double*, double*,
+                                      double*);
 
 }  // namespace cloudbow

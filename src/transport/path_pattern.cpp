@@ -101,9 +101,9 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
   return pattern;
 }
 
-StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool vertical) {
+StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels) {
   const Slope per_metre = horizontal_slope(box, travel, vertical);
-  const double height = box.z_edge_m.back() - box.z_edge_m.front();
+  const double height = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
   return {fraction(.5 - per_metre.x * height), fraction(.5 - per_metre.y * height)};
 }
 

@@ -29,26 +29,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_;
 };
 
-// What one ordinate's march contributes; summed over ordinates in their order.
-struct OrdinateFluxes {
-  double out = 0;  // through the far end, sum of radiances
-  MarchTotals sides;
-  std::vector<double> profile;  // [nz+1] by height, sum of radiances
-};
-
-std::vector<std::size_t> columns_at_exit(const BoxGrid& box, const PathPattern& pattern) {
-  const int sx = wrapped(static_cast<int>(std::floor(pattern.x.back())), box.nx);
-  const int sy = wrapped(static_cast<int>(std::floor(pattern.y.back())), box.ny);
-  std::vector<std::size_t> column(box.columns());
-  for (int r = 0; r < box.ny; ++r) {
-    for (int m = 0; m < box.nx; ++m) {
-      column[static_cast<std::size_t>(r) * box.nx + m] =
-          static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
-    }
-  }
-  return column;
-}
-
 template <class Real>
 EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes,
                        std::span<const Real> scalar_flux, std::span<const double> volume) {
@@ -79,99 +59,9 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
 }  // namespace
 
 template <class Real>
-SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record) {
-  const BoxGrid& box = system.box;
-  const OrdinateSet& ordinates = system.ordinates;
-  const std::size_t columns = box.columns();
-  const int levels = box.nz() + 1;
-  const bool keep_columns = record && (system.vertical || (columns == 1 && box.periodic));
-  std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
-  std::vector<std::vector<Real>> exit(ordinates.size());
-  std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
-  typename Ground<Real>::Reflection ground;
-
-  const auto march_ordinates = [&](bool upward) {
-#pragma omp parallel
-    {
-      MarchWorkspace<Real> work;
-      std::vector<Real> rays;
-#pragma omp for schedule(dynamic, 1)
-      for (int d = 0; d < ordinates.size(); ++d) {
-        const Direction& travel = ordinates.direction[d];
-        if ((travel.z() > 0) != upward) continue;
-        const StartFraction start = start_for_centred_exit(box, travel, system.vertical);
-        const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, system.vertical, {0, box.nz()});
-        if (upward) {
-          const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
-          rays.assign(start_of_rays, start_of_rays + columns);
-          rays.resize(columns + lane_padding);
-        } else {
-          rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
-        }
-        OrdinateFluxes& totals = of_ordinate[d];
-        if (record) totals.profile.assign(levels, 0.);
-        if (keep_columns) passing[d].resize(columns * levels);
-        const auto at_level = [&](int step, const Real* p) {
-          if (!record) return;
-          const int edge = upward ? step : levels - 1 - step;
-          double sum = 0;
-          for (std::size_t m = 0; m < columns; ++m) sum += static_cast<double>(p[m]);
-          totals.profile[edge] = sum;
-          if (keep_columns) std::copy_n(p, columns, passing[d].data() + edge * columns);
-        };
-        const std::span<const Real> side =
-            system.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system.side_radiance[d]);
-        totals.sides =
-            march<Real, true>(pattern, system.cells, box.periodic, side, field.row(d), rays.data(), work, at_level);
-        exit[d].resize(columns);
-        const auto column = columns_at_exit(box, pattern);
-        for (std::size_t m = 0; m < columns; ++m) {
-          totals.out += static_cast<double>(rays[m]);
-          exit[d][column[m]] = rays[m];
-        }
-      }
-    }
-  };
-
-  SweepFluxes<Real> fluxes;
-  march_ordinates(false);
-  ground = system.ground.reflect(exit, system.beam_surface_flux, ordinates, columns);
-  fluxes.surface_flux = ground.flux;
-  fluxes.surface_absorbed = ground.absorbed;
-  if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
-  march_ordinates(true);
-
-  if (record) {
-    fluxes.profile_up.assign(levels, 0.);
-    fluxes.profile_down.assign(levels, 0.);
-  }
-  if (keep_columns) {
-    fluxes.column_up.assign(columns * levels, 0.);
-    fluxes.column_down.assign(columns * levels, 0.);
-  }
-  for (int d = 0; d < ordinates.size(); ++d) {
-    const bool upward = ordinates.direction[d].z() > 0;
-    const double power = ordinates.weight[d] * std::abs(ordinates.direction[d].z());
-    const double mean = power / static_cast<double>(columns);
-    (upward ? fluxes.up_top : fluxes.down_surface) += mean * of_ordinate[d].out;
-    fluxes.side_gain += mean * of_ordinate[d].sides.entered_sides;
-    fluxes.side_loss += mean * of_ordinate[d].sides.left_sides;
-    if (record) {
-      std::vector<double>& profile = upward ? fluxes.profile_up : fluxes.profile_down;
-      for (int e = 0; e < levels; ++e) profile[e] += mean * of_ordinate[d].profile[e];
-    }
-    if (keep_columns) {
-      std::vector<double>& column = upward ? fluxes.column_up : fluxes.column_down;
-      for (std::size_t m = 0; m < column.size(); ++m) column[m] += power * static_cast<double>(passing[d][m]);
-    }
-  }
-  return fluxes;
-}
-
-template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
                                      const IterationCallback& progress) {
-  const std::size_t n = system.cells.size();
+  const std::size_t n = system.cells->size();
   const std::size_t columns = system.box.columns();
   IterationResult<Real> result;
   result.radiance = AngularField<Real>(system.ordinates.size(), n);
@@ -182,7 +72,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   std::optional<LowOrderCorrection<Real>> low_order;
   std::vector<double> volume(n);
   {
-    const auto dense = dense_indices(system.cells.rows);
+    const auto dense = dense_indices(system.cells->rows);
     for (std::size_t c = 0; c < n; ++c) {
       volume[c] = system.box.dx_m * system.box.dy_m * system.box.thickness_m(static_cast<int>(dense[c] / columns));
     }
@@ -208,7 +98,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     const bool record = nearly_done || report.sweeps == options.max_sweeps;
     {
       const Stopwatch watch(report.seconds_scattering);
-      scatter_in_place<Real>(result.radiance, system.scattering, system.cells, system.beam, correction, low.shape);
+      scatter_in_place<Real>(result.radiance, system.scattering, *system.cells, system.beam, correction, low.shape);
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
@@ -260,8 +150,6 @@ std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, 
   return active_cells * a_cell + dense_cells * a_place;
 }
 
-template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
-template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
 template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&,
                                                       const IterationCallback&);
 template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&,

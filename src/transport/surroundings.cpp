@@ -12,19 +12,20 @@ Surroundings::Surroundings(const Problem& problem, const Discretisation& discret
   IterationResult<double> solved =
       iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
   std::optional<DirectBeam<double>> beam;
-  if (problem_.sun) beam = beam_with<double>(problem_, system_.cells.rows, discretisation.gather_fraction(), column);
+  if (problem_.sun) beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), column);
   source_.emplace(make_directional_source(problem_, discretisation, system_, solved.radiance, beam ? &*beam : nullptr));
 }
 
 std::vector<double> Surroundings::radiance(const Direction& travel) const {
   const PathPattern pattern = make_path_pattern(system_.box, travel, .5, .5, true, {0, system_.box.nz()});
   std::vector<double> at_edge(system_.box.nz() + 1, 0.);
-  std::vector<double> source(system_.cells.size());
-  source_->query(travel, source.data());
+  LinearSource<double> source;
+  source.resize(system_.cells->size());
+  source_->query(travel, source.value.data());
+  source.make_gradient(*system_.cells);
   std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
-  MarchWorkspace<double> work;
   march<double, false>(
-      pattern, system_.cells, true, {}, source.data(), ray.data(), work,
+      pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), nullptr,
       [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
   return at_edge;
 }

@@ -44,8 +44,10 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
   TransportSystem<Real> system;
   system.box = problem.grid.box;
   system.vertical = options.independent_columns;
-  system.cells = make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.vertical);
+  system.cells = std::make_shared<const Cells<Real>>(
+      make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.vertical));
   system.ordinates = discretisation.ordinates;
+  system.paths = make_ordinate_paths(system.box, *system.cells, system.ordinates.direction, system.vertical);
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
     system.scattering.push_back(
         rounded_conservatively<Real>(discretisation.table[p].ordinates_from_ordinates, system.ordinates.weight));
@@ -59,17 +61,17 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
   if (problem.sun) {
     system.power_in += -problem.sun->travel.z() * problem.sun->irradiance;
     const std::vector<double> fraction = discretisation.beam_fraction();
-    DirectBeam<Real> beam = beam_with<Real>(problem, system.cells.rows, fraction, options);
+    DirectBeam<Real> beam = beam_with<Real>(problem, system.cells->rows, fraction, options);
     for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
       BeamSource<Real> source;
       source.direction = discretisation.table[p].ordinates_from_beam.template cast<Real>();
-      source.intensity.resize(system.cells.size());
+      source.intensity.resize(system.cells->size());
       bool any = false;
       for (std::size_t c = 0; c < source.intensity.size(); ++c) {
         const double scattered = (1 - fraction[p]) * problem.grid.scattering[p][c];
         any = any || scattered > 0;
         source.intensity[c] = scattered > 0 ? static_cast<Real>(scattered * static_cast<double>(beam.irradiance[c]) /
-                                                                static_cast<double>(system.cells.extinction[c]))
+                                                                static_cast<double>(system.cells->extinction[c]))
                                             : Real(0);
       }
       if (any) system.beam.push_back(std::move(source));
@@ -87,12 +89,12 @@ template <class Real>
 DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
                                          const AngularField<Real>& radiance) {
   DirectionalSource<Real> source{discretisation.points,
-                                 AngularField<Real>(discretisation.points.size(), system.cells.size()),
+                                 AngularField<Real>(discretisation.points.size(), system.cells->size()),
                                  -Direction::UnitZ(),
                                  {}};
   std::vector<DenseMatrix<Real>> to_points;
   for (const auto& table : discretisation.table) to_points.push_back(table.points_from_ordinates.template cast<Real>());
-  scatter_to<Real>(radiance, to_points, system.cells, source.at_points);
+  scatter_to<Real>(radiance, to_points, *system.cells, source.at_points);
   return source;
 }
 
@@ -126,10 +128,10 @@ DirectionalSource<Real> make_directional_source(const Problem& problem, const Di
     const DeltaM& beam = discretisation.beam[p];
     const auto& scattering = problem.grid.scattering[p];
     add_single_scattering<Real>(source, gather.truncated, scattering, 1 - gather.forward_fraction,
-                                system.cells.extinction, gather_beam->irradiance);
+                                system.cells->extinction, gather_beam->irradiance);
     if (beam.forward_fraction > gather.forward_fraction) {
       add_single_scattering<Real>(source, beam.truncated, scattering, 1 - beam.forward_fraction,
-                                  system.cells.extinction, unscattered);
+                                  system.cells->extinction, unscattered);
     }
   }
   return source;

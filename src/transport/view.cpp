@@ -31,7 +31,7 @@ DirectionalSource<Real> seen_source(const Problem& problem, const Discretisation
   if (!problem.sun) return source;
   source.sun_travel = problem.sun->travel;
   for (std::size_t p = 0; p < problem.phase.size(); ++p)
-    add_single_scattering<Real>(source, problem.phase[p], problem.grid.scattering[p], 1., system.cells.extinction,
+    add_single_scattering<Real>(source, problem.phase[p], problem.grid.scattering[p], 1., system.cells->extinction,
                                 system.beam_irradiance);
   return source;
 }
@@ -49,7 +49,7 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const Discreti
   SideRadiance side;
   if (surroundings != nullptr)
     side = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
-  const GatherScene<Real> scene{box, system.cells, source, side, problem.sky_radiance, &ground};
+  const GatherScene<Real> scene{box, *system.cells, source, side, problem.sky_radiance, &ground};
   const LevelRange levels{0, box.nz()};
   const std::vector<Band> all{{0, box.nz(), 0., false}};
   const bool one_column = box.columns() == 1;

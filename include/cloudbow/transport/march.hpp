@@ -18,36 +18,44 @@ inline int wrapped(int i, int n) {
   return r < 0 ? r + n : r;
 }
 
-/// Calls `kernel(ray, cell, n, segment)` for every run of n rays from index `ray` that lie in n cells from index
-/// `cell`, segment by segment of the level that `step` of the pattern crosses, and `enter(segment, at)` before a
-/// segment that begins at a horizontal face, at = fraction of the level done.
-template <class Kernel, class Enter>
-inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Kernel& kernel,
+/// Calls `cross(ray, cell, n)` for the rays of the row of nx rays from index `row` that lie in the chunk when the row
+/// is shifted by `shift` columns, in one run or, at the seam, two.
+template <class Cross>
+[[gnu::always_inline]] inline void cross_run(std::size_t row, const Chunk& chunk, int shift, int nx,
+                                             const Cross& cross) {
+  int m = chunk.column - shift;
+  if (m < 0) m += nx;
+  const int before_seam = nx - m;
+  if (chunk.n <= before_seam) {
+    cross(row + m, chunk.cell, chunk.n);
+  } else {
+    cross(row + m, chunk.cell, before_seam);
+    cross(row, chunk.cell + before_seam, chunk.n - before_seam);
+  }
+}
+
+/// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` that lie in n cells from index
+/// `cell`, segment by segment of the level that `step` of the pattern crosses, where cross = begin(segment); and
+/// `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
+template <class Begin, class Enter>
+inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Begin& begin,
                         const Enter& enter) {
-  const std::uint32_t first_row = rows.level_row[level];
-  const std::uint32_t last_row = rows.level_row[level + 1];
+  const std::span<const Chunk> chunks = rows.levels.of(level);
   const int nx = rows.nx;
+  const int ny = rows.ny;
   double at = 0;
   for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
     const Segment& segment = pattern.segments[s];
     if (segment.entry != Entry::none) enter(segment, at);
     at += segment.fraction;
-    if (segment.fraction <= 0) continue;
+    if (segment.fraction <= 0 || chunks.empty()) continue;
     const int ox = wrapped(segment.shift_x, nx);
-    const int oy = wrapped(segment.shift_y, rows.ny);
-    for (std::uint32_t q = first_row; q < last_row; ++q) {
-      const ActiveRow& row = rows.rows[q];
-      int r = row.j - oy;
-      if (r < 0) r += rows.ny;
-      const std::size_t ray_row = static_cast<std::size_t>(r) * nx;
-      for (std::uint32_t t = row.first_span; t < row.last_span; ++t) {
-        const RowSpan& span = rows.spans[t];
-        int m = span.i - ox;
-        if (m < 0) m += nx;
-        const int before_wrap = std::min(span.n, nx - m);
-        kernel(ray_row + m, span.offset, before_wrap, segment);
-        if (before_wrap < span.n) kernel(ray_row, span.offset + before_wrap, span.n - before_wrap, segment);
-      }
+    const int oy = wrapped(segment.shift_y, ny);
+    const auto cross = begin(segment);
+    for (const Chunk& chunk : chunks) {
+      int r = chunk.row - oy;
+      if (r < 0) r += ny;
+      cross_run(static_cast<std::size_t>(r) * nx, chunk, ox, nx, cross);
     }
   }
 }
@@ -99,11 +107,29 @@ inline void spread_on_columns(double x, double y, double width, int nx, int ny, 
   }
 }
 
-/// Slopes of a source over the cells [first, first + n), limited so that the linear source stays positive in every
-/// cell.
+/// Relative change of a source from face to face of the cells [first, first + n), along x, y and z: central
+/// differences, limited so that the linear source stays positive in every cell.
 template <class Real>
-void source_slopes(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* slope_x,
-                   Real* slope_y, Real* slope_z);
+void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* gradient_x,
+                     Real* gradient_y, Real* gradient_z);
+
+/// Source of all cells along one direction, with its own gradient.
+template <class Real>
+struct LinearSource {
+  std::vector<Real> value;                    ///< [n + lane_padding]
+  std::array<std::vector<Real>, 3> gradient;  ///< [n + lane_padding] relative, along x, y, z
+
+  void resize(std::size_t n) {
+    value.resize(n + lane_padding);
+    for (auto& axis : gradient) axis.resize(n + lane_padding);
+  }
+  void make_gradient(const Cells<Real>& cells) {
+    source_gradient(cells, 0, cells.size(), value.data(), gradient[0].data(), gradient[1].data(), gradient[2].data());
+  }
+  CellView<Real> view(const Cells<Real>& cells) const {
+    return {cells.extinction.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+  }
+};
 
 /// A segment in the precision of the kernel: its length, its share of the level's chord, and where in the cell it
 /// begins and ends.
@@ -124,35 +150,41 @@ struct SegmentGeometry {
         to_z(static_cast<Real>(segment.to[2])) {}
 };
 
-/// Calls `use(i, active)` for i = 0 .. count - 1 with active = true, and in float beyond that, to the end of a vector
-/// of lanes, with active = false: runs of a few cells then cost a vector operation, not a scalar loop. What `use`
-/// writes where it is not active must be what was there. In double, whose kernels are not vectorised, nothing is added.
+/// Calls `use(i, active)` for i = 0 .. count - 1 <= lanes with active = true, and in float beyond that, to the end of a
+/// vector of lanes, with active = false: runs of a few cells then cost a vector operation, not a scalar loop. What
+/// `use` writes where it is not active must be what was there. In double, whose kernels are not vectorised, nothing is
+/// added.
 template <class Real, class Use>
 [[gnu::always_inline]] inline void for_lanes(int count, const Use& use) {
   if constexpr (std::is_same_v<Real, float>) {
-    for (int first = 0; first < count; first += lanes) {
 #pragma omp simd
-      for (int i = 0; i < lanes; ++i) use(first + i, first + i < count);
-    }
+    for (int i = 0; i < lanes; ++i) use(i, i < count);
   } else {
     for (int i = 0; i < count; ++i) use(i, true);
   }
 }
 
-/// `count` rays cross `count` cells of linear source (S1 where they enter, S2 where they leave; docs/theory.md, "March
-/// along a ray"):
+/// `count` <= lanes rays cross as many cells of linear source (S1 where they enter, S2 where they leave;
+/// docs/theory.md, "March along a ray"):
 ///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
 ///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
 /// In float all arrays can be read and written up to lane_padding elements beyond.
 template <class Real, bool keep_mean>
-inline void cross_cells(const SegmentGeometry<Real> g, int count, const Real* __restrict extinction,
-                        const Real* __restrict source, const Real* __restrict slope_x, const Real* __restrict slope_y,
-                        const Real* __restrict slope_z, Real* __restrict ray, Real* __restrict mean) {
+[[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
+                                               std::size_t cell, const Real* __restrict source, Real* __restrict ray,
+                                               Real* __restrict mean) {
+  const Real* __restrict const extinction = cells.extinction + cell;
+  const Real* __restrict const gradient_x = cells.gradient[0] + cell;
+  const Real* __restrict const gradient_y = cells.gradient[1] + cell;
+  const Real* __restrict const gradient_z = cells.gradient[2] + cell;
+  source += cell;
+  if constexpr (keep_mean) mean += cell;
   for_lanes<Real>(count, [=](int i, bool active) {
     const Real t = std::min(extinction[i] * g.length, static_cast<Real>(largest_optical_path));
     const ExponentialFunctions<Real> phi = exponential_functions(t);
-    const Real entry = source[i] + g.from_x * slope_x[i] + g.from_y * slope_y[i] + g.from_z * slope_z[i];
-    const Real exit = source[i] + g.to_x * slope_x[i] + g.to_y * slope_y[i] + g.to_z * slope_z[i];
+    const Real x = gradient_x[i], y = gradient_y[i], z = gradient_z[i];
+    const Real entry = source[i] * (1 + g.from_x * x + g.from_y * y + g.from_z * z);
+    const Real exit = source[i] * (1 + g.to_x * x + g.to_y * y + g.to_z * z);
     const Real in = ray[i];
     if constexpr (keep_mean) {
       const Real more = g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
@@ -169,50 +201,24 @@ struct MarchTotals {
   double left_sides = 0;
 };
 
-/// Work space of one thread.
-template <class Real>
-struct MarchWorkspace {
-  std::vector<Real> slope_x, slope_y, slope_z;
-  std::array<std::vector<Real>, 2> mean;
-};
-
-/// One direction through all levels. `source` [n] becomes the voxel-mean radiance if keep_mean; `rays` [nx*ny] hold the
-/// radiance at the start and at the end; both with lane_padding more behind them. at_level(step, rays) is called before
-/// the first level and after each.
-/// @param side_radiance [nz + 1] in marching order: radiance coming in through open sides at each interface; empty:
+/// One direction through the levels of its pattern. `source` [n] is what the cells send, `rays` [nx*ny] hold the
+/// radiance at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called
+/// before the first level and after each.
+/// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
+/// @param mean [n] voxel-mean radiance is added to it if keep_mean.
 template <class Real, bool keep_mean, class AtLevel>
-MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool periodic,
-                  std::span<const Real> side_radiance, Real* source, Real* rays, MarchWorkspace<Real>& work,
+MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
+                  std::span<const Real> side_radiance, const Real* source, Real* rays, Real* mean,
                   const AtLevel& at_level) {
-  const ActiveRows& rows = cells.rows;
   MarchTotals totals;
-  const std::size_t largest = rows.largest_level();
-  for (auto* v : {&work.slope_x, &work.slope_y, &work.slope_z, &work.mean[0], &work.mean[1]})
-    v->resize(largest + lane_padding);
   at_level(0, rays);
-  int previous = -1;  // level whose mean waits to replace its source: its neighbour's slopes still need the source
-  const auto flush = [&] {
-    if (keep_mean && previous >= 0) {
-      std::copy_n(work.mean[previous & 1].data(), rows.level_cell[previous + 1] - rows.level_cell[previous],
-                  source + rows.level_cell[previous]);
-    }
-  };
   for (int step = 0; step < pattern.levels(); ++step) {
-    const int level = pattern.level(step);
-    const std::size_t first = rows.level_cell[level];
-    const std::size_t n = rows.level_cell[level + 1] - first;
-    if (n > 0) source_slopes(cells, first, n, source, work.slope_x.data(), work.slope_y.data(), work.slope_z.data());
-    flush();
-    previous = level;
-    Real* const mean = work.mean[level & 1].data();
-    if (keep_mean) std::fill_n(mean, n, Real(0));
     const double chord = pattern.chord_m[step];
-    const auto kernel = [&](std::size_t ray, std::size_t cell, int count, const Segment& segment) {
-      const std::size_t here = cell - first;
-      cross_cells<Real, keep_mean>({segment, chord}, count, cells.extinction.data() + cell, source + cell,
-                                   work.slope_x.data() + here, work.slope_y.data() + here, work.slope_z.data() + here,
-                                   rays + ray, mean + here);
+    const auto begin = [&](const Segment& segment) {
+      return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+        cross_cells<Real, keep_mean>(geometry, count, cells, cell, source, rays + ray, mean);
+      };
     };
     const auto enter = [&](const Segment& segment, double at) {
       if (periodic) return;
@@ -225,10 +231,9 @@ MarchTotals march(const PathPattern& pattern, const Cells<Real>& cells, bool per
         rays[ray] = outside;
       });
     };
-    cross_level(pattern, step, level, rows, kernel, enter);
+    cross_level(pattern, step, pattern.level(step), rows, begin, enter);
     at_level(step + 1, rays);
   }
-  flush();
   return totals;
 }
 

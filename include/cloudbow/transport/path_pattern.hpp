@@ -8,6 +8,7 @@
 
 #include "cloudbow/medium/optical_grid.hpp"
 #include "cloudbow/sphere/control_points.hpp"
+#include "cloudbow/transport/cells.hpp"
 
 namespace cloudbow {
 
@@ -41,12 +42,6 @@ struct PathPattern {
   int level(int step) const { return first_level + (upward ? step : levels() - 1 - step); }
 };
 
-/// Levels [first, last) are crossed; default all.
-struct LevelRange {
-  int first;
-  int last;
-};
-
 /// @param travel direction of the march, travel.z != 0.
 /// @param start_x, start_y start within the launch column, in [0, 1).
 /// @param vertical light stays in its column (independent columns): horizontal motion is ignored, chords are not.
@@ -59,6 +54,6 @@ struct StartFraction {
   double x;
   double y;
 };
-StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool vertical);
+StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels);
 
 }  // namespace cloudbow

@@ -12,23 +12,22 @@ namespace cloudbow {
 /// Low moments of the radiance of a cell: integral of J times the 9 functions of degree l <= 2; the first is 1.
 inline constexpr int low_moments = 9;
 
-/// D values a cell, one row an ordinate: value(d, c) at data[d * stride + c]. Holds source or voxel-mean radiance, each
-/// in the other's place.
+/// D values a cell, one row an ordinate: value(d, c) at row(d)[c]. Holds source or voxel-mean radiance, each in the
+/// other's place. Rows can be read and written lane_padding beyond their end, and up to a tile's.
 template <class Real>
 struct AngularField {
   int rows = 0;
   std::size_t cells = 0;
-  std::size_t stride = 0;
-  std::vector<Real> data;
+  std::vector<std::vector<Real>> data;  ///< [rows][at least cells + lane_padding]
 
   AngularField() = default;
-  AngularField(int row_count, std::size_t cell_count)
-      : rows(row_count),
-        cells(cell_count),
-        stride((cell_count + 15) / 16 * 16 + 16),
-        data(static_cast<std::size_t>(row_count) * stride, Real(0)) {}
-  Real* row(int d) { return data.data() + static_cast<std::size_t>(d) * stride; }
-  const Real* row(int d) const { return data.data() + static_cast<std::size_t>(d) * stride; }
+  AngularField(int row_count, std::size_t cell_count) : rows(row_count), cells(cell_count), data(row_count) {
+    for (auto& row : data) row.assign(padded(cell_count), Real(0));
+  }
+  Real* row(int d) { return data[d].data(); }
+  const Real* row(int d) const { return data[d].data(); }
+
+  static std::size_t padded(std::size_t cell_count) { return (cell_count + 15) / 16 * 16 + 16; }
 };
 
 template <class Real>

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "cloudbow/transport/direct_beam.hpp"
 #include "cloudbow/transport/directional_source.hpp"
 #include "cloudbow/transport/discretisation.hpp"
 #include "cloudbow/transport/source_iteration.hpp"

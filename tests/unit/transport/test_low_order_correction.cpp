@@ -30,7 +30,7 @@ struct Fixture {
     options.beam_rays = 4;
     system = make_system<double>(problem, discretise(problem.phase, problem.sun->travel, options), options);
     truth = iterate_source(system, {1e-8, 1e-7, 200}, {}).moments;
-    n = system.cells.size();
+    n = system.cells->size();
   }
 
   double error(const std::vector<double>& moments) const {  // of the scalar flux, relative
@@ -46,7 +46,7 @@ struct Fixture {
   std::vector<double> swept(const std::vector<double>& moments) const {
     const LowMoments<double> low(system.ordinates);
     AngularField<double> radiance(system.ordinates.size(), n);
-    scatter_in_place<double>(radiance, system.scattering, system.cells, system.beam, moments, low.shape);
+    scatter_in_place<double>(radiance, system.scattering, *system.cells, system.beam, moments, low.shape);
     sweep(system, radiance, false);
     std::vector<double> result(low_moments * n);
     moments_of<double>(radiance, low.weights, result);

@@ -114,7 +114,7 @@ TEST(PathPattern, LinearSourcesKeepTheCellsMean) {
 TEST(PathPattern, CentredExitEndsInTheMiddleOfAColumn) {
   const BoxGrid box = unequal_box(7, 5);
   for (const Direction& travel : directions()) {
-    const StartFraction start = start_for_centred_exit(box, travel, false);
+    const StartFraction start = start_for_centred_exit(box, travel, false, {0, box.nz()});
     EXPECT_GE(start.x, 0);
     EXPECT_LT(start.x, 1);
     EXPECT_GE(start.y, 0);
@@ -139,7 +139,7 @@ TEST(PathPattern, VerticalModeStaysInItsColumnOnSlantedChords) {
     }
     EXPECT_EQ(pattern.x.back(), .3);
     EXPECT_EQ(pattern.y.back(), .6);
-    const StartFraction start = start_for_centred_exit(box, travel, true);
+    const StartFraction start = start_for_centred_exit(box, travel, true, {0, box.nz()});
     EXPECT_EQ(start.x, .5);
     EXPECT_EQ(start.y, .5);
   }

@@ -1,0 +1,57 @@
+// One sweep: light crosses the box along every ordinate, from the source at the ordinates to the voxel-mean radiance.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cloudbow/transport/ground.hpp"
+#include "cloudbow/transport/ordinate_path.hpp"
+#include "cloudbow/transport/scattering.hpp"
+
+namespace cloudbow {
+
+/// What does not change during the iteration.
+template <class Real>
+struct TransportSystem {
+  BoxGrid box;
+  bool vertical = false;  ///< independent columns
+  std::shared_ptr<const Cells<Real>> cells;
+  OrdinateSet ordinates;
+  std::vector<OrdinatePath> paths;            ///< [D]
+  std::vector<DenseMatrix<Real>> scattering;  ///< [p] D x D, ordinates from ordinates
+  std::vector<double> truncated_asymmetry;    ///< [p] chi'_1
+  std::vector<BeamSource<Real>> beam;         ///< the direct beam's first scattering at the ordinates
+  std::vector<double> absorption;             ///< [n] 1/m
+  std::vector<Real> beam_irradiance;          ///< [n] of the solver's own beam (order N_b); empty without sun
+  std::vector<double> beam_surface_flux;      ///< [columns] of that beam at the surface; empty without sun
+  double beam_side_gain = 0;                  ///< W m-2 of the top
+  double beam_side_loss = 0;
+  double sky_radiance = 0;
+  Ground<Real> ground;
+  double power_in = 1;  ///< W m-2 through the top, direct and diffuse
+  /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
+  std::vector<std::vector<Real>> side_radiance;
+};
+
+/// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.
+template <class Real>
+struct SweepFluxes {
+  double up_top = 0;
+  double down_surface = 0;  ///< diffuse
+  double side_gain = 0;     ///< diffuse
+  double side_loss = 0;
+  double surface_absorbed = 0;
+  std::vector<double> surface_flux;  ///< [columns] direct and diffuse, downward
+  /// [D][columns] radiance that arrives at the surface, only from a recording sweep over one that is not Lambertian.
+  std::vector<std::vector<Real>> surface_arriving;
+  std::vector<double> profile_up;  ///< [nz+1] domain means, only from a recording sweep
+  std::vector<double> profile_down;
+  std::vector<double> column_up;  ///< [nz+1][columns], only from a recording sweep of columns that exchange no light
+  std::vector<double> column_down;
+};
+
+/// One sweep: source at the ordinates becomes voxel-mean radiance.
+template <class Real>
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record);
+
+}  // namespace cloudbow

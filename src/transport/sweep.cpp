@@ -1,0 +1,280 @@
+#include "cloudbow/transport/sweep.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cloudbow/transport/march.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cells
+
+// Ordinates whose sources share one gradient, relative to themselves: those of an octant, or each by itself.
+std::vector<std::vector<int>> gradient_groups(const OrdinateSet& ordinates, bool upward, bool one_by_one) {
+  std::vector<std::vector<int>> groups;
+  std::array<int, 4> of_quadrant{-1, -1, -1, -1};
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const Direction& o = ordinates.direction[d];
+    if ((o.z() > 0) != upward) continue;
+    int& group = of_quadrant[(o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0)];
+    if (one_by_one || group < 0) {
+      group = static_cast<int>(groups.size());
+      groups.emplace_back();
+    }
+    groups[group].push_back(d);
+  }
+  return groups;
+}
+
+template <class Real>
+struct Gradient {
+  std::array<std::vector<Real>, 3> axis;    // [n + lane_padding] along x, y, z
+  std::array<std::vector<Real>, 3> turned;  // the same in the order of a march along x; empty: not needed
+
+  CellView<Real> along_z(const Cells<Real>& cells) const {
+    return {cells.extinction.data(), {axis[0].data(), axis[1].data(), axis[2].data()}};
+  }
+  CellView<Real> along_y(const Cells<Real>& cells) const {
+    return {cells.extinction.data(), {axis[0].data(), axis[2].data(), axis[1].data()}};
+  }
+  CellView<Real> along_x(const Cells<Real>& cells) const {
+    return {cells.turned[0].extinction.data(), {turned[1].data(), turned[2].data(), turned[0].data()}};
+  }
+};
+
+// Gradient of the mean source of some ordinates. Called by all threads of a team.
+template <class Real>
+void team_make_gradient(const TransportSystem<Real>& system, const AngularField<Real>& field,
+                        const std::vector<int>& group, bool turned, std::vector<Real>& mean, Gradient<Real>& gradient) {
+  const Cells<Real>& cells = *system.cells;
+  const std::size_t n = cells.size();
+#pragma omp single
+  {
+    mean.resize(n);
+    for (auto& axis : gradient.axis) axis.resize(n + lane_padding);
+    for (auto& axis : gradient.turned) axis.resize(turned ? n + lane_padding : 0);
+  }
+  const std::size_t blocks = (n + block_cells - 1) / block_cells;
+#pragma omp for schedule(static)
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::size_t first = block * block_cells;
+    const std::size_t count = std::min(block_cells, n - first);
+    Real* __restrict const to = mean.data() + first;
+    std::fill_n(to, count, Real(0));
+    for (const int d : group) {
+      const Real weight = static_cast<Real>(system.ordinates.weight[d]);
+      const Real* __restrict const from = field.row(d) + first;
+      for (std::size_t c = 0; c < count; ++c) to[c] += weight * from[c];
+    }
+  }
+#pragma omp for schedule(static)
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::size_t first = block * block_cells;
+    source_gradient(cells, first, std::min(block_cells, n - first), mean.data(), gradient.axis[0].data() + first,
+                    gradient.axis[1].data() + first, gradient.axis[2].data() + first);
+  }
+  if (!turned) return;
+#pragma omp for schedule(static)
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::size_t last = std::min(n, (block + 1) * block_cells);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Real* __restrict const from = gradient.axis[axis].data();
+      Real* __restrict const to = gradient.turned[axis].data();
+      const std::uint32_t* __restrict const cell = cells.turned[0].cell.data();
+      for (std::size_t c = block * block_cells; c < last; ++c) to[c] = from[cell[c]];
+    }
+  }
+}
+
+// What one ordinate's march contributes; summed over ordinates in their order.
+struct OrdinateFluxes {
+  double out = 0;  // through the far end, sum of radiances
+  MarchTotals sides;
+  std::vector<double> profile;  // [nz+1] by height, sum of radiances
+};
+
+// Light on a horizontal plane, [ny][nx], when its rays have gone `x`, `y` columns from where they were launched.
+template <class Real>
+void shift_columns(const BoxGrid& box, double x, double y, const Real* from, Real* to) {
+  const int sx = wrapped(static_cast<int>(std::floor(x)), box.nx);
+  const int sy = wrapped(static_cast<int>(std::floor(y)), box.ny);
+  for (int r = 0; r < box.ny; ++r) {
+    const Real* const source = from + static_cast<std::size_t>(r) * box.nx;
+    Real* const target = to + static_cast<std::size_t>((r + sy) % box.ny) * box.nx;
+    std::copy(source, source + (box.nx - sx), target + sx);
+    std::copy(source + (box.nx - sx), source + box.nx, target);
+  }
+}
+
+// One thread's march of one ordinate after another.
+template <class Real>
+class OrdinateMarch {
+ public:
+  explicit OrdinateMarch(const TransportSystem<Real>& system) : system_(system) {}
+
+  // `rays` [columns + lane_padding] come in and go out, by column.
+  // @param passing [levels + 1][columns] radiance at each interface; null: not kept.
+  void cross_box(int d, const Gradient<Real>& gradient, std::vector<Real>& source, std::vector<Real>& rays, bool record,
+                 Real* passing, OrdinateFluxes& totals) {
+    const OrdinatePath& path = system_.paths[d];
+    mean_.assign(source.size(), Real(0));
+    if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
+    go_along_z(d, path.along_z.front(), gradient, source, rays, record, passing, totals);
+    if (path.sideways) {
+      go_sideways(*path.sideways, gradient, source, rays, record, totals);
+      go_along_z(d, path.along_z.back(), gradient, source, rays, record, passing, totals);
+    }
+    source.swap(mean_);
+  }
+
+ private:
+  void go_along_z(int d, const PathPattern& pattern, const Gradient<Real>& gradient, const std::vector<Real>& source,
+                  std::vector<Real>& rays, bool record, Real* passing, OrdinateFluxes& totals) {
+    if (pattern.levels() == 0) return;
+    const std::size_t columns = system_.box.columns();
+    const std::span<const Real> side =
+        system_.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system_.side_radiance[d]);
+    const auto at_level = [&](int step, const Real* p) {
+      if (!record) return;
+      const int edge = pattern.first_level + (pattern.upward ? step : pattern.levels() - step);
+      double sum = 0;
+      for (std::size_t m = 0; m < columns; ++m) sum += static_cast<double>(p[m]);
+      totals.profile[edge] = sum;
+      if (passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
+    };
+    const MarchTotals sides =
+        march<Real, true>(pattern, system_.cells->rows, gradient.along_z(*system_.cells), system_.box.periodic, side,
+                          source.data(), rays.data(), mean_.data(), at_level);
+    totals.sides.entered_sides += sides.entered_sides;
+    totals.sides.left_sides += sides.left_sides;
+    plane_.resize(columns + lane_padding);
+    shift_columns(system_.box, pattern.x.back(), pattern.y.back(), rays.data(), plane_.data());
+    rays.swap(plane_);
+  }
+
+  void go_sideways(const SidewaysPath& path, const Gradient<Real>& gradient, const std::vector<Real>& source,
+                   std::vector<Real>& rays, bool record, OrdinateFluxes& totals) {
+    const Cells<Real>& cells = *system_.cells;
+    const std::size_t columns = system_.box.columns();
+    plane_.assign(columns + lane_padding, Real(0));
+    SidewaysPlanes<Real> planes;
+    planes.leaving = std::span<Real>(plane_).first(columns);
+    planes.everywhere = rays[0];
+    if (std::any_of(rays.begin() + 1, rays.begin() + static_cast<std::ptrdiff_t>(columns),
+                    [&](Real r) { return r != rays[0]; }))
+      planes.entering = std::span<const Real>(rays).first(columns);
+    std::vector<double> at_level(record ? path.levels.last - path.levels.first + 1 : 0, 0.);
+    planes.at_level = at_level;
+    const TurnedCells<Real>& turned = cells.turned[path.axis];
+    if (path.axis == 1) {
+      march_sideways(path, turned.sheets, gradient.along_y(cells), source.data(), planes, mean_.data(), work_);
+    } else {
+      const std::size_t n = cells.size();
+      turned_source_.resize(n + lane_padding);
+      turned_mean_.assign(n + lane_padding, Real(0));
+      const std::uint32_t* __restrict const cell = turned.cell.data();
+      for (std::size_t c = 0; c < n; ++c) turned_source_[c] = source[cell[c]];
+      march_sideways(path, turned.sheets, gradient.along_x(cells), turned_source_.data(), planes, turned_mean_.data(),
+                     work_);
+      for (std::size_t c = 0; c < n; ++c) mean_[cell[c]] += turned_mean_[c];
+    }
+    std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
+    rays.swap(plane_);
+  }
+
+  const TransportSystem<Real>& system_;
+  std::vector<Real> mean_, plane_, turned_source_, turned_mean_;
+  SidewaysWorkspace<Real> work_;
+};
+
+}  // namespace
+
+template <class Real>
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record) {
+  const BoxGrid& box = system.box;
+  const OrdinateSet& ordinates = system.ordinates;
+  const std::size_t columns = box.columns();
+  const int levels = box.nz() + 1;
+  const bool one_column = columns == 1 && box.periodic;
+  const bool keep_columns = record && (system.vertical || one_column);
+  std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
+  std::vector<std::vector<Real>> exit(ordinates.size());
+  std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
+  typename Ground<Real>::Reflection ground;
+  std::vector<Real> mean;
+  Gradient<Real> gradient;
+
+  const auto march_ordinates = [&](bool upward) {
+    const auto groups = gradient_groups(ordinates, upward, !system.cells->varied);
+#pragma omp parallel
+    {
+      OrdinateMarch<Real> march(system);
+      for (const std::vector<int>& group : groups) {
+        const bool turned = std::any_of(group.begin(), group.end(), [&](int d) {
+          return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
+        });
+        team_make_gradient(system, field, group, turned, mean, gradient);
+#pragma omp for schedule(dynamic, 1)
+        for (std::size_t q = 0; q < group.size(); ++q) {
+          const int d = group[q];
+          std::vector<Real>& rays = exit[d];
+          if (upward) {
+            const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
+            rays.assign(start_of_rays, start_of_rays + columns);
+            rays.resize(columns + lane_padding);
+          } else {
+            rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
+          }
+          if (keep_columns) passing[d].resize(columns * levels);
+          march.cross_box(d, gradient, field.data[d], rays, record, keep_columns ? passing[d].data() : nullptr,
+                          of_ordinate[d]);
+          rays.resize(columns);
+          for (const Real r : rays) of_ordinate[d].out += static_cast<double>(r);
+        }
+      }
+    }
+  };
+
+  SweepFluxes<Real> fluxes;
+  march_ordinates(false);
+  ground = system.ground.reflect(exit, system.beam_surface_flux, ordinates, columns);
+  fluxes.surface_flux = ground.flux;
+  fluxes.surface_absorbed = ground.absorbed;
+  if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
+  march_ordinates(true);
+
+  if (record) {
+    fluxes.profile_up.assign(levels, 0.);
+    fluxes.profile_down.assign(levels, 0.);
+  }
+  if (keep_columns) {
+    fluxes.column_up.assign(columns * levels, 0.);
+    fluxes.column_down.assign(columns * levels, 0.);
+  }
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const bool upward = ordinates.direction[d].z() > 0;
+    const double power = ordinates.weight[d] * std::abs(ordinates.direction[d].z());
+    const double share = power / static_cast<double>(columns);
+    (upward ? fluxes.up_top : fluxes.down_surface) += share * of_ordinate[d].out;
+    fluxes.side_gain += share * of_ordinate[d].sides.entered_sides;
+    fluxes.side_loss += share * of_ordinate[d].sides.left_sides;
+    if (record) {
+      std::vector<double>& profile = upward ? fluxes.profile_up : fluxes.profile_down;
+      for (int e = 0; e < levels; ++e) profile[e] += share * of_ordinate[d].profile[e];
+    }
+    if (keep_columns) {
+      std::vector<double>& column = upward ? fluxes.column_up : fluxes.column_down;
+      for (std::size_t m = 0; m < column.size(); ++m) column[m] += power * static_cast<double>(passing[d][m]);
+    }
+  }
+  return fluxes;
+}
+
+template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
+template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
+
+}  // namespace cloudbow
