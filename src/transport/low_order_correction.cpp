@@ -1,6 +1,5 @@
 #include "cloudbow/transport/low_order_correction.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,40 +23,7 @@ constexpr double thin_for_diffusion = 2.5;
 // correction would overshoot.
 constexpr double thick_for_currents = 50;
 
-Eigen::MatrixXd orthonormal_basis(const OrdinateSet& ordinates) {
-  Eigen::MatrixXd y(low_moments, ordinates.size());
-  for (int d = 0; d < ordinates.size(); ++d) {
-    const Direction& o = ordinates.direction[d];
-    const double first = std::sqrt(3.);
-    const double second = std::sqrt(15.);
-    y.col(d) << 1, first * o.x(), first * o.y(), first * o.z(), second * o.x() * o.y(), second * o.x() * o.z(),
-        second * o.y() * o.z(), second / 2 * (o.x() * o.x() - o.y() * o.y()),
-        std::sqrt(5.) / 2 * (3 * o.z() * o.z() - 1);
-  }
-  return y;
-}
-
-struct MomentMatrices {
-  Eigen::MatrixXd weights;
-  Eigen::MatrixXd shape;
-
-  explicit MomentMatrices(const OrdinateSet& ordinates) {
-    const Eigen::MatrixXd y = orthonormal_basis(ordinates);
-    weights = y * Eigen::Map<const Eigen::VectorXd>(ordinates.weight.data(), ordinates.size()).asDiagonal();
-    // A set with few directions may not tell all moments apart; the pseudoinverse then leaves those out.
-    const Eigen::MatrixXd gram = weights * y.transpose();
-    shape = y.transpose() * gram.completeOrthogonalDecomposition().pseudoInverse();
-  }
-};
-
 }  // namespace
-
-template <class Real>
-LowMoments<Real>::LowMoments(const OrdinateSet& ordinates) {
-  const MomentMatrices matrices(ordinates);
-  weights = matrices.weights.template cast<Real>();
-  shape = matrices.shape.template cast<Real>();
-}
 
 // Diffusion correction of scalar flux and current, on the levels that hold cells.
 template <class Real>
@@ -235,14 +201,15 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full) {
 
 template <class Real>
 LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system)
-    : low_(low_order_system(system)), full_(&system), basis_(low_.ordinates) {
-  const MomentMatrices full(system.ordinates);
-  const MomentMatrices low(low_.ordinates);
+    : low_(low_order_system(system)), full_(&system) {
+  const LowMoments<double> full(system.ordinates);
+  const LowMoments<double> low(low_.ordinates);
   for (const DenseMatrix<Real>& matrix : system.scattering) {
     const Eigen::MatrixXd moments = full.weights * matrix.template cast<double>() * full.shape;
     scattered_moments_.push_back(moments.template cast<Real>());
     low_.scattering.push_back((low.shape * moments * low.weights).template cast<Real>());
   }
+  low_.fold_scattering();
   for (const BeamSource<Real>& beam : system.beam) {
     const Eigen::VectorXd moments = full.weights * beam.direction.template cast<double>();
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
@@ -309,10 +276,10 @@ void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
   AndersonMixer<Real> mixer(low_mixing_depth);
   std::vector<Real> x(low_moments * n, Real(0)), g, correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
-    scatter_in_place<Real>(radiance, low_.scattering, *low_.cells, low_.beam, correction, basis_.shape);
+    low_.scatter(radiance, correction);
     sweep(low_, radiance, false);
     ++sweeps_;
-    moments_of<Real>(radiance, basis_.weights, moments);
+    low_.moments(radiance, moments);
     g.assign(moments.begin(), moments.begin() + static_cast<std::ptrdiff_t>(mixed));
     if (diffusion_) {
       for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
@@ -342,11 +309,7 @@ std::size_t LowOrderCorrection<Real>::bytes_a_place() {
   return 8 * (4 + 2 + 3 + 4 + 3) * 4 / 3;  // coefficients, vectors, and a third more for the coarser grids
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)  \
-  template struct LowMoments<Real>; \
-  template class LowOrderCorrection<Real>
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template class LowOrderCorrection<float>;
+template class LowOrderCorrection<double>;
 
 }  // namespace cloudbow

@@ -68,7 +68,6 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   result.moments.assign(low_moments * n, Real(0));
   IterationReport& report = result.report;
 
-  const LowMoments<Real> low(system.ordinates);
   std::optional<LowOrderCorrection<Real>> low_order;
   std::vector<double> volume(n);
   {
@@ -98,12 +97,12 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     const bool record = nearly_done || report.sweeps == options.max_sweeps;
     {
       const Stopwatch watch(report.seconds_scattering);
-      scatter_in_place<Real>(result.radiance, system.scattering, *system.cells, system.beam, correction, low.shape);
+      system.scatter(result.radiance, correction);
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
       result.fluxes = sweep(system, result.radiance, record);
-      moments_of<Real>(result.radiance, low.weights, result.moments);
+      system.moments(result.radiance, result.moments);
     }
     result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n), volume);
 

@@ -31,6 +31,30 @@ std::vector<double> scaled_layer_extinction(const OpticalGrid& grid, const std::
 }  // namespace
 
 template <class Real>
+void TransportSystem<Real>::fold_scattering() {
+  low = LowMoments<Real>(ordinates);
+  folded = FoldedScattering<Real>::make(ordinates, scattering, low.weights, low.shape);
+}
+
+template <class Real>
+void TransportSystem<Real>::scatter(AngularField<Real>& field, std::span<const Real> correction) const {
+  if (folded) {
+    folded->scatter_in_place(field, *cells, beam, correction);
+  } else {
+    scatter_in_place<Real>(field, scattering, *cells, beam, correction, low.shape);
+  }
+}
+
+template <class Real>
+void TransportSystem<Real>::moments(const AngularField<Real>& radiance, std::span<Real> of) const {
+  if (folded) {
+    folded->moments_of(radiance, of);
+  } else {
+    moments_of<Real>(radiance, low.weights, of);
+  }
+}
+
+template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
                            const SolverOptions& options) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
@@ -53,6 +77,7 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
         rounded_conservatively<Real>(discretisation.table[p].ordinates_from_ordinates, system.ordinates.weight));
     system.truncated_asymmetry.push_back(discretisation.diffuse[p].truncated.asymmetry_parameter());
   }
+  system.fold_scattering();
   system.absorption.assign(problem.grid.absorption.begin(), problem.grid.absorption.end());
   system.sky_radiance = problem.sky_radiance;
   system.ground = Ground<Real>(problem.surface, system.ordinates,
@@ -189,6 +214,8 @@ bool runs_in_double(const Problem& problem, const SolverOptions& options) {
   return std::min(mean_depth, 3 * diffusion_length) > thickest_domain_in_float;
 }
 
+template struct TransportSystem<float>;
+template struct TransportSystem<double>;
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                    \
   template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,            \
                                             const SolverOptions&);                                                    \

@@ -10,15 +10,6 @@
 
 namespace cloudbow {
 
-/// The moments l <= 2 in the basis 1, sqrt(3) (x, y, z), ... that is orthonormal over the sphere up to 4 pi.
-template <class Real>
-struct LowMoments {
-  explicit LowMoments(const OrdinateSet& ordinates);
-
-  DenseMatrix<Real> weights;  ///< low_moments x D: radiance at the ordinates to moments
-  DenseMatrix<Real> shape;    ///< D x low_moments: what a unit of each moment adds to the radiance
-};
-
 template <class Real>
 class LowOrderCorrection {
  public:
@@ -48,7 +39,6 @@ class LowOrderCorrection {
   std::vector<DenseMatrix<Real>> scattered_moments_;  // [p] low_moments x low_moments
   std::vector<Real> beam_moments_;                    // [beam][low_moments]
   const TransportSystem<Real>* full_;
-  LowMoments<Real> basis_;
   std::unique_ptr<Diffusion> diffusion_;
   int sweeps_ = 0;
 };

@@ -13,7 +13,7 @@ namespace cloudbow {
 inline constexpr int low_moments = 9;
 
 /// D values a cell, one row an ordinate: value(d, c) at row(d)[c]. Holds source or voxel-mean radiance, each in the
-/// other's place. Rows can be read and written lane_padding beyond their end, and up to a tile's.
+/// other's place. Rows can be read and written lane_padding beyond their end, and to the end of a tile of cells.
 template <class Real>
 struct AngularField {
   int rows = 0;
@@ -27,7 +27,8 @@ struct AngularField {
   Real* row(int d) { return data[d].data(); }
   const Real* row(int d) const { return data[d].data(); }
 
-  static std::size_t padded(std::size_t cell_count) { return (cell_count + 15) / 16 * 16 + 16; }
+  static constexpr std::size_t tile = 64;
+  static std::size_t padded(std::size_t cell_count) { return (cell_count + tile - 1) / tile * tile + lane_padding; }
 };
 
 template <class Real>

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "cloudbow/transport/folded_scattering.hpp"
 #include "cloudbow/transport/ground.hpp"
+#include "cloudbow/transport/low_moments.hpp"
 #include "cloudbow/transport/ordinate_path.hpp"
 #include "cloudbow/transport/scattering.hpp"
 
@@ -17,20 +21,29 @@ struct TransportSystem {
   bool vertical = false;  ///< independent columns
   std::shared_ptr<const Cells<Real>> cells;
   OrdinateSet ordinates;
-  std::vector<OrdinatePath> paths;            ///< [D]
-  std::vector<DenseMatrix<Real>> scattering;  ///< [p] D x D, ordinates from ordinates
-  std::vector<double> truncated_asymmetry;    ///< [p] chi'_1
-  std::vector<BeamSource<Real>> beam;         ///< the direct beam's first scattering at the ordinates
-  std::vector<double> absorption;             ///< [n] 1/m
-  std::vector<Real> beam_irradiance;          ///< [n] of the solver's own beam (order N_b); empty without sun
-  std::vector<double> beam_surface_flux;      ///< [columns] of that beam at the surface; empty without sun
-  double beam_side_gain = 0;                  ///< W m-2 of the top
+  std::vector<OrdinatePath> paths;               ///< [D]
+  std::vector<DenseMatrix<Real>> scattering;     ///< [p] D x D, ordinates from ordinates
+  std::optional<FoldedScattering<Real>> folded;  ///< the same where ordinates and matrices have the symmetry for it
+  LowMoments<Real> low;
+  std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
+  std::vector<BeamSource<Real>> beam;       ///< the direct beam's first scattering at the ordinates
+  std::vector<double> absorption;           ///< [n] 1/m
+  std::vector<Real> beam_irradiance;        ///< [n] of the solver's own beam (order N_b); empty without sun
+  std::vector<double> beam_surface_flux;    ///< [columns] of that beam at the surface; empty without sun
+  double beam_side_gain = 0;                ///< W m-2 of the top
   double beam_side_loss = 0;
   double sky_radiance = 0;
   Ground<Real> ground;
   double power_in = 1;  ///< W m-2 through the top, direct and diffuse
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
+
+  /// Makes `low` and `folded`, once ordinates and scattering are there.
+  void fold_scattering();
+  /// Radiance, with this added to its moments (empty: nothing), becomes source.
+  void scatter(AngularField<Real>& field, std::span<const Real> correction) const;
+  /// [low_moments][n] of the radiance.
+  void moments(const AngularField<Real>& radiance, std::span<Real> of) const;
 };
 
 /// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.

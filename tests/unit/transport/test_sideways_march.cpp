@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<double, 1> untruncated{0.};
 
 BoxGrid even_box() {
-  BoxGrid box = make_box(17, 19, 7, true);
+  BoxGrid box = make_box(21, 23, 7, true);
   box.dx_m = 30;
   box.dy_m = 20;
   for (int e = 0; e <= 7; ++e) box.z_edge_m[e] = 100 + 25. * e;
@@ -207,7 +207,7 @@ TEST(OrdinatePaths, TakeTheShortestWay) {
   EXPECT_EQ(paths[2].sideways->axis, 1);
   // A field that does not change along an axis keeps that: it is marched along z.
   std::vector<float> rows(cells_of(box));
-  for (std::size_t c = 0; c < rows.size(); ++c) rows[c] = .01F * static_cast<float>(1 + c / 17 % 3);
+  for (std::size_t c = 0; c < rows.size(); ++c) rows[c] = .01F * static_cast<float>(1 + c / 21 % 3);
   EXPECT_EQ(make_cells<float>(make_grid(box, rows, 1.), untruncated, false).even_levels.last, 0);
   // Columns that exchange no light are marched along z, and so is a box with open sides.
   EXPECT_FALSE(
