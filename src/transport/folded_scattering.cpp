@@ -3,29 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace cloudbow {
 namespace {
 
 constexpr int tile = static_cast<int>(AngularField<float>::tile);
-constexpr int width = 8;  // of the vectors below
-
-template <class Real>
-struct VectorOf {
-  typedef Real type __attribute__((vector_size(width * sizeof(Real))));
-};
-template <class Real>
-using Vector = typename VectorOf<Real>::type;
-
-template <class Real>
-[[gnu::always_inline]] inline void load(const Real* from, Vector<Real>& v) {
-  std::memcpy(&v, from, sizeof v);
-}
-template <class Real>
-[[gnu::always_inline]] inline void store(const Vector<Real>& v, Real* to) {
-  std::memcpy(to, &v, sizeof v);
-}
 
 bool odd(unsigned bits) { return (std::popcount(bits) & 1) != 0; }
 
@@ -33,17 +15,17 @@ bool odd(unsigned bits) { return (std::popcount(bits) & 1) != 0; }
 template <class Real, int rows>
 [[gnu::always_inline]] inline void multiply_rows(const Real* matrix, int size, const Real* from, Real* product) {
   constexpr int vectors = 2;
-  for (int c = 0; c < tile; c += vectors * width) {
-    Vector<Real> sum[rows][vectors] = {};
+  for (int c = 0; c < tile; c += vectors * lanes) {
+    Lanes<Real> sum[rows][vectors] = {};
     for (int k = 0; k < size; ++k) {
-      Vector<Real> value[vectors];
-      for (int v = 0; v < vectors; ++v) load(from + k * tile + c + v * width, value[v]);
+      Lanes<Real> value[vectors];
+      for (int v = 0; v < vectors; ++v) load_lanes(from + k * tile + c + v * lanes, value[v]);
       for (int r = 0; r < rows; ++r) {
         for (int v = 0; v < vectors; ++v) sum[r][v] += matrix[k * size + r] * value[v];
       }
     }
     for (int r = 0; r < rows; ++r) {
-      for (int v = 0; v < vectors; ++v) store(sum[r][v], product + r * tile + c + v * width);
+      for (int v = 0; v < vectors; ++v) store_lanes(sum[r][v], product + r * tile + c + v * lanes);
     }
   }
 }
@@ -147,92 +129,119 @@ std::optional<FoldedScattering<Real>> FoldedScattering<Real>::make(const Ordinat
   return folded;
 }
 
-// x[sector] = sum over octants of (-1)^(bits in common) x[octant]; its own inverse but for the factor of eight, which
-// the matrices carry.
+namespace {
+
+// A tile of eight rows, to[sector] = sum over octants of (-1)^(bits in common) from[octant]; its own inverse but for
+// the factor of eight, which the matrices carry.
 template <class Real>
-template <class LoadVector, class StoreVector>
-[[gnu::always_inline]] inline void FoldedScattering<Real>::transform(int octant_size, const LoadVector& load_vector,
-                                                                     const StoreVector& store_vector) {
-  for (int b = 0; b < octant_size; ++b) {
-    for (int c = 0; c < tile; c += width) {
-      Vector<Real> x[octants];
-      for (int o = 0; o < octants; ++o) load_vector(o * octant_size + b, c, x[o]);
-      for (int bit = 1; bit < octants; bit <<= 1) {
-        for (int o = 0; o < octants; ++o) {
-          if (o & bit) continue;
-          const Vector<Real> sum = x[o] + x[o | bit];
-          x[o | bit] = x[o] - x[o | bit];
-          x[o] = sum;
-        }
+[[gnu::always_inline]] inline void transform(const Real* const (&from)[8], Real* const (&to)[8]) {
+  for (int c = 0; c < tile; c += lanes) {
+    Lanes<Real> x[8];
+    for (int o = 0; o < 8; ++o) load_lanes(from[o] + c, x[o]);
+    for (int bit = 1; bit < 8; bit <<= 1) {
+      for (int o = 0; o < 8; ++o) {
+        if (o & bit) continue;
+        const Lanes<Real> sum = x[o] + x[o | bit];
+        x[o | bit] = x[o] - x[o | bit];
+        x[o] = sum;
       }
-      for (int o = 0; o < octants; ++o) store_vector(o * octant_size + b, c, x[o]);
+    }
+    for (int o = 0; o < 8; ++o) store_lanes(x[o], to[o] + c);
+  }
+}
+
+// to += scale * from, or to = scale * from
+template <bool add, class Real>
+[[gnu::always_inline]] inline void accumulate(const Real* __restrict scale, const Real* __restrict from, int n,
+                                              Real* __restrict to) {
+  for (int c = 0; c < n; ++c) to[c] = add ? to[c] + scale[c] * from[c] : scale[c] * from[c];
+}
+
+template <class Real>
+[[gnu::always_inline]] inline void add_scaled(Real scale, const Real* __restrict from, int n, Real* __restrict to) {
+  for (int c = 0; c < n; ++c) to[c] += scale * from[c];
+}
+
+}  // namespace
+
+template <class Real>
+void FoldedScattering<Real>::fold(const AngularField<Real>& field, std::size_t first, Real* folded) const {
+  for (int b = 0; b < octant_size_; ++b) {
+    const Real* from[octants];
+    Real* to[octants];
+    for (int o = 0; o < octants; ++o) {
+      from[o] = field.row(ordinate_[o * octant_size_ + b]) + first;
+      to[o] = folded + (o * octant_size_ + b) * tile;
+    }
+    transform(from, to);
+  }
+}
+
+// Moments of n cells, given for all `cells`, as sums over the octants.
+template <class Real>
+void FoldedScattering<Real>::add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n,
+                                         Real scale, Real* folded) const {
+  const int count = static_cast<int>(moments.size() / cells);
+  for (int s = 0; s < octants; ++s) {
+    for (const SectorMoment& moment : moments_[s]) {
+      if (moment.moment >= count) continue;
+      const Real* const change = moments.data() + moment.moment * cells + first;
+      for (int b = 0; b < octant_size_; ++b)
+        add_scaled(scale * moment.shape[b], change, n, folded + (s * octant_size_ + b) * tile);
     }
   }
 }
 
 template <class Real>
-void FoldedScattering<Real>::fold(const AngularField<Real>& field, std::size_t first, Real* folded) const {
-  const int* const ordinate = ordinate_.data();
-  transform(
-      octant_size_, [&](int row, int c, Vector<Real>& v) { load(field.row(ordinate[row]) + first + c, v); },
-      [&](int row, int c, const Vector<Real>& v) { store(v, folded + row * tile + c); });
-}
-
-template <class Real>
 void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells,
-                                              std::span<const BeamSource<Real>> beam,
-                                              std::span<const Real> correction) const {
+                                              const ScatteringTerms<Real>& terms) const {
   const std::size_t tiles = (field.cells + tile - 1) / tile;
-  const int rows = field.rows;
   const int sector_values = octant_size_ * tile;
+  const bool scatters = !terms.dark || !terms.correction.empty();
 #pragma omp parallel
   {
-    std::vector<Real> radiance(static_cast<std::size_t>(rows) * tile), source(radiance.size()), product(sector_values);
+    std::vector<Real> radiance(static_cast<std::size_t>(field.rows) * tile), source(radiance.size()),
+        product(sector_values);
 #pragma omp for schedule(static)
     for (std::size_t t = 0; t < tiles; ++t) {
       const std::size_t first = t * tile;
       const int n = static_cast<int>(std::min<std::size_t>(tile, field.cells - first));
-      fold(field, first, radiance.data());
-      if (!correction.empty()) {
-        for (int s = 0; s < octants; ++s) {
-          for (const SectorMoment& moment : moments_[s]) {
-            const Real* __restrict const change = correction.data() + moment.moment * field.cells + first;
-            for (int b = 0; b < octant_size_; ++b) {
-              Real* __restrict const to = radiance.data() + s * sector_values + b * tile;
-              const Real shape = moment.shape[b];
-              for (int c = 0; c < n; ++c) to[c] += shape * change[c];
-            }
-          }
-        }
+      if (terms.dark) {
+        std::fill(radiance.begin(), radiance.end(), Real(0));
+      } else {
+        fold(field, first, radiance.data());
       }
+      add_moments(terms.correction, field.cells, first, n, Real(1), radiance.data());
       bool any = false;
-      for (std::size_t p = 0; p < matrix_.size(); ++p) {
-        const Real* __restrict const share = cells.scattered[p].data() + first;
+      for (std::size_t p = 0; scatters && p < matrix_.size(); ++p) {
+        const Real* const share = cells.scattered[p].data() + first;
         if (std::all_of(share, share + n, [](Real x) { return x == 0; })) continue;
         for (int s = 0; s < octants; ++s) {
           multiply(matrix_[p][s], octant_size_, radiance.data() + s * sector_values, product.data());
           for (int b = 0; b < octant_size_; ++b) {
-            const Real* __restrict const from = product.data() + b * tile;
-            Real* __restrict const to = source.data() + s * sector_values + b * tile;
+            Real* const to = source.data() + s * sector_values + b * tile;
             if (any) {
-              for (int c = 0; c < n; ++c) to[c] += share[c] * from[c];
+              accumulate<true>(share, product.data() + b * tile, n, to);
             } else {
-              for (int c = 0; c < n; ++c) to[c] = share[c] * from[c];
+              accumulate<false>(share, product.data() + b * tile, n, to);
             }
           }
         }
         any = true;
       }
       if (!any) std::fill(source.begin(), source.end(), Real(0));
-      transform(
-          octant_size_, [&](int row, int c, Vector<Real>& v) { load(source.data() + row * tile + c, v); },
-          [&](int row, int c, const Vector<Real>& v) { store(v, field.row(ordinate_[row]) + first + c); });
-      for (const BeamSource<Real>& b : beam) {
-        const Real* __restrict const intensity = b.intensity.data() + first;
-        for (int d = 0; d < rows; ++d) {
-          Real* __restrict const to = field.row(d) + first;
-          const Real scale = b.direction[d];
-          for (int c = 0; c < n; ++c) to[c] += scale * intensity[c];
+      add_moments(terms.emission, field.cells, first, n, Real(1) / octants, source.data());
+      for (int b = 0; b < octant_size_; ++b) {
+        const Real* from[octants];
+        Real* to[octants];
+        for (int o = 0; o < octants; ++o) {
+          from[o] = source.data() + (o * octant_size_ + b) * tile;
+          to[o] = field.row(ordinate_[o * octant_size_ + b]) + first;
+        }
+        transform(from, to);
+        for (const BeamSource<Real>& beam : terms.beam) {
+          for (int o = 0; o < octants; ++o)
+            add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first, n, to[o]);
         }
       }
     }
@@ -254,12 +263,9 @@ void FoldedScattering<Real>::moments_of(const AngularField<Real>& radiance, std:
       for (std::size_t m = 0; m < count; ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
       for (int s = 0; s < octants; ++s) {
         for (const SectorMoment& moment : moments_[s]) {
-          Real* __restrict const to = moments.data() + moment.moment * radiance.cells + first;
-          for (int b = 0; b < octant_size_; ++b) {
-            const Real* __restrict const from = folded.data() + (s * octant_size_ + b) * tile;
-            const Real weight = moment.weight[b];
-            for (int c = 0; c < n; ++c) to[c] += weight * from[c];
-          }
+          Real* const to = moments.data() + moment.moment * radiance.cells + first;
+          for (int b = 0; b < octant_size_; ++b)
+            add_scaled(moment.weight[b], folded.data() + (s * octant_size_ + b) * tile, n, to);
         }
       }
     }

@@ -185,6 +185,7 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full) {
   low.cells = full.cells;
   low.ordinates = make_ordinate_set(low_directions);
   low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.vertical);
+  low.linear_source = false;  // a correction need not be finer
   low.truncated_asymmetry = full.truncated_asymmetry;
   low.absorption = full.absorption;
   if (full.ground.is_lambertian()) {
@@ -214,9 +215,8 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
     const Eigen::VectorXd moments = full.weights * beam.direction.template cast<double>();
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
   }
-  for (int m = 0; m < low_moments; ++m) {
-    low_.beam.push_back({low.shape.col(m).template cast<Real>(), std::vector<Real>(system.cells->size())});
-  }
+  low_.emission.resize(low_moments * system.cells->size());
+  radiance_ = AngularField<Real>(low_.ordinates.size(), system.cells->size());
   if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<Diffusion>(low_);
 }
 
@@ -237,8 +237,8 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
   const std::size_t n = low_.cells->size();
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    std::vector<Real>& source = low_.beam[m].intensity;
-    std::fill(source.begin(), source.end(), Real(0));
+    Real* const source = low_.emission.data() + m * n;
+    std::fill_n(source, n, Real(0));
     for (std::size_t b = 0; b < full_->beam.size(); ++b) {
       const Real share = beam_moments_[b * low_moments + m];
       for (std::size_t c = 0; c < n; ++c) source[c] += share * full_->beam[b].intensity[c];
@@ -252,8 +252,8 @@ void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<R
   const std::size_t n = low_.cells->size();
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    std::vector<Real>& source = low_.beam[m].intensity;
-    std::fill(source.begin(), source.end(), Real(0));
+    Real* const source = low_.emission.data() + m * n;
+    std::fill_n(source, n, Real(0));
     for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
       const std::vector<Real>& scattered = low_.cells->scattered[p];
       for (int from = 0; from < low_moments; ++from) {
@@ -267,19 +267,18 @@ void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<R
   solve(correction);
 }
 
-// Light of the sources in low_.beam.
+// Light of low_.emission.
 template <class Real>
 void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
   const std::size_t n = low_.cells->size();
   const std::size_t mixed = 4 * n;  // the moments l <= 1
-  AngularField<Real> radiance(low_.ordinates.size(), n);
   AndersonMixer<Real> mixer(low_mixing_depth);
   std::vector<Real> x(low_moments * n, Real(0)), g, correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
-    low_.scatter(radiance, correction);
-    sweep(low_, radiance, false);
+    low_.scatter(radiance_, correction, sweeps == 1);
+    sweep(low_, radiance_, false, work_);
     ++sweeps_;
-    low_.moments(radiance, moments);
+    low_.moments(radiance_, moments);
     g.assign(moments.begin(), moments.begin() + static_cast<std::ptrdiff_t>(mixed));
     if (diffusion_) {
       for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
@@ -291,7 +290,7 @@ void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
     const double step = ordered_dot<Real>(flux(change), flux(change));
     if (step <= low_tolerance * low_tolerance * size || sweeps == most_low_sweeps) break;
     mixer.advance(std::span<Real>(x).first(mixed), g);
-    correction.assign(low_moments * n, Real(0));
+    correction.resize(mixed);
     for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments[i];
   }
   std::copy(g.begin(), g.end(), moments.begin());

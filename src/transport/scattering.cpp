@@ -83,21 +83,24 @@ DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::spa
 
 template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
-                      std::span<const BeamSource<Real>> beam, std::span<const Real> correction,
-                      const DenseMatrix<Real>& correction_shape) {
-  const auto correct = [&](std::size_t first, std::size_t n, Tile<Real>& radiance) {
-    if (correction.empty()) return;
+                      const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape) {
+  const auto add_moments = [&](std::span<const Real> moments, std::size_t first, std::size_t n, Tile<Real>& tile) {
+    const int count = static_cast<int>(moments.size() / field.cells);
     for (int d = 0; d < field.rows; ++d) {
-      for (int m = 0; m < low_moments; ++m)
-        add_scaled(correction_shape(d, m), correction.data() + m * field.cells + first, n, radiance, d);
+      for (int m = 0; m < count; ++m) add_scaled(shape(d, m), moments.data() + m * field.cells + first, n, tile, d);
     }
   };
-  const auto add_beams = [&](std::size_t first, std::size_t n, Tile<Real>& source) {
-    for (const BeamSource<Real>& b : beam) {
+  const auto correct = [&](std::size_t first, std::size_t n, Tile<Real>& radiance) {
+    if (terms.dark) radiance.setZero();
+    add_moments(terms.correction, first, n, radiance);
+  };
+  const auto add_sources = [&](std::size_t first, std::size_t n, Tile<Real>& source) {
+    add_moments(terms.emission, first, n, source);
+    for (const BeamSource<Real>& b : terms.beam) {
       for (int d = 0; d < field.rows; ++d) add_scaled(b.direction[d], b.intensity.data() + first, n, source, d);
     }
   };
-  scatter_tiles(field, matrix, cells, field, correct, add_beams);
+  scatter_tiles(field, matrix, cells, field, correct, add_sources);
 }
 
 template <class Real>
@@ -130,8 +133,7 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
   template DenseMatrix<Real> rounded_conservatively<Real>(const Eigen::MatrixXd&, std::span<const double>);         \
   template void scatter_in_place<Real>(AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
-                                       std::span<const BeamSource<Real>>, std::span<const Real>,                    \
-                                       const DenseMatrix<Real>&);                                                   \
+                                       const ScatteringTerms<Real>&, const DenseMatrix<Real>&);                     \
   template void scatter_to<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
                                  AngularField<Real>&);                                                              \
   template void moments_of<Real>(const AngularField<Real>&, const DenseMatrix<Real>&, std::span<Real>)

@@ -13,11 +13,11 @@ namespace {
 // before it.
 double centred_start(double rest, bool ascending) { return ascending ? (1 - rest) / 2 : (1 + rest) / 2; }
 
-template <class Real>
+template <class Real, bool linear>
 class SidewaysMarch {
  public:
   SidewaysMarch(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                const SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work)
+                SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work)
       : path_(path),
         sheets_(sheets),
         cells_(cells),
@@ -29,7 +29,7 @@ class SidewaysMarch {
         columns_(sheets.columns),
         first_row_(-(path.block + 1)) {
     work_.rays.resize(static_cast<std::size_t>(levels_ - first_row_) * columns_ + lane_padding);
-    work_.row.resize(columns_);
+    work_.row.resize(columns_ + 2);
   }
 
   void run() {
@@ -51,11 +51,6 @@ class SidewaysMarch {
   // Interface, by height above the first level, that light crosses on its way into a level.
   int interface(int along) const { return path_.upward ? along : levels_ - along; }
 
-  std::size_t column_of_box(int sheet, int across) const {
-    return path_.axis == 1 ? static_cast<std::size_t>(sheet) * columns_ + across
-                           : static_cast<std::size_t>(across) * sheets_.count + sheet;
-  }
-
   // Calls visit(sheet, share) for the sheets, in marching order and around the seam, that an interval of the march
   // overlaps.
   template <class Visit>
@@ -64,6 +59,14 @@ class SidewaysMarch {
       const double share = std::min(to, s + 1.) - std::max(from, static_cast<double>(s));
       if (share > 1e-12) visit(path_.pattern.level(wrapped(s, sheets_.count)), share);
     }
+  }
+
+  // Calls use(m, column, n) for the n rays from m on that are in the columns from `column` on.
+  template <class Use>
+  void for_shifted(int shift, const Use& use) const {
+    const int first = wrapped(shift, columns_);
+    use(0, first, columns_ - first);
+    if (first > 0) use(columns_ - first, 0, first);
   }
 
   // Rays of a row take the mean of what comes in over the part of the plane that is theirs: `width` sheets about `at`.
@@ -75,24 +78,30 @@ class SidewaysMarch {
     std::fill_n(row, columns_, Real(0));
     for_sheets_between(at - width / 2, at + width / 2, [&](int sheet, double share) {
       const Real weight = static_cast<Real>(share / width);
-      for (int m = 0; m < columns_; ++m)
-        row[m] += weight * planes_.entering[column_of_box(sheet, wrapped(m + shift, columns_))];
+      const Real* const plane = planes_.entering.data() + static_cast<std::size_t>(sheet) * columns_;
+      for_shifted(shift, [=](int m, int column, int n) {
+        const Real* __restrict const from = plane + column;
+        Real* __restrict const to = row + m;
+        for (int i = 0; i < n; ++i) to[i] += weight * from[i];
+      });
     });
   }
 
   void go_out(const Real* row, double at, double width, int shift) {
+    planes_.left += width * sum(row);
+    if (planes_.leaving.empty()) return;
     for_sheets_between(at - width / 2, at + width / 2, [&](int sheet, double share) {
       const Real weight = static_cast<Real>(share);
-      for (int m = 0; m < columns_; ++m)
-        planes_.leaving[column_of_box(sheet, wrapped(m + shift, columns_))] += weight * row[m];
+      Real* const plane = planes_.leaving.data() + static_cast<std::size_t>(sheet) * columns_;
+      for_shifted(shift, [=](int m, int column, int n) {
+        const Real* __restrict const from = row + m;
+        Real* __restrict const to = plane + column;
+        for (int i = 0; i < n; ++i) to[i] += weight * from[i];
+      });
     });
   }
 
-  double sum(const Real* row) const {
-    double total = 0;
-    for (int m = 0; m < columns_; ++m) total += static_cast<double>(row[m]);
-    return total;
-  }
+  double sum(const Real* row) const { return plane_sum(row, static_cast<std::size_t>(columns_)); }
 
   // The row that has not come in when the last sheet is done, but whose share of it crosses the plane at the seam.
   void fill_outermost_row() {
@@ -106,18 +115,18 @@ class SidewaysMarch {
     const Real* const behind = ray_row(q - path_.block - 1);
     const Real rest = static_cast<Real>(path_.rest);
     const Real sidestep = static_cast<Real>(path_.across_rest);
-    Real* const back = work_.row.data();
-    const int shift = wrapped(path_.across, columns_);
-    for (int m = 0; m < columns_; ++m) {
-      const int column = m + shift < columns_ ? m + shift : m + shift - columns_;
-      back[column] = (1 - rest) * near[m] + rest * behind[m];
-    }
-    Real* const row = ray_row(q);
-    const int step = path_.ascending_across ? columns_ - 1 : 1;
-    for (int m = 0; m < columns_; ++m) {
-      const int from = m + step < columns_ ? m + step : m + step - columns_;
-      row[m] = (1 - sidestep) * back[m] + sidestep * back[from];
-    }
+    Real* const back = work_.row.data() + 1;  // with the neighbours across the seam beside it
+    for_shifted(path_.across, [=](int m, int column, int n) {
+      const Real* __restrict const one = near + m;
+      const Real* __restrict const two = behind + m;
+      Real* __restrict const to = back + column;
+      for (int i = 0; i < n; ++i) to[i] = (1 - rest) * one[i] + rest * two[i];
+    });
+    back[-1] = back[columns_ - 1];
+    back[columns_] = back[0];
+    const Real* __restrict const from = back + (path_.ascending_across ? -1 : 1);
+    Real* __restrict const row = ray_row(q);
+    for (int m = 0; m < columns_; ++m) row[m] = (1 - sidestep) * back[m] + sidestep * from[m];
     // What changes rows at the seam crosses a level there.
     if (!planes_.at_level.empty() && q > 0) planes_.at_level[interface(q)] += path_.rest / path_.rise * sum(behind);
   }
@@ -148,7 +157,7 @@ class SidewaysMarch {
         for (const Chunk& chunk : chunks) {
           const std::size_t row = static_cast<std::size_t>(base + slope * chunk.row) * columns_;
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
-            cross_cells<Real, true>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, mean_);
+            cross_cells<Real, true, linear>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, mean_);
           });
         }
       }
@@ -179,7 +188,7 @@ class SidewaysMarch {
   const Sheets& sheets_;
   const CellView<Real>& cells_;
   const Real* source_;
-  const SidewaysPlanes<Real>& planes_;
+  SidewaysPlanes<Real>& planes_;
   Real* mean_;
   SidewaysWorkspace<Real>& work_;
   int levels_;
@@ -229,13 +238,17 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
 
 template <class Real>
 void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    const SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work) {
-  SidewaysMarch<Real>(path, sheets, cells, source, planes, mean, work).run();
+                    bool linear, SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work) {
+  if (linear) {
+    SidewaysMarch<Real, true>(path, sheets, cells, source, planes, mean, work).run();
+  } else {
+    SidewaysMarch<Real, false>(path, sheets, cells, source, planes, mean, work).run();
+  }
 }
 
-template void march_sideways<float>(const SidewaysPath&, const Sheets&, const CellView<float>&, const float*,
-                                    const SidewaysPlanes<float>&, float*, SidewaysWorkspace<float>&);
-template void march_sideways<double>(const SidewaysPath&, const Sheets&, const CellView<double>&, const double*,
-                                     const SidewaysPlanes<double>&, double*, SidewaysWorkspace<double>&);
+template void march_sideways<float>(const SidewaysPath&, const Sheets&, const CellView<float>&, const float*, bool,
+                                    SidewaysPlanes<float>&, float*, SidewaysWorkspace<float>&);
+template void march_sideways<double>(const SidewaysPath&, const Sheets&, const CellView<double>&, const double*, bool,
+                                     SidewaysPlanes<double>&, double*, SidewaysWorkspace<double>&);
 
 }  // namespace cloudbow

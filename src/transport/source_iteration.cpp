@@ -77,6 +77,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
   }
 
+  SweepWorkspace<Real> work;
   AndersonMixer<Real> mixer(anderson_depth);
   std::vector<Real> x(low_moments * n, Real(0));  // moments that scattered in this sweep
   std::vector<Real> g(low_moments * n);
@@ -97,11 +98,11 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     const bool record = nearly_done || report.sweeps == options.max_sweeps;
     {
       const Stopwatch watch(report.seconds_scattering);
-      system.scatter(result.radiance, correction);
+      system.scatter(result.radiance, correction, report.sweeps == 1);
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
-      result.fluxes = sweep(system, result.radiance, record);
+      result.fluxes = sweep(system, result.radiance, record, work);
       system.moments(result.radiance, result.moments);
     }
     result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n), volume);

@@ -13,15 +13,18 @@ namespace {
 
 constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cells
 
-// Ordinates whose sources share one gradient, relative to themselves: those of an octant, or each by itself.
-std::vector<std::vector<int>> gradient_groups(const OrdinateSet& ordinates, bool upward, bool one_by_one) {
+// Ordinates whose sources share one gradient, relative to themselves: those of an octant; or each by itself, where the
+// field is not one for shortcuts; or all, where there is no gradient.
+template <class Real>
+std::vector<std::vector<int>> gradient_groups(const TransportSystem<Real>& system, bool upward) {
   std::vector<std::vector<int>> groups;
   std::array<int, 4> of_quadrant{-1, -1, -1, -1};
-  for (int d = 0; d < ordinates.size(); ++d) {
-    const Direction& o = ordinates.direction[d];
+  for (int d = 0; d < system.ordinates.size(); ++d) {
+    const Direction& o = system.ordinates.direction[d];
     if ((o.z() > 0) != upward) continue;
-    int& group = of_quadrant[(o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0)];
-    if (one_by_one || group < 0) {
+    int& group = of_quadrant[system.linear_source ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
+    const bool by_itself = system.linear_source && !system.cells->varied;
+    if (by_itself || group < 0) {
       group = static_cast<int>(groups.size());
       groups.emplace_back();
     }
@@ -31,30 +34,27 @@ std::vector<std::vector<int>> gradient_groups(const OrdinateSet& ordinates, bool
 }
 
 template <class Real>
-struct Gradient {
-  std::array<std::vector<Real>, 3> axis;    // [n + lane_padding] along x, y, z
-  std::array<std::vector<Real>, 3> turned;  // the same in the order of a march along x; empty: not needed
-
-  CellView<Real> along_z(const Cells<Real>& cells) const {
-    return {cells.extinction.data(), {axis[0].data(), axis[1].data(), axis[2].data()}};
-  }
-  CellView<Real> along_y(const Cells<Real>& cells) const {
-    return {cells.extinction.data(), {axis[0].data(), axis[2].data(), axis[1].data()}};
-  }
-  CellView<Real> along_x(const Cells<Real>& cells) const {
-    return {cells.turned[0].extinction.data(), {turned[1].data(), turned[2].data(), turned[0].data()}};
-  }
-};
+CellView<Real> view_along_z(const Cells<Real>& cells, const GroupGradient<Real>& of) {
+  return {cells.extinction.data(), {of.axis[0].data(), of.axis[1].data(), of.axis[2].data()}};
+}
+template <class Real>
+CellView<Real> view_along_y(const Cells<Real>& cells, const GroupGradient<Real>& of) {
+  return {cells.extinction.data(), {of.axis[0].data(), of.axis[2].data(), of.axis[1].data()}};
+}
+template <class Real>
+CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>& of) {
+  return {cells.turned[0].extinction.data(), {of.turned[1].data(), of.turned[2].data(), of.turned[0].data()}};
+}
 
 // Gradient of the mean source of some ordinates. Called by all threads of a team.
 template <class Real>
 void team_make_gradient(const TransportSystem<Real>& system, const AngularField<Real>& field,
-                        const std::vector<int>& group, bool turned, std::vector<Real>& mean, Gradient<Real>& gradient) {
+                        const std::vector<int>& group, bool turned, GroupGradient<Real>& gradient) {
   const Cells<Real>& cells = *system.cells;
   const std::size_t n = cells.size();
 #pragma omp single
   {
-    mean.resize(n);
+    gradient.source.resize(n);
     for (auto& axis : gradient.axis) axis.resize(n + lane_padding);
     for (auto& axis : gradient.turned) axis.resize(turned ? n + lane_padding : 0);
   }
@@ -63,7 +63,7 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
   for (std::size_t block = 0; block < blocks; ++block) {
     const std::size_t first = block * block_cells;
     const std::size_t count = std::min(block_cells, n - first);
-    Real* __restrict const to = mean.data() + first;
+    Real* __restrict const to = gradient.source.data() + first;
     std::fill_n(to, count, Real(0));
     for (const int d : group) {
       const Real weight = static_cast<Real>(system.ordinates.weight[d]);
@@ -74,8 +74,8 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
     const std::size_t first = block * block_cells;
-    source_gradient(cells, first, std::min(block_cells, n - first), mean.data(), gradient.axis[0].data() + first,
-                    gradient.axis[1].data() + first, gradient.axis[2].data() + first);
+    source_gradient(cells, first, std::min(block_cells, n - first), gradient.source.data(),
+                    gradient.axis[0].data() + first, gradient.axis[1].data() + first, gradient.axis[2].data() + first);
   }
   if (!turned) return;
 #pragma omp for schedule(static)
@@ -110,30 +110,45 @@ void shift_columns(const BoxGrid& box, double x, double y, const Real* from, Rea
   }
 }
 
+// [ny][nx] to [nx][ny].
+template <class Real>
+void transpose(const Real* from, int nx, int ny, Real* to) {
+  for (int j = 0; j < ny; ++j) {
+    for (int i = 0; i < nx; ++i) to[static_cast<std::size_t>(i) * ny + j] = from[static_cast<std::size_t>(j) * nx + i];
+  }
+}
+
 // One thread's march of one ordinate after another.
 template <class Real>
 class OrdinateMarch {
  public:
-  explicit OrdinateMarch(const TransportSystem<Real>& system) : system_(system) {}
+  OrdinateMarch(const TransportSystem<Real>& system, typename SweepWorkspace<Real>::Thread& work)
+      : system_(system), work_(work) {}
 
-  // `rays` [columns + lane_padding] come in and go out, by column.
+  // `rays` [columns + lane_padding] come in and go out, by column; of those that go out through the top only the sum is
+  // kept.
   // @param passing [levels + 1][columns] radiance at each interface; null: not kept.
-  void cross_box(int d, const Gradient<Real>& gradient, std::vector<Real>& source, std::vector<Real>& rays, bool record,
-                 Real* passing, OrdinateFluxes& totals) {
+  void cross_box(int d, const GroupGradient<Real>& gradient, std::vector<Real>& source, std::vector<Real>& rays,
+                 bool record, Real* passing, OrdinateFluxes& totals) {
     const OrdinatePath& path = system_.paths[d];
-    mean_.assign(source.size(), Real(0));
+    work_.mean.assign(source.size(), Real(0));
     if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
     go_along_z(d, path.along_z.front(), gradient, source, rays, record, passing, totals);
     if (path.sideways) {
-      go_sideways(*path.sideways, gradient, source, rays, record, totals);
+      const bool last = path.along_z.back().levels() == 0;
+      go_sideways(*path.sideways, gradient, source, rays, record, last && path.upward, totals);
       go_along_z(d, path.along_z.back(), gradient, source, rays, record, passing, totals);
+      if (!last) totals.out = plane_sum(rays.data(), system_.box.columns());
+    } else {
+      totals.out = plane_sum(rays.data(), system_.box.columns());
     }
-    source.swap(mean_);
+    source.swap(work_.mean);
   }
 
  private:
-  void go_along_z(int d, const PathPattern& pattern, const Gradient<Real>& gradient, const std::vector<Real>& source,
-                  std::vector<Real>& rays, bool record, Real* passing, OrdinateFluxes& totals) {
+  void go_along_z(int d, const PathPattern& pattern, const GroupGradient<Real>& gradient,
+                  const std::vector<Real>& source, std::vector<Real>& rays, bool record, Real* passing,
+                  OrdinateFluxes& totals) {
     if (pattern.levels() == 0) return;
     const std::size_t columns = system_.box.columns();
     const std::span<const Real> side =
@@ -141,60 +156,82 @@ class OrdinateMarch {
     const auto at_level = [&](int step, const Real* p) {
       if (!record) return;
       const int edge = pattern.first_level + (pattern.upward ? step : pattern.levels() - step);
-      double sum = 0;
-      for (std::size_t m = 0; m < columns; ++m) sum += static_cast<double>(p[m]);
-      totals.profile[edge] = sum;
+      totals.profile[edge] = plane_sum(p, columns);
       if (passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
     };
-    const MarchTotals sides =
-        march<Real, true>(pattern, system_.cells->rows, gradient.along_z(*system_.cells), system_.box.periodic, side,
-                          source.data(), rays.data(), mean_.data(), at_level);
-    totals.sides.entered_sides += sides.entered_sides;
-    totals.sides.left_sides += sides.left_sides;
-    plane_.resize(columns + lane_padding);
-    shift_columns(system_.box, pattern.x.back(), pattern.y.back(), rays.data(), plane_.data());
-    rays.swap(plane_);
+    const CellView<Real> cells = view_along_z(*system_.cells, gradient);
+    const auto march_with = [&](const auto& marcher) {
+      const MarchTotals sides = marcher(pattern, system_.cells->rows, cells, system_.box.periodic, side, source.data(),
+                                        rays.data(), work_.mean.data(), at_level);
+      totals.sides.entered_sides += sides.entered_sides;
+      totals.sides.left_sides += sides.left_sides;
+    };
+    if (system_.linear_source) {
+      march_with([](const auto&... of) { return march<Real, true, true>(of...); });
+    } else {
+      march_with([](const auto&... of) { return march<Real, true, false>(of...); });
+    }
+    work_.plane.resize(columns + lane_padding);
+    shift_columns(system_.box, pattern.x.back(), pattern.y.back(), rays.data(), work_.plane.data());
+    rays.swap(work_.plane);
   }
 
-  void go_sideways(const SidewaysPath& path, const Gradient<Real>& gradient, const std::vector<Real>& source,
-                   std::vector<Real>& rays, bool record, OrdinateFluxes& totals) {
+  void go_sideways(const SidewaysPath& path, const GroupGradient<Real>& gradient, const std::vector<Real>& source,
+                   std::vector<Real>& rays, bool record, bool sum_alone, OrdinateFluxes& totals) {
     const Cells<Real>& cells = *system_.cells;
     const std::size_t columns = system_.box.columns();
-    plane_.assign(columns + lane_padding, Real(0));
+    const bool along_x = path.axis == 0;
     SidewaysPlanes<Real> planes;
-    planes.leaving = std::span<Real>(plane_).first(columns);
     planes.everywhere = rays[0];
     if (std::any_of(rays.begin() + 1, rays.begin() + static_cast<std::ptrdiff_t>(columns),
-                    [&](Real r) { return r != rays[0]; }))
+                    [&](Real r) { return r != rays[0]; })) {
+      if (along_x) {
+        work_.plane.resize(columns + lane_padding);
+        transpose(rays.data(), system_.box.nx, system_.box.ny, work_.plane.data());
+        rays.swap(work_.plane);
+      }
       planes.entering = std::span<const Real>(rays).first(columns);
+    }
+    if (!sum_alone) {
+      work_.plane.assign(columns + lane_padding, Real(0));
+      planes.leaving = std::span<Real>(work_.plane).first(columns);
+    }
     std::vector<double> at_level(record ? path.levels.last - path.levels.first + 1 : 0, 0.);
     planes.at_level = at_level;
     const TurnedCells<Real>& turned = cells.turned[path.axis];
-    if (path.axis == 1) {
-      march_sideways(path, turned.sheets, gradient.along_y(cells), source.data(), planes, mean_.data(), work_);
-    } else {
+    const bool linear = system_.linear_source;
+    if (along_x) {
       const std::size_t n = cells.size();
-      turned_source_.resize(n + lane_padding);
-      turned_mean_.assign(n + lane_padding, Real(0));
+      work_.turned_source.resize(n + lane_padding);
+      work_.turned_mean.assign(n + lane_padding, Real(0));
       const std::uint32_t* __restrict const cell = turned.cell.data();
-      for (std::size_t c = 0; c < n; ++c) turned_source_[c] = source[cell[c]];
-      march_sideways(path, turned.sheets, gradient.along_x(cells), turned_source_.data(), planes, turned_mean_.data(),
-                     work_);
-      for (std::size_t c = 0; c < n; ++c) mean_[cell[c]] += turned_mean_[c];
+      for (std::size_t c = 0; c < n; ++c) work_.turned_source[c] = source[cell[c]];
+      march_sideways(path, turned.sheets, view_along_x(cells, gradient), work_.turned_source.data(), linear, planes,
+                     work_.turned_mean.data(), work_.sideways);
+      for (std::size_t c = 0; c < n; ++c) work_.mean[cell[c]] += work_.turned_mean[c];
+    } else {
+      march_sideways(path, turned.sheets, view_along_y(cells, gradient), source.data(), linear, planes,
+                     work_.mean.data(), work_.sideways);
     }
     std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
-    rays.swap(plane_);
+    totals.out = planes.left;
+    if (sum_alone) return;
+    if (along_x) {
+      transpose(work_.plane.data(), system_.box.ny, system_.box.nx, rays.data());
+    } else {
+      rays.swap(work_.plane);
+    }
   }
 
   const TransportSystem<Real>& system_;
-  std::vector<Real> mean_, plane_, turned_source_, turned_mean_;
-  SidewaysWorkspace<Real> work_;
+  typename SweepWorkspace<Real>::Thread& work_;
 };
 
 }  // namespace
 
 template <class Real>
-SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record) {
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
+                        SweepWorkspace<Real>& work) {
   const BoxGrid& box = system.box;
   const OrdinateSet& ordinates = system.ordinates;
   const std::size_t columns = box.columns();
@@ -205,19 +242,18 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   std::vector<std::vector<Real>> exit(ordinates.size());
   std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
   typename Ground<Real>::Reflection ground;
-  std::vector<Real> mean;
-  Gradient<Real> gradient;
+  work.of_thread.resize(omp_get_max_threads());
 
   const auto march_ordinates = [&](bool upward) {
-    const auto groups = gradient_groups(ordinates, upward, !system.cells->varied);
+    const auto groups = gradient_groups(system, upward);
 #pragma omp parallel
     {
-      OrdinateMarch<Real> march(system);
+      OrdinateMarch<Real> march(system, work.of_thread[omp_get_thread_num()]);
       for (const std::vector<int>& group : groups) {
         const bool turned = std::any_of(group.begin(), group.end(), [&](int d) {
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
-        team_make_gradient(system, field, group, turned, mean, gradient);
+        if (system.linear_source) team_make_gradient(system, field, group, turned, work.gradient);
 #pragma omp for schedule(dynamic, 1)
         for (std::size_t q = 0; q < group.size(); ++q) {
           const int d = group[q];
@@ -230,10 +266,9 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
           }
           if (keep_columns) passing[d].resize(columns * levels);
-          march.cross_box(d, gradient, field.data[d], rays, record, keep_columns ? passing[d].data() : nullptr,
+          march.cross_box(d, work.gradient, field.data[d], rays, record, keep_columns ? passing[d].data() : nullptr,
                           of_ordinate[d]);
-          rays.resize(columns);
-          for (const Real r : rays) of_ordinate[d].out += static_cast<double>(r);
+          rays.resize(upward ? 0 : columns);
         }
       }
     }
@@ -274,7 +309,9 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   return fluxes;
 }
 
-template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool);
-template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool);
+template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool,
+                                         SweepWorkspace<float>&);
+template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool,
+                                           SweepWorkspace<double>&);
 
 }  // namespace cloudbow

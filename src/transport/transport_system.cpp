@@ -37,11 +37,12 @@ void TransportSystem<Real>::fold_scattering() {
 }
 
 template <class Real>
-void TransportSystem<Real>::scatter(AngularField<Real>& field, std::span<const Real> correction) const {
+void TransportSystem<Real>::scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const {
+  const ScatteringTerms<Real> terms{beam, correction, emission, dark};
   if (folded) {
-    folded->scatter_in_place(field, *cells, beam, correction);
+    folded->scatter_in_place(field, *cells, terms);
   } else {
-    scatter_in_place<Real>(field, scattering, *cells, beam, correction, low.shape);
+    scatter_in_place<Real>(field, scattering, *cells, terms, low.shape);
   }
 }
 

@@ -8,12 +8,9 @@
 #include <vector>
 
 #include "cloudbow/medium/optical_grid.hpp"
+#include "cloudbow/transport/lanes.hpp"
 
 namespace cloudbow {
-
-/// Floats that a kernel crosses at a time, and what it may read behind the end of its arrays.
-inline constexpr int lanes = 8;
-inline constexpr std::size_t lane_padding = 8;
 
 /// Up to `lanes` neighbouring cells of one row: what a kernel crosses at a time.
 struct Chunk {

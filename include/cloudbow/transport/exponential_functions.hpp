@@ -22,17 +22,23 @@ struct ExponentialFunctions {
 /// sixth power of t is still in its range.
 inline constexpr float largest_optical_path = 5e6F;
 
-// Up to largest_optical_path. Inlined always: a call inside a loop over rays would keep it from being vectorised.
-[[gnu::always_inline]] inline ExponentialFunctions<float> exponential_functions(float t) {
-  const float n = 1.F + t * (.2356420609F +
+// The approximation, for float or lanes of it, up to largest_optical_path. Inlined always: a call inside a loop over
+// rays would keep it from being vectorised.
+template <class Value>
+[[gnu::always_inline]] inline ExponentialFunctions<Value> rational_exponential_functions(const Value& t) {
+  const Value n = 1.F + t * (.2356420609F +
                              t * (.06120111118F + t * (.009783008893F + t * (.001078225308F + t * .0001481520364F))));
-  const float b = .5F + t * (.2011543638F +
+  const Value b = .5F + t * (.2011543638F +
                              t * (.05017445831F + t * (.008730071922F + t * (.0009299086192F + t * .0001481520364F))));
-  const float c =
+  const Value c =
       .1666666667F +
       t * (.08100327917F + t * (.02124866168F + t * (.003974239996F + t * (.0003908782914F + t * .0000740760182F))));
-  const float inverse = 1.F / (n + t * b);
+  const Value inverse = 1.F / (n + t * b);
   return {n * inverse, b * inverse, c * inverse};
+}
+
+[[gnu::always_inline]] inline ExponentialFunctions<float> exponential_functions(float t) {
+  return rational_exponential_functions(t);
 }
 
 inline ExponentialFunctions<double> exponential_functions(double t) {

@@ -25,8 +25,7 @@ class FoldedScattering {
                                               const DenseMatrix<Real>& correction_shape);
 
   /// As the function of this name, to rounding.
-  void scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells, std::span<const BeamSource<Real>> beam,
-                        std::span<const Real> correction) const;
+  void scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells, const ScatteringTerms<Real>& terms) const;
   void moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const;
 
  private:
@@ -39,8 +38,8 @@ class FoldedScattering {
     std::vector<Real> shape;   // [octant size] times eight, as the sums over octants are
   };
 
-  template <class LoadVector, class StoreVector>
-  static void transform(int octant_size, const LoadVector& load, const StoreVector& store);
+  void add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n, Real scale,
+                   Real* folded) const;
   void fold(const AngularField<Real>& field, std::size_t first, Real* folded) const;
 
   int octant_size_ = 0;

@@ -36,6 +36,8 @@ class LowOrderCorrection {
   void solve(std::span<Real> moments);
 
   TransportSystem<Real> low_;
+  AngularField<Real> radiance_;
+  SweepWorkspace<Real> work_;
   std::vector<DenseMatrix<Real>> scattered_moments_;  // [p] low_moments x low_moments
   std::vector<Real> beam_moments_;                    // [beam][low_moments]
   const TransportSystem<Real>* full_;

@@ -113,6 +113,21 @@ template <class Real>
 void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* gradient_x,
                      Real* gradient_y, Real* gradient_z);
 
+/// Sum in one order, whatever the compiler makes of it.
+template <class Real>
+inline double plane_sum(const Real* values, std::size_t n) {
+  constexpr std::size_t parts = 8;
+  double part[parts] = {};
+  std::size_t i = 0;
+  for (; i + parts <= n; i += parts) {
+    for (std::size_t p = 0; p < parts; ++p) part[p] += static_cast<double>(values[i + p]);
+  }
+  for (; i < n; ++i) part[0] += static_cast<double>(values[i]);
+  double total = 0;
+  for (const double p : part) total += p;
+  return total;
+}
+
 /// Source of all cells along one direction, with its own gradient.
 template <class Real>
 struct LinearSource {
@@ -169,30 +184,56 @@ template <class Real, class Use>
 ///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
 ///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
 /// In float all arrays can be read and written up to lane_padding elements beyond.
-template <class Real, bool keep_mean>
+/// @param linear false: the source is constant in the cell.
+template <class Real, bool keep_mean, bool linear>
 [[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
-                                               std::size_t cell, const Real* __restrict source, Real* __restrict ray,
-                                               Real* __restrict mean) {
-  const Real* __restrict const extinction = cells.extinction + cell;
-  const Real* __restrict const gradient_x = cells.gradient[0] + cell;
-  const Real* __restrict const gradient_y = cells.gradient[1] + cell;
-  const Real* __restrict const gradient_z = cells.gradient[2] + cell;
-  source += cell;
-  if constexpr (keep_mean) mean += cell;
-  for_lanes<Real>(count, [=](int i, bool active) {
-    const Real t = std::min(extinction[i] * g.length, static_cast<Real>(largest_optical_path));
-    const ExponentialFunctions<Real> phi = exponential_functions(t);
-    const Real x = gradient_x[i], y = gradient_y[i], z = gradient_z[i];
-    const Real entry = source[i] * (1 + g.from_x * x + g.from_y * y + g.from_z * z);
-    const Real exit = source[i] * (1 + g.to_x * x + g.to_y * y + g.to_z * z);
-    const Real in = ray[i];
-    if constexpr (keep_mean) {
-      const Real more = g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
-      mean[i] = active ? mean[i] + more : mean[i];
+                                               std::size_t cell, const Real* source, Real* ray, Real* mean) {
+  const auto cross = [&g](const auto& t, const auto& phi, const auto& s, const auto& x, const auto& y, const auto& z,
+                          const auto& in, auto& more, auto& out) {
+    if constexpr (linear) {
+      const auto entry = s * (1 + g.from_x * x + g.from_y * y + g.from_z * z);
+      const auto exit = s * (1 + g.to_x * x + g.to_y * y + g.to_z * z);
+      if constexpr (keep_mean) more = g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
+      out = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
+    } else {
+      if constexpr (keep_mean) more = g.share * (phi.phi1 * in + t * phi.phi2 * s);
+      out = in + t * phi.phi1 * (s - in);
     }
-    const Real out = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
-    ray[i] = active ? out : in;
-  });
+  };
+  if constexpr (std::is_same_v<Real, float>) {
+    const LaneMask active = first_lanes(count);
+    Lanes<float> t, s, in, x{}, y{}, z{}, more{}, out;
+    load_lanes(cells.extinction + cell, t);
+    load_lanes(source + cell, s);
+    load_lanes(ray, in);
+    if constexpr (linear) {
+      load_lanes(cells.gradient[0] + cell, x);
+      load_lanes(cells.gradient[1] + cell, y);
+      load_lanes(cells.gradient[2] + cell, z);
+    }
+    t *= g.length;
+    t = t < largest_optical_path ? t : largest_optical_path + Lanes<float>{};
+    cross(t, rational_exponential_functions(t), s, x, y, z, in, more, out);
+    if constexpr (keep_mean) {
+      Lanes<float> sum;
+      load_lanes(mean + cell, sum);
+      store_lanes<float>(active ? sum + more : sum, mean + cell);
+    }
+    store_lanes<float>(active ? out : in, ray);
+  } else {
+    for (int i = 0; i < count; ++i) {
+      const Real t = std::min(cells.extinction[cell + i] * g.length, static_cast<Real>(largest_optical_path));
+      Real x = 0, y = 0, z = 0, more = 0, out = 0;
+      if constexpr (linear) {
+        x = cells.gradient[0][cell + i];
+        y = cells.gradient[1][cell + i];
+        z = cells.gradient[2][cell + i];
+      }
+      cross(t, exponential_functions(t), source[cell + i], x, y, z, ray[i], more, out);
+      if constexpr (keep_mean) mean[cell + i] += more;
+      ray[i] = out;
+    }
+  }
 }
 
 /// What one direction's march left behind.
@@ -206,8 +247,9 @@ struct MarchTotals {
 /// before the first level and after each.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
+/// @param linear false: without gradients of the source.
 /// @param mean [n] voxel-mean radiance is added to it if keep_mean.
-template <class Real, bool keep_mean, class AtLevel>
+template <class Real, bool keep_mean, bool linear = true, class AtLevel>
 MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
                   std::span<const Real> side_radiance, const Real* source, Real* rays, Real* mean,
                   const AtLevel& at_level) {
@@ -217,7 +259,7 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
     const double chord = pattern.chord_m[step];
     const auto begin = [&](const Segment& segment) {
       return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-        cross_cells<Real, keep_mean>(geometry, count, cells, cell, source, rays + ray, mean);
+        cross_cells<Real, keep_mean, linear>(geometry, count, cells, cell, source, rays + ray, mean);
       };
     };
     const auto enter = [&](const Segment& segment, double at) {

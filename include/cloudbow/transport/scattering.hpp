@@ -46,15 +46,21 @@ struct BeamSource {
   std::vector<Real> intensity;                       ///< [n]
 };
 
-/// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + sum of beam
-/// sources.
-/// @param correction [low_moments][n] added to the moments of J before it scatters (from the acceleration); empty:
-/// none.
-/// @param correction_shape D x low_moments: what a unit of each moment adds to J_d.
+/// What a scattering adds beside the radiance it is given.
+template <class Real>
+struct ScatteringTerms {
+  std::span<const BeamSource<Real>> beam;
+  std::span<const Real> correction;  ///< [1 to low_moments][n] added to the moments of J before it scatters; or empty
+  std::span<const Real> emission;    ///< [low_moments][n] moments added to the source; or empty
+  bool dark = false;                 ///< J is zero, whatever the field holds
+};
+
+/// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + emission + sum
+/// of beam sources.
+/// @param shape D x low_moments: what a unit of each moment adds to J_d or S_d.
 template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
-                      std::span<const BeamSource<Real>> beam, std::span<const Real> correction,
-                      const DenseMatrix<Real>& correction_shape);
+                      const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape);
 
 /// The same without beam and correction into another field: the scattered source at the control points.
 template <class Real>

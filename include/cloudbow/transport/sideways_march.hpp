@@ -36,12 +36,13 @@ struct SidewaysPath {
 std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
                                                LevelRange levels);
 
-/// Light through the horizontal planes of a sideways march.
+/// Light through the horizontal planes of a sideways march; planes are by sheet and column across: [sheet][column].
 template <class Real>
 struct SidewaysPlanes {
-  std::span<const Real> entering;  ///< [columns] radiance through the plane that light comes in by; empty: the same,
+  std::span<const Real> entering;  ///< radiance through the plane that light comes in by; empty: the same,
   Real everywhere = 0;             ///< this, in all columns
-  std::span<Real> leaving;         ///< [columns] mean radiance through the other plane is added to it
+  std::span<Real> leaving;         ///< mean radiance through the other plane is added to it; empty: not kept
+  double left = 0;                 ///< its sum over the columns is added
   std::span<double> at_level;      ///< [levels + 1] by height, sum over the columns, is added; empty: not kept
 };
 
@@ -51,9 +52,10 @@ struct SidewaysWorkspace {
 };
 
 /// @param sheets along the axis, rows by level of the box, columns across.
+/// @param linear false: without gradients of the source.
 /// @param source, mean [n] as for march(), in the sheets' order of cells.
 template <class Real>
 void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    const SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work);
+                    bool linear, SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work);
 
 }  // namespace cloudbow

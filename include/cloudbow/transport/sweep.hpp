@@ -1,6 +1,7 @@
 // One sweep: light crosses the box along every ordinate, from the source at the ordinates to the voxel-mean radiance.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,11 +23,13 @@ struct TransportSystem {
   std::shared_ptr<const Cells<Real>> cells;
   OrdinateSet ordinates;
   std::vector<OrdinatePath> paths;               ///< [D]
+  bool linear_source = true;                     ///< within a cell; false: constant
   std::vector<DenseMatrix<Real>> scattering;     ///< [p] D x D, ordinates from ordinates
   std::optional<FoldedScattering<Real>> folded;  ///< the same where ordinates and matrices have the symmetry for it
   LowMoments<Real> low;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
   std::vector<BeamSource<Real>> beam;       ///< the direct beam's first scattering at the ordinates
+  std::vector<Real> emission;               ///< [low_moments][n] moments of a source beside the beam's; empty: none
   std::vector<double> absorption;           ///< [n] 1/m
   std::vector<Real> beam_irradiance;        ///< [n] of the solver's own beam (order N_b); empty without sun
   std::vector<double> beam_surface_flux;    ///< [columns] of that beam at the surface; empty without sun
@@ -41,7 +44,8 @@ struct TransportSystem {
   /// Makes `low` and `folded`, once ordinates and scattering are there.
   void fold_scattering();
   /// Radiance, with this added to its moments (empty: nothing), becomes source.
-  void scatter(AngularField<Real>& field, std::span<const Real> correction) const;
+  /// @param dark there is no radiance yet, whatever the field holds.
+  void scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const;
   /// [low_moments][n] of the radiance.
   void moments(const AngularField<Real>& radiance, std::span<Real> of) const;
 };
@@ -63,8 +67,28 @@ struct SweepFluxes {
   std::vector<double> column_down;
 };
 
+/// Relative gradient of the mean source of some ordinates.
+template <class Real>
+struct GroupGradient {
+  std::vector<Real> source;                 ///< [n] their mean
+  std::array<std::vector<Real>, 3> axis;    ///< [n + lane_padding] along x, y, z
+  std::array<std::vector<Real>, 3> turned;  ///< the same in the order of a march along x; empty: not needed
+};
+
+/// What sweeps need beside the field, kept from one to the next.
+template <class Real>
+struct SweepWorkspace {
+  struct Thread {
+    std::vector<Real> mean, plane, turned_source, turned_mean;
+    SidewaysWorkspace<Real> sideways;
+  };
+  std::vector<Thread> of_thread;
+  GroupGradient<Real> gradient;
+};
+
 /// One sweep: source at the ordinates becomes voxel-mean radiance.
 template <class Real>
-SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record);
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
+                        SweepWorkspace<Real>& work);
 
 }  // namespace cloudbow

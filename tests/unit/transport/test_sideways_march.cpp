@@ -34,6 +34,7 @@ template <class Real>
 struct Sideways {
   std::vector<Real> mean, leaving;
   std::vector<double> at_level;
+  double left = 0;  // sum over the columns
 
   Sideways(const BoxGrid& box, const Cells<Real>& cells, const SidewaysPath& path, const std::vector<Real>& source,
            const std::vector<Real>& entering)
@@ -54,15 +55,27 @@ struct Sideways {
                             y = in_order(linear.gradient[1]), z = in_order(linear.gradient[2]);
     const CellView<Real> view{along_x ? turned.extinction.data() : cells.extinction.data(),
                               {along_x ? y.data() : x.data(), z.data(), along_x ? x.data() : y.data()}};
+    // Planes by sheet and column: turned for the march along x.
+    const auto turned_plane = [&](const std::vector<Real>& plane, int nx, int ny) {
+      std::vector<Real> result(plane.size());
+      for (int j = 0; j < ny; ++j) {
+        for (int i = 0; i < nx; ++i)
+          result[static_cast<std::size_t>(i) * ny + j] = plane[static_cast<std::size_t>(j) * nx + i];
+      }
+      return result;
+    };
+    const std::vector<Real> by_sheet = along_x ? turned_plane(entering, box.nx, box.ny) : entering;
     SidewaysPlanes<Real> planes;
-    planes.entering = entering;
+    planes.entering = by_sheet;
     planes.leaving = leaving;
     planes.at_level = at_level;
     std::vector<Real> in_sheets(n + lane_padding);
     SidewaysWorkspace<Real> work;
-    march_sideways(path, turned.sheets, view, value.data(), planes, in_sheets.data(), work);
+    march_sideways(path, turned.sheets, view, value.data(), true, planes, in_sheets.data(), work);
     for (std::size_t c = 0; c < n; ++c) mean[along_x ? turned.cell[c] : c] = in_sheets[c];
     mean.resize(n);
+    if (along_x) leaving = turned_plane(leaving, box.ny, box.nx);
+    left = planes.left;
   }
 };
 
@@ -119,6 +132,7 @@ TYPED_TEST(SidewaysMarchOf, LightOfOneDirectionIsConserved) {
       const Sideways<TypeParam> marched(box, cells, path, source, entering);
       double in = std::accumulate(entering.begin(), entering.end(), 0.);
       double out = std::accumulate(marched.leaving.begin(), marched.leaving.end(), 0.);
+      EXPECT_NEAR(marched.left / out, 1, tolerance);
       EXPECT_NEAR(marched.at_level[path.upward ? 0 : box.nz()] / in, 1, tolerance);
       EXPECT_NEAR(marched.at_level[path.upward ? box.nz() : 0] / out, 1, tolerance);
       for (std::size_t c = 0; c < cells.size(); ++c) {
