@@ -1,5 +1,5 @@
 // What a scattering table costs: one column, all columns of a level of accuracy (HG .85 with a beam, one thread), and
-// a table that is in the cache.
+// a table that is in the cache; a surface's reflection table.
 #include <benchmark/benchmark.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -73,6 +73,14 @@ void table_from_cache(benchmark::State& state) {
 }
 
 // What surrounds a fit (samples, quadrature of the interpolant) takes longer than the fit: a few runs do.
+void reflection_table(benchmark::State& state, const SurfaceBrdf& brdf) {
+  const OrdinateSet ordinates = make_ordinate_set("double-gauss-8x16");
+  for (auto _ : state) benchmark::DoNotOptimize(make_reflection_table(brdf, {}, ordinates, beam));
+}
+
+BENCHMARK_CAPTURE(reflection_table, rpv, SurfaceBrdf::rpv(0.1, 0.7, -0.2, 0.1))->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(reflection_table, ross_li, SurfaceBrdf::ross_li(0.1, 0.05, 0.02))->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(reflection_table, cox_munk, SurfaceBrdf::cox_munk(5, 1.34))->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fit_column, linear_programming, PhaseFitMethod::linear_programming)
     ->Arg(42)
     ->Arg(162)
