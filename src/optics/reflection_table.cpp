@@ -210,7 +210,7 @@ ControlPointBrdf::ControlPointBrdf(const SurfaceBrdf& brdf, const ControlPoints&
       sampled(m, i) = known < i ? sampled(mirror[to_first[m]][i], known) : brdf(arriving, directions[m]);
     }
   }
-  leaving_by_arriving_ = means.matrix() * (means.matrix() * sampled.transpose()).transpose();
+  leaving_by_arriving_ = means.matrix() * Eigen::MatrixXd((means.matrix() * sampled).transpose());
 }
 
 Eigen::VectorXd ControlPointBrdf::lobe(const Direction& arriving) const {
