@@ -119,9 +119,7 @@ class InteriorPoint {
 
   void start() {
     const double size = programme_.value.cwiseAbs().mean();
-    VectorXd sum = VectorXd::Zero(points()), total = VectorXd::Zero(points());
-    sum = gathered(programme_.value.array());
-    total = gathered(ArrayXd::Ones(programme_.value.size()));
+    const VectorXd sum = gathered(programme_.value.array()), total = gathered(ArrayXd::Ones(programme_.value.size()));
     x_ = sum.cwiseQuotient(total).cwiseMax(lower_ + 0.1 * size);
     const ArrayXd residual = interpolated(x_) - programme_.value.array();
     const double above_zero = 0.1 * size;
