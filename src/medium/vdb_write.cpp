@@ -1,3 +1,5 @@
+#include "vdb_write.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -95,8 +97,8 @@ void flush_to_disk(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                     const std::vector<VdbCompanion>& companions) {
+void vdb::write_cloud(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
+                      const std::vector<VdbCompanion>& companions) {
   openvdb::initialize();
   const std::string units = units_of(field.quantity);
   openvdb::GridCPtrVec grids{to_grid(field, {options.grid, field.quantity, units, field.value, options.half})};

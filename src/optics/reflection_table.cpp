@@ -31,14 +31,9 @@ class NeighbourhoodMeans {
  public:
   explicit NeighbourhoodMeans(const ControlPoints& points) {
     const ControlPoints samples(Polyhedron::icosahedron, sample_subdivisions);
-    const auto key = [](const Direction& d) {
-      const Direction up = leaving_side(d) * 1e6;
-      return std::array<long, 3>{std::lround(up.x()), std::lround(up.y()), std::lround(up.z())};
-    };
-    std::map<std::array<long, 3>, int> known;
     std::vector<Eigen::Triplet<double>> entries;
     for (const Direction& sample : samples.directions()) {
-      const auto [place, is_new] = known.try_emplace(key(sample), static_cast<int>(directions_.size()));
+      const auto [place, is_new] = place_.try_emplace(key(sample), static_cast<int>(directions_.size()));
       if (is_new) directions_.push_back(leaving_side(sample));
       const Stencil stencil = points.stencil(sample);
       for (int k = 0; k < 3; ++k) entries.emplace_back(stencil.index[k], place->second, stencil.weight[k]);
@@ -51,9 +46,18 @@ class NeighbourhoodMeans {
 
   const std::vector<Direction>& directions() const { return directions_; }  // z >= 0
   const Eigen::SparseMatrix<double>& matrix() const { return means_; }      // points x directions
+  /// Place among the directions; the set has the x and the y plane as mirrors.
+  int place(const Direction& direction) const { return place_.at(key(direction)); }
 
  private:
+  using Key = std::array<long, 3>;
+  static Key key(const Direction& d) {
+    const Direction up = leaving_side(d) * 1e6;
+    return {std::lround(up.x()), std::lround(up.y()), std::lround(up.z())};
+  }
+
   static constexpr int sample_subdivisions = 4;  // 2562 directions
+  std::map<Key, int> place_;
   std::vector<Direction> directions_;
   Eigen::SparseMatrix<double> means_;
 };
@@ -177,12 +181,36 @@ ControlPointBrdf::ControlPointBrdf(const SurfaceBrdf& brdf, const ControlPoints&
   const NeighbourhoodMeans means(points);
   const auto& directions = means.directions();
   const auto count = static_cast<Eigen::Index>(directions.size());
+  // Only the azimuth between the two directions counts, and they may change places: of the pairs that the mirrors x = 0
+  // and y = 0 and the exchange make alike, the model is asked for one.
+  std::array<std::vector<int>, 4> mirror;
+  for (int g = 0; g < 4; ++g) {
+    for (const Direction& d : directions) {
+      mirror[g].push_back(means.place({g & 1 ? -d.x() : d.x(), g & 2 ? -d.y() : d.y(), d.z()}));
+    }
+  }
+  // Each direction is mirrored to the first of its kind.
+  std::vector<int> to_first(directions.size());
+  const auto first = [&](Eigen::Index i) { return mirror[to_first[i]][i]; };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (int g = 1; g < 4; ++g) {
+      if (mirror[g][i] < first(i)) to_first[i] = g;
+    }
+  }
   Eigen::MatrixXd sampled(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& mirrored = mirror[to_first[i]];
+    if (const Eigen::Index same = first(i); same < i) {
+      for (Eigen::Index m = 0; m < count; ++m) sampled(m, i) = sampled(mirrored[m], same);
+      continue;
+    }
     const Direction arriving = arriving_side(directions[i]);
-    for (Eigen::Index m = 0; m < count; ++m) sampled(m, i) = brdf(arriving, directions[m]);
+    for (Eigen::Index m = 0; m < count; ++m) {
+      const Eigen::Index known = first(m);
+      sampled(m, i) = known < i ? sampled(mirror[to_first[m]][i], known) : brdf(arriving, directions[m]);
+    }
   }
-  leaving_by_arriving_ = means.matrix() * (means.matrix() * sampled.transpose()).transpose();
+  leaving_by_arriving_ = means.matrix() * Eigen::MatrixXd((means.matrix() * sampled).transpose());
 }
 
 Eigen::VectorXd ControlPointBrdf::lobe(const Direction& arriving) const {

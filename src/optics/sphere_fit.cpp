@@ -8,6 +8,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "fit_programme.hpp"
+#include "interior_point.hpp"
 
 namespace cloudbow {
 namespace {
@@ -40,6 +41,7 @@ Eigen::VectorXd corrected(const ExactRows& rows, Eigen::VectorXd x) {
 SphereFit::SphereFit(const ControlPoints& points, std::vector<Direction> samples)
     : points_(points.size()), sample_(std::move(samples)) {
   for (const Direction& v : sample_) stencil_.push_back(points.stencil(v));
+  pattern_ = NormalPattern(stencil_, points_);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(points.size(), points.size());
   for (const Stencil& s : stencil_) {
     for (int i = 0; i < 3; ++i) {
@@ -103,13 +105,19 @@ std::optional<Eigen::VectorXd> SphereFit::constrained(const Eigen::VectorXd& val
   programme.lower = fit.lower;
   programme.rows = std::move(fit.rows.matrix);
   programme.right = std::move(fit.rows.right);
-  for (const Simplex algorithm : {Simplex::primal, Simplex::dual}) {
+  const auto checked = [&](const std::optional<Eigen::VectorXd>& x) -> std::optional<Eigen::VectorXd> {
     ++linear_programmes;
-    const auto x = solve(programme, algorithm);
-    if (!x || !x->allFinite()) continue;
+    if (!x || !x->allFinite()) return std::nullopt;
     const double off = (programme.rows * *x - programme.right).cwiseAbs().maxCoeff();
-    if (off > row_tolerance || x->minCoeff() < fit.lower - bound_tolerance) continue;
+    if (off > row_tolerance || x->minCoeff() < fit.lower - bound_tolerance) return std::nullopt;
     return x->cwiseMax(fit.lower);
+  };
+  // An interior point needs a mean error to weigh; what it does not solve, simplex methods decide.
+  if (programme.mean_weight > 0) {
+    if (auto x = checked(solve_by_interior_point(programme, pattern_))) return x;
+  }
+  for (const Simplex algorithm : {Simplex::primal, Simplex::dual}) {
+    if (auto x = checked(solve(programme, algorithm))) return x;
   }
   return std::nullopt;
 }

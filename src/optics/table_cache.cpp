@@ -14,7 +14,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::string_view magic = "cloudbow scattering table 1\n";
+constexpr std::string_view magic = "cloudbow scattering table 2\n";
 
 /// FNV-1a.
 std::uint64_t hash(std::string_view text) {

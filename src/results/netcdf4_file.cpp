@@ -4,11 +4,14 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <functional>
 #include <limits>
 #include <numeric>
 #include <type_traits>
+
+#include "deflated_chunks.hpp"
 
 namespace cloudbow::netcdf4 {
 
@@ -18,7 +21,6 @@ using hdf5::Handle;
 namespace {
 
 constexpr unsigned kCreationOrder = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
-constexpr hsize_t kChunkValues = 1 << 18;            // 1 MiB of floats: the size that HDF5's chunk cache holds
 constexpr std::size_t kCompressFromBytes = 1 << 16;  // below, chunks cost more than they save
 
 template <typename T>
@@ -66,18 +68,6 @@ Handle creation_properties() {
   return properties;
 }
 
-/// Whole trailing axes as far as they fit, so that a map at one height touches few chunks and a column of one cell
-/// isn't one chunk a value.
-std::vector<hsize_t> chunk_shape(const std::vector<hsize_t>& shape) {
-  std::vector<hsize_t> chunk(shape.size(), 1);
-  hsize_t room = kChunkValues;
-  for (std::size_t axis = shape.size(); axis-- > 0;) {
-    chunk[axis] = std::clamp<hsize_t>(room, 1, shape[axis]);
-    room /= chunk[axis];
-  }
-  return chunk;
-}
-
 template <typename T>
 void write(hid_t group, const char* name, const std::vector<std::string>& dimensions, std::span<const T> values,
            const std::vector<Attribute>& attributes) {
@@ -91,11 +81,9 @@ void write(hid_t group, const char* name, const std::vector<std::string>& dimens
   assert(std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>()) == values.size());
 
   const Handle properties = creation_properties();
-  if (values.size_bytes() >= kCompressFromBytes) {
-    check(H5Pset_chunk(properties, static_cast<int>(shape.size()), chunk_shape(shape).data()), "set chunks");
-    check(H5Pset_shuffle(properties), "set the shuffle filter");
-    check(H5Pset_deflate(properties, 1), "set the deflate filter");
-  }
+  const bool compressed = values.size_bytes() >= kCompressFromBytes;
+  const std::vector<hsize_t> chunk = compressed ? hdf5::chunk_shape(shape, sizeof(T)) : std::vector<hsize_t>();
+  if (compressed) hdf5::set_deflated_chunks(properties, chunk);
   if constexpr (std::is_floating_point_v<T>) {
     const T fill = std::numeric_limits<T>::quiet_NaN();
     check(H5Pset_fill_value(properties, memory_type<T>(), &fill), "set the fill value");
@@ -104,8 +92,12 @@ void write(hid_t group, const char* name, const std::vector<std::string>& dimens
   const Handle space = dataspace(shape);
   Handle dataset(H5Dcreate2(group, name, file_type<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
                  "create a variable");
-  if (!values.empty())
+  if (compressed) {
+    static_assert(std::endian::native == std::endian::little, "chunks are written in the file's byte order");
+    hdf5::write_deflated(dataset, shape, chunk, std::as_bytes(values), sizeof(T));
+  } else if (!values.empty()) {
     check(H5Dwrite(dataset, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a variable");
+  }
   for (unsigned axis = 0; axis < scales.size(); ++axis) {
     check(H5DSattach_scale(dataset, scales[axis], axis), "attach a dimension scale");
     scales[axis].close();

@@ -18,7 +18,7 @@ THIRD_PARTY = {
     r"openvdb/": {"medium"},
     r"(hdf5|hdf5_hl|H5\w*)\.h": {"results"},
     r"netcdf\.h": {"medium", "results"},
-    r"png\.h": {"results"},
+    r"(png|zlib)\.h": {"results"},
     r"toml\+\+/|toml\.hpp": {"app"},
     r"CLI/": {"app"},
     r"(Clp|Coin)\w*\.(hpp|h)": {"optics", "sphere"},

@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -34,6 +36,17 @@ struct ConstrainedFit {
   std::optional<double> bound = {};  ///< h is given: the mean alone is minimised, subject to |r_i| <= bound scale_i
 };
 
+/// Where the products of a sample's three weights go in a sparse symmetric matrix over the control points, of which the
+/// lower triangle is stored: what all programmes with the same samples share.
+struct NormalPattern {
+  NormalPattern() = default;
+  NormalPattern(std::span<const Stencil> samples, int points);
+
+  Eigen::SparseMatrix<double> matrix;      ///< control points x control points, all entries 0
+  std::vector<std::array<int, 6>> sample;  ///< positions of (0,0) (1,0) (2,0) (1,1) (2,1) (2,2) of each stencil
+  std::vector<int> diagonal;               ///< positions
+};
+
 class SphereFit {
  public:
   /// @param samples directions whose values determine all control points (four times as many, spread evenly, do).
@@ -56,6 +69,7 @@ class SphereFit {
   int points_;
   std::vector<Direction> sample_;
   std::vector<Stencil> stencil_;
+  NormalPattern pattern_;
   Eigen::LLT<Eigen::MatrixXd> normal_equations_;
 };
 

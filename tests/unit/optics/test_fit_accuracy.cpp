@@ -21,7 +21,7 @@ struct Level {
 void PrintTo(const Level& level, std::ostream* out) { *out << level.name; }
 
 class EveryLevel : public testing::TestWithParam<Level> {};
-// Limits: 1.3 times what was measured for these suns, so that a poorer fit shows and another path of the simplex does
+// Limits: 1.3 times what was measured for these suns, so that a poorer fit shows and another path of the solver does
 // not.
 INSTANTIATE_TEST_SUITE_P(FitAccuracy, EveryLevel,
                          testing::Values(Level{"draft", "double-gauss-6x8", 42, 6, 8, 2, 0.40, 0.30},

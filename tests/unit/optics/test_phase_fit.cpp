@@ -82,6 +82,78 @@ TEST_F(SphereFitTest, NoChangeImprovesAMinimaxFit) {
   }
 }
 
+// The same of the fits with rows and a least value, for changes that keep both.
+TEST_F(SphereFitTest, NoChangeImprovesAConstrainedFit) {
+  const Eigen::VectorXd value = values_of(PhaseFunction::henyey_greenstein(0.9), fit.samples(), {0, 0.6, 0.8});
+  ConstrainedFit problem;
+  problem.rows.matrix.resize(4, points.size());
+  for (int m = 0; m < points.size(); ++m) problem.rows.matrix.col(m) << 1, points.directions()[m];
+  problem.rows.matrix /= points.size();
+  problem.rows.right = Eigen::Vector4d(1, 0, 0.3, 0.4);
+  problem.lower = 0.2;
+  problem.scale = value.cwiseSqrt();
+  problem.mean_scale = value.cwiseAbs().cwiseMax(0.3);
+  const Eigen::MatrixXd rows = problem.rows.matrix;
+  const auto largest_error = [&](const Eigen::VectorXd& x) {
+    return (fit.interpolated(x) - value).cwiseAbs().cwiseQuotient(problem.scale).maxCoeff();
+  };
+  const auto objective = [&](const ConstrainedFit& of, const Eigen::VectorXd& x) {
+    const Eigen::VectorXd error = (fit.interpolated(x) - value).cwiseAbs();
+    return (of.minimax && !of.bound ? largest_error(x) : 0) +
+           of.mean_weight * error.cwiseQuotient(of.mean_scale).mean();
+  };
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  const auto expect_no_improvement = [&](const ConstrainedFit& of, double bound) {
+    int programmes = 0;
+    const auto x = fit.constrained(value, of, programmes);
+    ASSERT_TRUE(x);
+    EXPECT_EQ(programmes, 1);
+    EXPECT_LE((rows * *x - of.rows.right).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_GE(x->minCoeff(), of.lower);
+    EXPECT_LT(x->minCoeff(), of.lower + 1e-3);  // the least value is not idle here
+    EXPECT_LE(largest_error(*x), bound);
+    int tried = 0;
+    for (int trial = 0; trial < 2000; ++trial) {
+      Eigen::VectorXd change(points.size());
+      for (double& c : change) c = normal(random);
+      for (int m = 0; m < points.size(); ++m) {
+        if ((*x)[m] < of.lower + 1e-3) change[m] = 0;
+      }
+      // Onto the changes of the free values that the rows do not see.
+      const Eigen::MatrixXd free = rows * (x->array() >= of.lower + 1e-3).cast<double>().matrix().asDiagonal();
+      change -= free.transpose() * (free * free.transpose()).ldlt().solve(free * change);
+      const Eigen::VectorXd changed = *x + std::pow(10, -1 - trial % 4) * change;
+      if (changed.minCoeff() < of.lower) continue;
+      if (largest_error(changed) > bound) continue;
+      ++tried;
+      EXPECT_GE(objective(of, changed), objective(of, *x) * (1 - 1e-6));  // where the solver stops
+    }
+    EXPECT_GT(tried, 20);
+  };
+  expect_no_improvement(problem, 1e9);
+  problem.minimax = false;
+  expect_no_improvement(problem, 1e9);
+  problem.minimax = true;
+  int programmes = 0;
+  problem.bound = 1.1 * largest_error(*fit.constrained(value, problem, programmes));
+  expect_no_improvement(problem, *problem.bound + 1e-6);
+}
+
+// Light as strongly peaked as the rows ask for is more than non-negative values give.
+TEST_F(SphereFitTest, SaysThatRowsHaveNoSolution) {
+  const Eigen::VectorXd value = values_of(PhaseFunction::henyey_greenstein(0.7), fit.samples(), {0, 0.6, 0.8});
+  ConstrainedFit problem;
+  problem.rows.matrix.resize(2, points.size());
+  for (int m = 0; m < points.size(); ++m) problem.rows.matrix.col(m) << 1, points.directions()[m].z();
+  problem.rows.matrix /= points.size();
+  problem.rows.right.resize(2);
+  problem.rows.right << 1, 1.01;
+  problem.scale = problem.mean_scale = value.cwiseSqrt();
+  int programmes = 0;
+  EXPECT_FALSE(fit.constrained(value, problem, programmes));
+}
+
 TEST_F(SphereFitTest, MinimaxScalesWithTheFunction) {
   const Eigen::VectorXd value = values_of(PhaseFunction::henyey_greenstein(0.7), fit.samples(), {0, 0.6, 0.8});
   const double h = largest(*fit.minimax(value, ResidualScale::absolute), value, ResidualScale::absolute);

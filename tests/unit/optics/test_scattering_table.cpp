@@ -114,7 +114,7 @@ void EveryFit::expect_moments_of_columns() const {
   const PhaseFunction truncated = delta_m(GetParam().phase, GetParam().options.delta_m_order).truncated;
   for (int l = 0; l <= GetParam().options.exact_moments; ++l) {
     for (int d = 0; d < set.size(); ++d) {
-      // 1e-8: the simplex stops at 1e-9 in the rows
+      // 1e-8: solvers stop at 1e-9 in the rows
       EXPECT_NEAR(moment_about(set.direction[d], l, table.ordinates_from_ordinates.col(d), set) / set.weight[d],
                   truncated.moment(l), 1e-8);
     }

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -158,6 +159,23 @@ class FileSizeLimit {
   rlimit before_{};
   void (*handler_)(int);
 };
+
+// HDF5's own filters undo what threads have done: several chunks, of which the last is not full, cut along the first
+// axis (1 MiB holds some maps) and along the second (less than one).
+TEST_F(ResultFile, HoldsFieldsOfManyChunks) {
+  for (const auto& [nx, ny, nz] : {std::array{150, 90, 45}, std::array{520, 600, 2}}) {
+    const Solution solution = sample::solution(nx, ny, nz);
+    const fs::path file = folder_ / "r.h5";
+    write_result(file, solution, sample::info());
+    const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    ASSERT_GE(opened, 0);
+    EXPECT_EQ(read_values<float>(opened, "upwelling_flux", H5T_NATIVE_FLOAT), solution.upwelling_flux);
+    EXPECT_EQ(read_values<float>(opened, "direct_flux", H5T_NATIVE_FLOAT), solution.direct_flux);
+    EXPECT_EQ(read_values<float>(opened, "absorbed_power", H5T_NATIVE_FLOAT), solution.absorbed_power);
+    H5Fclose(opened);
+    EXPECT_LT(fs::file_size(file), solution.upwelling_flux.size() * 5 * sizeof(float));  // compressed at all
+  }
+}
 
 /// In a process of its own, because HDF5 keeps what it could not close.
 [[noreturn]] void write_on_full_disk(const fs::path& file, const Solution& solution, rlim_t limit) {

@@ -1,0 +1,23 @@
+// What the module cloudbow_vdb does with OpenVDB, for vdb_file.cpp. OpenVDB takes longer to load than small scenes take
+// to solve, so it is loaded with the first VDB file that is met.
+#pragma once
+
+#include "cloudbow/medium/vdb_file.hpp"
+
+namespace cloudbow {
+
+/// Functions as the public ones of the same names, which document them.
+struct VdbModule {
+  CloudField (*read_cloud)(const std::filesystem::path& path, const VdbReadOptions& options);
+  std::vector<float> (*read_companion)(const std::filesystem::path& path, const CloudField& cloud,
+                                       const VdbReadOptions& options, double lowest, double highest);
+  /// The grids with their metadata; none is read as a cloud.
+  std::vector<VdbGridInfo> (*list_grids)(const std::filesystem::path& path);
+  void (*write_cloud)(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
+                      const std::vector<VdbCompanion>& companions);
+};
+
+}  // namespace cloudbow
+
+/// The module's one symbol.
+extern "C" const cloudbow::VdbModule cloudbow_vdb_module;
