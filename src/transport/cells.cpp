@@ -134,6 +134,7 @@ Sheets sheets_along_y(const ActiveRows& rows) {
     }
     sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
   }
+  sheets.chunks.resize(sheets.chunks.size() + Sheets::padding);
   return sheets;
 }
 
@@ -174,6 +175,7 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
     }
     sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
   }
+  sheets.chunks.resize(sheets.chunks.size() + Sheets::padding);
   return {std::move(sheets), std::move(turned)};
 }
 

@@ -133,11 +133,15 @@ namespace {
 
 // A tile of eight rows, to[sector] = sum over octants of (-1)^(bits in common) from[octant]; its own inverse but for
 // the factor of eight, which the matrices carry.
-template <class Real>
+template <bool prefetch, class Real>
 [[gnu::always_inline]] inline void transform(const Real* const (&from)[8], Real* const (&to)[8]) {
   for (int c = 0; c < tile; c += lanes) {
     Lanes<Real> x[8];
     for (int o = 0; o < 8; ++o) load_lanes(from[o] + c, x[o]);
+    // More streams than the processor follows by itself: the next tile's are asked for in time.
+    if (prefetch && c * sizeof(Real) % 64 == 0) {
+      for (int o = 0; o < 8; ++o) __builtin_prefetch(from[o] + tile + c);
+    }
     for (int bit = 1; bit < 8; bit <<= 1) {
       for (int o = 0; o < 8; ++o) {
         if (o & bit) continue;
@@ -173,7 +177,7 @@ void FoldedScattering<Real>::fold(const AngularField<Real>& field, std::size_t f
       from[o] = field.row(ordinate_[o * octant_size_ + b]) + first;
       to[o] = folded + (o * octant_size_ + b) * tile;
     }
-    transform(from, to);
+    transform<true>(from, to);
   }
 }
 
@@ -238,7 +242,7 @@ void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
           from[o] = source.data() + (o * octant_size_ + b) * tile;
           to[o] = field.row(ordinate_[o * octant_size_ + b]) + first;
         }
-        transform(from, to);
+        transform<false>(from, to);
         for (const BeamSource<Real>& beam : terms.beam) {
           for (int o = 0; o < octants; ++o)
             add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first, n, to[o]);

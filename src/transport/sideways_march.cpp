@@ -9,6 +9,9 @@
 namespace cloudbow {
 namespace {
 
+constexpr int ahead = 6;  // chunks
+static_assert(ahead <= Sheets::padding);
+
 // Launch fraction of a cell that puts the rays, after `rest` of a cell more, as far behind its middle as they began
 // before it.
 double centred_start(double rest, bool ascending) { return ascending ? (1 - rest) / 2 : (1 + rest) / 2; }
@@ -155,6 +158,7 @@ class SidewaysMarch {
         const int slope = path_.upward ? 1 : -1;
         const int base = (path_.upward ? -path_.levels.first : path_.levels.last - 1) - crossed - first_row_;
         for (const Chunk& chunk : chunks) {
+          ask_for(&chunk + ahead, cells_, source_, mean_);
           const std::size_t row = static_cast<std::size_t>(base + slope * chunk.row) * columns_;
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
             cross_cells<Real, true, linear>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, mean_);

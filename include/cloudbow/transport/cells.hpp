@@ -26,7 +26,8 @@ struct Sheets {
   int rows = 0;
   int columns = 0;
   std::vector<std::uint32_t> begin;  ///< [count][rows + 1] first chunk of each row, and the end of the sheet's
-  std::vector<Chunk> chunks;
+  std::vector<Chunk> chunks;         ///< with `padding` more behind them, for marches that look ahead
+  static constexpr int padding = 8;
 
   std::span<const Chunk> of(int sheet) const { return of(sheet, 0, rows); }
   std::span<const Chunk> of(int sheet, int first_row, int last_row) const {

@@ -4,6 +4,9 @@
 
 #include <cstdint>
 #include <cstring>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 namespace cloudbow {
 
@@ -26,6 +29,17 @@ template <class Real>
 template <class Real>
 [[gnu::always_inline]] inline void store_lanes(const Lanes<Real>& v, Real* to) {
   std::memcpy(to, &v, sizeof v);
+}
+
+/// Stores the lanes whose mask is true, and leaves what is beside them untouched.
+[[gnu::always_inline]] inline void store_masked(const LaneMask& mask, const Lanes<float>& v, float* to) {
+#ifdef __AVX__
+  _mm256_maskstore_ps(to, (__m256i)mask, v);
+#else
+  Lanes<float> old;
+  load_lanes(to, old);
+  store_lanes<float>(mask ? v : old, to);
+#endif
 }
 
 /// True in the first n lanes.

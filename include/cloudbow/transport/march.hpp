@@ -217,9 +217,9 @@ template <class Real, bool keep_mean, bool linear>
     if constexpr (keep_mean) {
       Lanes<float> sum;
       load_lanes(mean + cell, sum);
-      store_lanes<float>(active ? sum + more : sum, mean + cell);
+      store_masked(active, sum + more, mean + cell);
     }
-    store_lanes<float>(active ? out : in, ray);
+    store_masked(active, out, ray);
   } else {
     for (int i = 0; i < count; ++i) {
       const Real t = std::min(cells.extinction[cell + i] * g.length, static_cast<Real>(largest_optical_path));
@@ -234,6 +234,18 @@ template <class Real, bool keep_mean, bool linear>
       ray[i] = out;
     }
   }
+}
+
+/// Asks in time for what a chunk some way on in a list will take: short runs of cells are no streams that the processor
+/// follows by itself.
+template <class Real>
+[[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
+                                           const Real* mean) {
+  const std::size_t cell = chunk->cell;
+  __builtin_prefetch(cells.extinction + cell);
+  __builtin_prefetch(source + cell);
+  for (const Real* gradient : cells.gradient) __builtin_prefetch(gradient + cell);
+  if (mean != nullptr) __builtin_prefetch(mean + cell, 1);
 }
 
 /// What one direction's march left behind.

@@ -44,12 +44,12 @@ struct Fixture {
 
   // Moments after one sweep in which light of these moments (and no others) scattered.
   std::vector<double> swept(const std::vector<double>& moments) const {
-    const LowMoments<double> low(system.ordinates);
     AngularField<double> radiance(system.ordinates.size(), n);
-    scatter_in_place<double>(radiance, system.scattering, *system.cells, system.beam, moments, low.shape);
-    sweep(system, radiance, false);
+    system.scatter(radiance, moments, true);
+    SweepWorkspace<double> work;
+    sweep(system, radiance, false, work);
     std::vector<double> result(low_moments * n);
-    moments_of<double>(radiance, low.weights, result);
+    system.moments(radiance, result);
     return result;
   }
 };

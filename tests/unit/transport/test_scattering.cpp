@@ -60,7 +60,7 @@ struct Scene {
   AngularField<Real> scattered(const std::vector<BeamSource<Real>>& beam = {}, const std::vector<Real>& correction = {},
                                const DenseMatrix<Real>& shape = {}) const {
     AngularField<Real> field = radiance;
-    scatter_in_place<Real>(field, matrix, medium, beam, correction, shape);
+    scatter_in_place<Real>(field, matrix, medium, {beam, correction, {}}, shape);
     return field;
   }
 

@@ -359,6 +359,38 @@ TEST(Solve, TurnsAndMirrorImagesWithTheirSunHaveTheSameFluxes) {
   }
 }
 
+// ---- many cells -----------------------------------------------------------------------------------------------------
+
+TEST(Solve, LargeFieldsCloseTheirLedgerAlongAllAxes) {
+  // Slanted ordinates are marched along x and y here, through the levels of one thickness; a thick cell-free level lies
+  // below, cells of another thickness above.
+  BoxGrid box = make_box(24, 20, 9);
+  box.z_edge_m = {0, 30, 31, 32, 33, 34, 35, 36, 37, 37.5};
+  std::vector<float> extinction = random_extinction(box, .8, 11);
+  std::fill_n(extinction.begin(), box.columns(), 0.F);
+  for (const auto& [albedo, surface] : {std::pair(1., .3), std::pair(.9, 1.), std::pair(0., .3)}) {
+    SCOPED_TRACE(testing::Message() << "ssa " << albedo << ", surface " << surface);
+    Problem problem = problem_of(make_grid(box, extinction, albedo), PhaseFunction::henyey_greenstein(.85));
+    problem.surface.albedo = surface;
+    problem.sky_radiance = .1;
+    SolverOptions options = coarse();
+    options.flux_levels = FluxLevels::all;
+    const Solution solution = solve(problem, options);
+    expect_finite_and_closed(solution, 1e-5);
+    // What passes through the levels is what the cells between them keep, by the profile and by the cells.
+    const auto net = [&](std::size_t e) {
+      return solution.profile_direct_flux[e] + solution.profile_downwelling_diffuse_flux[e] -
+             solution.profile_upwelling_flux[e];
+    };
+    for (int k = 0; k < box.nz(); ++k) {
+      double kept = 0;
+      for (std::size_t c = 0; c < box.columns(); ++c)
+        kept += static_cast<double>(solution.absorbed_power[k * box.columns() + c]) * box.thickness_m(k);
+      EXPECT_NEAR(net(k + 1) - net(k), kept / static_cast<double>(box.columns()), 2e-4) << k;
+    }
+  }
+}
+
 // ---- surfaces -------------------------------------------------------------------------------------------------------
 
 TEST(Solve, EnergyClosesOverEverySurface) {
