@@ -104,9 +104,6 @@ LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
   return best;
 }
 
-// Fewer cells are solved soon enough without.
-constexpr std::size_t worth_shortcuts = 2000;
-
 template <class Real>
 bool varies_along(const Cells<Real>& cells, std::size_t axis) {
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -182,7 +179,8 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
 }  // namespace
 
 template <class Real>
-Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical) {
+Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical,
+                       std::size_t worth_shortcuts) {
   Cells<Real> cells;
   cells.rows = active_rows(grid);
   const std::size_t n = grid.active_cells();
@@ -240,8 +238,8 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
     }
   }
-  cells.varied = n >= worth_shortcuts && !vertical && box.nx > 1 && box.ny > 1 && varies_along(cells, 0) &&
-                 varies_along(cells, 1);
+  cells.varied =
+      n >= worth_shortcuts && !vertical && box.nx > 1 && box.ny > 1 && varies_along(cells, 0) && varies_along(cells, 1);
   if (cells.varied && box.periodic) {
     cells.even_levels = longest_even_run(box, cells.rows);
     cells.turned[1].sheets = sheets_along_y(cells.rows);
@@ -253,7 +251,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   return cells;
 }
 
-template Cells<float> make_cells<float>(const OpticalGrid&, std::span<const double>, bool);
-template Cells<double> make_cells<double>(const OpticalGrid&, std::span<const double>, bool);
+template Cells<float> make_cells<float>(const OpticalGrid&, std::span<const double>, bool, std::size_t);
+template Cells<double> make_cells<double>(const OpticalGrid&, std::span<const double>, bool, std::size_t);
 
 }  // namespace cloudbow

@@ -178,17 +178,25 @@ double transport_depth(const TransportSystem<Real>& system) {
 }
 
 template <class Real>
-TransportSystem<Real> low_order_system(const TransportSystem<Real>& full) {
+TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
+                                       const std::optional<Coarsening<Real>>& coarse) {
   TransportSystem<Real> low;
-  low.box = full.box;
   low.vertical = full.vertical;
-  low.cells = full.cells;
   low.ordinates = make_ordinate_set(low_directions);
-  low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.vertical);
   low.linear_source = false;  // a correction need not be finer
   low.truncated_asymmetry = full.truncated_asymmetry;
-  low.absorption = full.absorption;
-  if (full.ground.is_lambertian()) {
+  if (coarse) {
+    const std::vector<double> truncated(full.scattering.size(), 0.);  // its coefficients are so already
+    low.box = coarse->grid.box;
+    low.cells = std::make_shared<const Cells<Real>>(make_cells<Real>(coarse->grid, truncated, low.vertical, 0));
+    low.absorption.assign(coarse->grid.absorption.begin(), coarse->grid.absorption.end());
+  } else {
+    low.box = full.box;
+    low.cells = full.cells;
+    low.absorption = full.absorption;
+  }
+  low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.vertical);
+  if (full.ground.is_lambertian() && !coarse) {
     low.ground = full.ground;
   } else {
     Surface surface;
@@ -202,7 +210,7 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full) {
 
 template <class Real>
 LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system)
-    : low_(low_order_system(system)), full_(&system) {
+    : coarse_(coarsen(system)), low_(low_order_system(system, coarse_)), full_(&system) {
   const LowMoments<double> full(system.ordinates);
   const LowMoments<double> low(low_.ordinates);
   for (const DenseMatrix<Real>& matrix : system.scattering) {
@@ -215,8 +223,9 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
     const Eigen::VectorXd moments = full.weights * beam.direction.template cast<double>();
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
   }
-  low_.emission.resize(low_moments * system.cells->size());
-  radiance_ = AngularField<Real>(low_.ordinates.size(), system.cells->size());
+  low_.emission.resize(low_moments * low_.cells->size());
+  moments_.resize(low_.emission.size());
+  radiance_ = AngularField<Real>(low_.ordinates.size(), low_.cells->size());
   if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<Diffusion>(low_);
 }
 
@@ -232,54 +241,71 @@ bool LowOrderCorrection<Real>::uses_diffusion() const {
   return diffusion_ != nullptr;
 }
 
+// Fills one moment of low_.emission: source(to) adds it to [n] values of the problem's own cells.
+template <class Real>
+template <class Source>
+void LowOrderCorrection<Real>::emit(int moment, const Source& source) {
+  const std::size_t n = low_.cells->size();
+  Real* const emission = low_.emission.data() + moment * n;
+  std::fill_n(emission, n, Real(0));
+  if (!coarse_) {
+    source(emission);
+    return;
+  }
+  std::vector<Real> of_cell(full_->cells->size(), Real(0));
+  source(of_cell.data());
+  for (std::size_t c = 0; c < of_cell.size(); ++c) emission[coarse_->coarse_cell[c]] += coarse_->share[c] * of_cell[c];
+}
+
 template <class Real>
 void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
-  const std::size_t n = low_.cells->size();
+  const std::size_t n = full_->cells->size();
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    Real* const source = low_.emission.data() + m * n;
-    std::fill_n(source, n, Real(0));
-    for (std::size_t b = 0; b < full_->beam.size(); ++b) {
-      const Real share = beam_moments_[b * low_moments + m];
-      for (std::size_t c = 0; c < n; ++c) source[c] += share * full_->beam[b].intensity[c];
-    }
+    emit(m, [&](Real* __restrict source) {
+      for (std::size_t b = 0; b < full_->beam.size(); ++b) {
+        const Real share = beam_moments_[b * low_moments + m];
+        const Real* __restrict const intensity = full_->beam[b].intensity.data();
+        for (std::size_t c = 0; c < n; ++c) source[c] += share * intensity[c];
+      }
+    });
   }
   solve(moments);
 }
 
 template <class Real>
 void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<Real> correction) {
-  const std::size_t n = low_.cells->size();
+  const std::size_t n = full_->cells->size();
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    Real* const source = low_.emission.data() + m * n;
-    std::fill_n(source, n, Real(0));
-    for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
-      const std::vector<Real>& scattered = low_.cells->scattered[p];
-      for (int from = 0; from < low_moments; ++from) {
-        const Real share = scattered_moments_[p](m, from);
-        if (std::abs(share) < Real(1e-6)) continue;
-        const std::span<const Real> of = change.subspan(from * n, n);
-        for (std::size_t c = 0; c < n; ++c) source[c] += share * scattered[c] * of[c];
+    emit(m, [&](Real* __restrict source) {
+      for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
+        const Real* __restrict const scattered = full_->cells->scattered[p].data();
+        for (int from = 0; from < low_moments; ++from) {
+          const Real share = scattered_moments_[p](m, from);
+          if (std::abs(share) < Real(1e-6)) continue;
+          const Real* __restrict const of = change.data() + from * n;
+          for (std::size_t c = 0; c < n; ++c) source[c] += share * scattered[c] * of[c];
+        }
       }
-    }
+    });
   }
   solve(correction);
 }
 
-// Light of low_.emission.
+// Light of low_.emission, at the problem's own cells.
 template <class Real>
 void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
   const std::size_t n = low_.cells->size();
   const std::size_t mixed = 4 * n;  // the moments l <= 1
   AndersonMixer<Real> mixer(low_mixing_depth);
-  std::vector<Real> x(low_moments * n, Real(0)), g, correction, change(mixed);
+  std::vector<Real> x(mixed, Real(0)), g(mixed), correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
     low_.scatter(radiance_, correction, sweeps == 1);
     sweep(low_, radiance_, false, work_);
     ++sweeps_;
-    low_.moments(radiance_, moments);
-    g.assign(moments.begin(), moments.begin() + static_cast<std::ptrdiff_t>(mixed));
+    low_.moments(radiance_, moments_);
+    g.assign(moments_.begin(), moments_.begin() + static_cast<std::ptrdiff_t>(mixed));
     if (diffusion_) {
       for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
       diffusion_->correct(change, g);
@@ -289,11 +315,32 @@ void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
     const double size = ordered_dot<Real>(flux(g), flux(g));
     const double step = ordered_dot<Real>(flux(change), flux(change));
     if (step <= low_tolerance * low_tolerance * size || sweeps == most_low_sweeps) break;
-    mixer.advance(std::span<Real>(x).first(mixed), g);
+    mixer.advance(x, g);
     correction.resize(mixed);
-    for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments[i];
+    for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments_[i];
   }
-  std::copy(g.begin(), g.end(), moments.begin());
+  std::copy(g.begin(), g.end(), moments_.begin());
+  if (!coarse_) {
+    std::copy(moments_.begin(), moments_.end(), moments.begin());
+    return;
+  }
+  // Between the centres of coarse cells the moments change linearly.
+  const std::size_t cells = full_->cells->size();
+  const Cells<Real>& of = *low_.cells;
+#pragma omp parallel for schedule(static)
+  for (int m = 0; m < low_moments; ++m) {
+    const Real* const from = moments_.data() + m * n;
+    Real* const to = moments.data() + m * cells;
+    for (std::size_t c = 0; c < cells; ++c) {
+      const std::uint32_t at = coarse_->coarse_cell[c];
+      Real value = from[at];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        value += Real(.25) * static_cast<Real>(coarse_->quarters[c][axis]) * of.scale[axis][at] *
+                 (from[of.high[axis][at]] - from[of.low[axis][at]]);
+      }
+      to[c] = value;
+    }
+  }
 }
 
 template <class Real>

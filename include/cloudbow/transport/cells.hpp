@@ -107,8 +107,10 @@ struct CellView {
 
 /// @param forward_fraction [p] f of each phase function.
 /// @param vertical no differences along x and y (independent columns).
+/// @param worth_shortcuts fewer cells than this are never `varied`: they are solved soon enough without.
 template <class Real>
-Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical);
+Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical,
+                       std::size_t worth_shortcuts = 2000);
 
 /// Indices (k*ny + j)*nx + i of the active cells.
 std::vector<std::uint32_t> dense_indices(const ActiveRows& rows);

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "cloudbow/transport/coarsening.hpp"
 #include "cloudbow/transport/source_iteration.hpp"
 
 namespace cloudbow {
@@ -33,10 +35,14 @@ class LowOrderCorrection {
 
  private:
   class Diffusion;
+  template <class Source>
+  void emit(int moment, const Source& source);
   void solve(std::span<Real> moments);
 
+  std::optional<Coarsening<Real>> coarse_;  // without: the problem's own cells
   TransportSystem<Real> low_;
   AngularField<Real> radiance_;
+  std::vector<Real> moments_;  // [low_moments][cells of low_]
   SweepWorkspace<Real> work_;
   std::vector<DenseMatrix<Real>> scattered_moments_;  // [p] low_moments x low_moments
   std::vector<Real> beam_moments_;                    // [beam][low_moments]
