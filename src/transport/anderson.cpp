@@ -27,22 +27,32 @@ double ordered_dot(std::span<const Real> a, std::span<const Real> b) {
 
 template <class Real>
 void AndersonMixer<Real>::advance(std::span<Real> x, std::span<const Real> g) {
-  std::vector<Real> residual(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) residual[i] = g[i] - x[i];
+  const std::size_t n = x.size();
   if (!last_residual_.empty()) {
-    std::vector<Real> dr(x.size()), dg(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      dr[i] = residual[i] - last_residual_[i];
+    std::vector<Real> dr, dg;
+    if (static_cast<int>(residual_change_.size()) == depth_) {  // the oldest make room
+      dr = std::move(residual_change_.front());
+      dg = std::move(g_change_.front());
+      residual_change_.pop_front();
+      g_change_.pop_front();
+    }
+    dr.resize(n);
+    dg.resize(n);
+#pragma omp parallel for simd schedule(static)
+    for (std::size_t i = 0; i < n; ++i) {
+      dr[i] = g[i] - x[i] - last_residual_[i];
       dg[i] = g[i] - last_g_[i];
     }
     residual_change_.push_back(std::move(dr));
     g_change_.push_back(std::move(dg));
-    if (static_cast<int>(residual_change_.size()) > depth_) {
-      residual_change_.pop_front();
-      g_change_.pop_front();
-    }
   }
-  std::copy(g.begin(), g.end(), x.begin());
+  last_residual_.resize(n);
+  last_g_.resize(n);
+#pragma omp parallel for simd schedule(static)
+  for (std::size_t i = 0; i < n; ++i) {
+    last_residual_[i] = g[i] - x[i];
+    last_g_[i] = x[i] = g[i];
+  }
   const auto depth = static_cast<Eigen::Index>(residual_change_.size());
   if (depth > 0) {
     Eigen::MatrixXd normal(depth, depth);
@@ -50,19 +60,19 @@ void AndersonMixer<Real>::advance(std::span<Real> x, std::span<const Real> g) {
     for (Eigen::Index i = 0; i < depth; ++i) {
       for (Eigen::Index j = 0; j <= i; ++j)
         normal(i, j) = normal(j, i) = ordered_dot<Real>(residual_change_[i], residual_change_[j]);
-      right[i] = ordered_dot<Real>(residual_change_[i], residual);
+      right[i] = ordered_dot<Real>(residual_change_[i], last_residual_);
     }
     normal.diagonal() *= 1 + 1e-7;  // keeps nearly dependent histories solvable
     const Eigen::VectorXd mix = normal.ldlt().solve(right);
     if (mix.allFinite()) {
       for (Eigen::Index i = 0; i < depth; ++i) {
         const Real share = static_cast<Real>(mix[i]);
-        for (std::size_t c = 0; c < x.size(); ++c) x[c] -= share * g_change_[i][c];
+        const std::vector<Real>& change = g_change_[i];
+#pragma omp parallel for simd schedule(static)
+        for (std::size_t c = 0; c < n; ++c) x[c] -= share * change[c];
       }
     }
   }
-  last_residual_ = std::move(residual);
-  last_g_.assign(g.begin(), g.end());
 }
 
 template class AndersonMixer<float>;

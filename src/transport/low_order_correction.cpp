@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/anderson.hpp"
 #include "cloudbow/transport/diffusion.hpp"
+#include "cloudbow/transport/threads.hpp"
 
 namespace cloudbow {
 namespace {
@@ -297,7 +298,8 @@ void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<R
 template <class Real>
 void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
   const std::size_t n = low_.cells->size();
-  const std::size_t mixed = 4 * n;  // the moments l <= 1
+  const std::size_t mixed = mixed_moments * n;
+  const ThreadsFor threads(n);
   AndersonMixer<Real> mixer(low_mixing_depth);
   std::vector<Real> x(mixed, Real(0)), g(mixed), correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {

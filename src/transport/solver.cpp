@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/cell_fields.hpp"
 #include "cloudbow/transport/flux_fields.hpp"
+#include "cloudbow/transport/threads.hpp"
 #include "cloudbow/transport/view.hpp"
 
 namespace cloudbow {
@@ -120,8 +121,6 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
 
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
   const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
-  // A column or two is solved sooner than threads are woken; the bits are the same.
-  constexpr std::size_t worth_threads = 2000;
   omp_set_num_threads(problem.grid.active_cells() < worth_threads ? 1 : threads);
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
   if (options.actinic && problem.grid.active_cells() < cells) {
