@@ -41,14 +41,12 @@ class FluxFields {
         columns_(system.box.columns()) {
     const bool by_ordinates = !solved.fluxes.column_up.empty();
     if (problem.sun) {
-      true_beam_ = beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
+      true_beam_ =
+          beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options, false);
       // Columns by themselves keep the iteration's own beam: their fluxes are the iteration's.
-      flux_beam_ =
-          beam_with<Real>(problem, system.cells->rows,
-                          by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(), options);
-      solver_beam_ = by_ordinates
-                         ? flux_beam_
-                         : beam_with<Real>(problem, system.cells->rows, discretisation.beam_fraction(), options);
+      flux_beam_ = beam_with<Real>(problem, system.cells->rows,
+                                   by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(),
+                                   options, !by_ordinates);
     }
     if (!by_ordinates) {
       source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance,
@@ -120,7 +118,7 @@ class FluxFields {
   // Diffuse as the gather counts it: what its own beam does not carry.
   double profile_down(int edge) const {
     double total = solved_.fluxes.profile_down[edge];
-    if (problem_.sun) total += mean(slice(solver_beam_->level_flux, edge)) - mean(slice(flux_beam_->level_flux, edge));
+    if (problem_.sun) total += system_.beam_profile[edge] - mean(slice(flux_beam_->level_flux, edge));
     return total;
   }
 
@@ -203,7 +201,7 @@ class FluxFields {
     for (int e = 0; e < levels; ++e) {
       const double direct = mean(slice(true_beam_->level_flux, e));
       solution.profile_direct_flux[e] = direct;
-      solution.profile_downwelling_diffuse_flux[e] += mean(slice(solver_beam_->level_flux, e)) - direct;
+      solution.profile_downwelling_diffuse_flux[e] += system_.beam_profile[e] - direct;
     }
     solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power_in;
   }
@@ -215,9 +213,8 @@ class FluxFields {
   const ProgressCallback& progress_;
   std::size_t columns_;
   SideRadiance side_radiance_;
-  std::optional<DirectBeam<Real>> true_beam_;    // true extinction: what is reported as direct
-  std::optional<DirectBeam<Real>> flux_beam_;    // what the fluxes here count as direct
-  std::optional<DirectBeam<Real>> solver_beam_;  // what the iteration counted as direct
+  std::optional<DirectBeam<Real>> true_beam_;  // true extinction: what is reported as direct
+  std::optional<DirectBeam<Real>> flux_beam_;  // what the fluxes here count as direct
   std::optional<DirectionalSource<Real>> source_;
   std::optional<GroundRadiance<Real>> ground_;
   std::vector<double> bottom_down_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace cloudbow {
 namespace {
@@ -57,10 +58,10 @@ void TransportSystem<Real>::moments(const AngularField<Real>& radiance, std::spa
 
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options) {
+                           const SolverOptions& options, bool irradiance) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
   return direct_beam<Real>(problem.grid.box, rows, extinction, scaled_layer_extinction(problem.grid, forward_fraction),
-                           *problem.sun, {options.beam_rays, options.independent_columns});
+                           *problem.sun, {options.beam_rays, options.independent_columns, irradiance});
 }
 
 template <class Real>
@@ -101,6 +102,11 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
                                             : Real(0);
       }
       if (any) system.beam.push_back(std::move(source));
+    }
+    for (auto level = beam.level_flux.begin(); level != beam.level_flux.end();
+         level += static_cast<std::ptrdiff_t>(system.box.columns())) {
+      const double sum = std::accumulate(level, level + static_cast<std::ptrdiff_t>(system.box.columns()), 0.);
+      system.beam_profile.push_back(sum / static_cast<double>(system.box.columns()));
     }
     system.beam_surface_flux.assign(beam.level_flux.begin(),
                                     beam.level_flux.begin() + static_cast<std::ptrdiff_t>(system.box.columns()));
@@ -219,7 +225,7 @@ template struct TransportSystem<float>;
 template struct TransportSystem<double>;
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                    \
   template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,            \
-                                            const SolverOptions&);                                                    \
+                                            const SolverOptions&, bool);                                              \
   template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);      \
   template DirectionalSource<Real> make_directional_source<Real>(const Problem&, const Discretisation&,               \
                                                                  const TransportSystem<Real>&,                        \

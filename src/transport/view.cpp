@@ -57,20 +57,24 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const Discreti
 
   std::vector<RadianceImage> images;
   for (const View& view : options.views) {
+    LinearSource<Real> linear;
+    linear.resize(system.cells->size());
+    source.query(view.travel, linear.value.data());
+    linear.make_gradient(*system.cells);
     std::vector<std::vector<double>> of_ray(static_cast<std::size_t>(rays) * rays);
 #pragma omp parallel
     {
       GatherWorkspace<Real> work;
-      std::vector<std::vector<Real>> sent(1);
-      std::vector<Real> beyond;
+      Gathered<Real> seen;
 #pragma omp for schedule(dynamic, 1)
       for (int r = 0; r < rays * rays; ++r) {
         const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays, (r / rays + .5) / rays,
                                                       system.vertical, levels);
-        march_back(scene, pattern, all, view.travel, work, sent, beyond);
+        seen.clear(all.size(), box.columns());
+        march_back(scene, pattern, all, view.travel, Real(1), linear.view(*system.cells), work, seen);
         of_ray[r].resize(box.columns());
         for (std::size_t c = 0; c < box.columns(); ++c)
-          of_ray[r][c] = static_cast<double>(sent[0][c]) + static_cast<double>(beyond[c]);
+          of_ray[r][c] = static_cast<double>(seen.of_band[0][c]) + static_cast<double>(seen.beyond[c]);
       }
     }
     RadianceImage image{view, std::vector<float>(box.columns())};

@@ -12,9 +12,10 @@
 namespace cloudbow {
 
 /// The direct beam when the fraction f_p of what phase function p scatters counts as unscattered.
+/// @param irradiance whether it is worked out too, beside the fluxes.
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options);
+                           const SolverOptions& options, bool irradiance = true);
 
 template <class Real>
 TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
