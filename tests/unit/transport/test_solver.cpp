@@ -493,7 +493,7 @@ TEST(Solve, ViewsOfBareGroundAreItsReflectance) {
 }
 
 TEST(Solve, BitsDoNotDependOnThreads) {
-  const BoxGrid box = make_box(20, 16, 10);  // more cells than are worth threads
+  const BoxGrid box = make_box(24, 20, 18);  // more cells than are worth threads
   const OpticalGrid grid = make_grid(box, random_extinction(box, 2, 5), .99);
   ASSERT_GT(grid.active_cells(), 2000U);
   Problem problem = problem_of(grid, PhaseFunction::henyey_greenstein(.85));
