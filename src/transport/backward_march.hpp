@@ -16,52 +16,65 @@ struct Band {
   bool empty;         ///< no active cell in it
 };
 
+/// What is added up for rays that leave a plane, one a column.
 template <class Real>
-struct GatherWorkspace {
-  LinearSource<Real> source;
-  std::vector<Real> gathered, transmitted, ground;
+struct Gathered {
+  std::vector<std::vector<Real>> of_band;  ///< [bands][columns + lane_padding] what the cells send
+  std::vector<Real> beyond;                ///< [columns] what comes from beyond the last level or the sides
+
+  void clear(std::size_t bands, std::size_t columns) {
+    of_band.resize(bands);
+    for (auto& band : of_band) band.assign(columns + lane_padding, Real(0));
+    beyond.assign(columns, Real(0));
+  }
 };
 
-/// Rays leave the plane against the light's travel, one a column, as `pattern` says. of_band[b] is what the cells of a
-/// band that is not empty send, `beyond` what comes from beyond the last level or the sides; [columns] each.
+template <class Real>
+struct GatherWorkspace {
+  std::vector<Real> source, transmitted, ground;
+};
+
+/// Rays leave the plane against the light's travel, as `pattern` says; what they meet, times `weight`, is added to
+/// `gathered`.
 template <class Real>
 void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,
-                const Direction& travel, GatherWorkspace<Real>& work, std::vector<std::vector<Real>>& of_band,
-                std::vector<Real>& beyond) {
+                const Direction& travel, Real weight, const CellView<Real>& cells, GatherWorkspace<Real>& work,
+                Gathered<Real>& gathered) {
   const BoxGrid& box = scene.box;
   const ActiveRows& rows = scene.cells.rows;
   const std::size_t columns = box.columns();
-  work.source.resize(scene.cells.size());
-  scene.source.query(travel, work.source.value.data());
-  work.source.make_gradient(scene.cells);
-  work.gathered.assign(columns + lane_padding, Real(0));
-  work.transmitted.assign(columns + lane_padding, Real(1));
-  beyond.assign(columns, Real(0));
+  const SourceAlong<Real> source = scene.source.along(travel);
+  work.source.resize(rows.largest_level() + lane_padding);
+  work.transmitted.assign(columns + lane_padding, weight);
   const std::vector<double> side =
       !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
 
+  const Real* const sent = work.source.data();
+  Real* const through = work.transmitted.data();
   for (std::size_t b = 0; b < bands.size(); ++b) {
+    Real* const of_band = gathered.of_band[b].data();
     for (int step = bands[b].first_step; step < bands[b].last_step; ++step) {
       const int level = pattern.level(step);
+      const std::size_t first_cell = rows.level_cell[level];
+      source.fill(first_cell, rows.level_cell[level + 1] - first_cell, work.source.data());
       const double chord = pattern.chord_m[step];
       const auto begin = [&](const Segment& segment) {
-        return [&, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          Real* __restrict const gathered = work.gathered.data() + ray;
-          Real* __restrict const transmitted = work.transmitted.data() + ray;
-          const Real* __restrict const sigma = scene.cells.extinction.data() + cell;
-          const Real* __restrict const s = work.source.value.data() + cell;
-          const Real* __restrict const gx = work.source.gradient[0].data() + cell;
-          const Real* __restrict const gy = work.source.gradient[1].data() + cell;
-          const Real* __restrict const gz = work.source.gradient[2].data() + cell;
+        return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+          Real* __restrict const sum = of_band + ray;
+          Real* __restrict const transmitted = through + ray;
+          const Real* __restrict const s = sent + (cell - first_cell);
+          const Real* __restrict const sigma = cells.extinction + cell;
+          const Real* __restrict const gx = cells.gradient[0] + cell;
+          const Real* __restrict const gy = cells.gradient[1] + cell;
+          const Real* __restrict const gz = cells.gradient[2] + cell;
           for_lanes<Real>(count, [=](int i, bool active) {
             const Real t = std::min(sigma[i] * g.length, static_cast<Real>(largest_optical_path));
             const auto phi = exponential_functions(t);
-            const Real near = s[i] * (1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i]);
-            const Real far = s[i] * (1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i]);
-            const Real seen = t * transmitted[i];
-            const Real more = seen * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
-            gathered[i] = active ? gathered[i] + more : gathered[i];
-            transmitted[i] = active ? transmitted[i] - seen * phi.phi1 : transmitted[i];
+            const Real near = 1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i];
+            const Real far = 1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i];
+            const Real seen = active ? t * transmitted[i] : Real(0);
+            sum[i] += seen * s[i] * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
+            transmitted[i] -= seen * phi.phi1;
           });
         };
       };
@@ -71,28 +84,24 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
         const int upper = pattern.upward ? level + 1 : level;
         const Real outside = side.empty() ? Real(0) : static_cast<Real>((1 - at) * side[lower] + at * side[upper]);
         for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
-          beyond[m] += work.transmitted[m] * outside;
-          work.transmitted[m] = 0;
+          gathered.beyond[m] += through[m] * outside;
+          through[m] = 0;
         });
       };
       cross_level(pattern, step, level, rows, begin, leave);
     }
-    if (!bands[b].empty) {
-      of_band[b].swap(work.gathered);
-      work.gathered.assign(columns + lane_padding, Real(0));
-    }
   }
   // Beyond the last level: the sky for light that comes down, the lit surface for light that goes up.
-  const bool upward_light = travel.z() > 0;
-  const Real* const ground = upward_light ? scene.ground->along(travel, work.ground) : nullptr;
-  const int sx = wrapped(static_cast<int>(std::floor(pattern.x.back())), box.nx);
-  const int sy = wrapped(static_cast<int>(std::floor(pattern.y.back())), box.ny);
-  for (int r = 0; r < box.ny; ++r) {
-    for (int m = 0; m < box.nx; ++m) {
-      const std::size_t ray = static_cast<std::size_t>(r) * box.nx + m;
-      const std::size_t hit = static_cast<std::size_t>((r + sy) % box.ny) * box.nx + (m + sx) % box.nx;
-      beyond[ray] += work.transmitted[ray] * (upward_light ? ground[hit] : static_cast<Real>(scene.sky_radiance));
-    }
+  Real* __restrict const beyond = gathered.beyond.data();
+  if (travel.z() < 0) {
+    const Real sky = static_cast<Real>(scene.sky_radiance);
+    for (std::size_t m = 0; m < columns; ++m) beyond[m] += through[m] * sky;
+  } else {
+    const Real* const ground = scene.ground->along(travel, work.ground);
+    for_shifted_rows(pattern.shift_x(pattern.levels()), pattern.shift_y(pattern.levels()), box.nx, box.ny,
+                     [&](std::size_t column, std::size_t ray, int n) {
+                       for (int i = 0; i < n; ++i) beyond[ray + i] += through[ray + i] * ground[column + i];
+                     });
   }
 }
 

@@ -24,11 +24,11 @@ void fill_cell_fields(const Problem& problem, const SolverOptions& options, cons
 template <class Real>
 RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
                                   const SolverOptions& options, const TransportSystem<Real>& system,
-                                  const IterationResult<Real>& solved, const Surroundings* surroundings) {
+                                  const IterationResult<Real>& solved, DirectionalSource<Real>& source,
+                                  const Surroundings* surroundings) {
   std::optional<DirectBeam<Real>> beam;
   if (problem.sun) beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options);
-  const DirectionalSource<Real> source =
-      make_directional_source(problem, discretisation, system, solved.radiance, beam ? &*beam : nullptr);
+  set_first_order(problem, discretisation, system, beam ? &*beam : nullptr, source);
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;
   field.direction.assign(points.directions().begin(), points.directions().end());
@@ -85,7 +85,7 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
                                        const IterationResult<Real>&, Solution&);                                \
   template RadianceField make_radiance_field<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
                                                    const TransportSystem<Real>&, const IterationResult<Real>&,  \
-                                                   const Surroundings*)
+                                                   DirectionalSource<Real>&, const Surroundings*)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

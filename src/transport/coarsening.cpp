@@ -66,6 +66,7 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
     depth += extinction * transport * std::max({to.dx_m, to.dy_m, to.thickness_m(level[k])});
     extinction_sum += extinction;
   }
+
   if (depth > thickest * extinction_sum) return std::nullopt;
 
   // Sums over each coarse place, then those places that hold anything, in order.

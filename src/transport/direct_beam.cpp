@@ -55,10 +55,11 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t g = 0; g < sums.size(); ++g) {
     Accumulator<Real>& sum = sums[g];
-    sum.irradiance.assign(rows.size() + lane_padding, Real(0));
+    sum.irradiance.assign(options.irradiance ? rows.size() + lane_padding : 0, Real(0));
     sum.level_flux.assign(columns * (box.nz() + 1), 0.);
     // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
     std::vector<Real> path(columns + lane_padding);
+    std::vector<Real> light(columns);
     for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
       // The nudge keeps rays off the faces when the sun stands on an axis.
       const PathPattern pattern =
@@ -67,16 +68,19 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
       std::fill(path.begin(), path.end(), Real(0));
       const auto record = [&](int step) {
         double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
-        const double scale = mu0 * sun.irradiance / rays;
         spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
-                          [&](std::size_t column, std::size_t m, double weight) {
-                            flux[column] += scale * weight * static_cast<double>(transmission(path[m]));
+                          [&](std::size_t column, std::size_t from, int n, double weight) {
+                            double* __restrict const to = flux + column;
+                            const double share = mu0 * sun.irradiance / rays * weight;
+                            for (int i = 0; i < n; ++i) to[i] += share * static_cast<double>(light[from + i]);
                           });
       };
+      std::fill(light.begin(), light.end(), Real(1));
       record(0);
       for (int step = 0; step < box.nz(); ++step) {
+        const int level = pattern.level(step);
         const Real chord = static_cast<Real>(pattern.chord_m[step]);
-        const auto begin = [&](const Segment& segment) {
+        const auto light_up = [&](const Segment& segment) {
           const Real length = chord * static_cast<Real>(segment.fraction);
           const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
           return [&, length, share](std::size_t m, std::size_t cell, int count) {
@@ -84,11 +88,18 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
             const Real* __restrict const sigma = padded.data() + cell;
             Real* __restrict const mean = sum.irradiance.data() + cell;
             for_lanes<Real>(count, [=](int i, bool active) {
-              const Real t = sigma[i] * length;
-              const Real more = share * mean_transmission(t) * transmission(before[i]);
-              mean[i] = active ? mean[i] + more : mean[i];
-              before[i] = active ? before[i] + t : before[i];
+              const Real t = active ? sigma[i] * length : Real(0);
+              const Real entering = active ? share : Real(0);
+              mean[i] += entering * mean_transmission(t) * transmission(before[i]);
+              before[i] += t;
             });
+          };
+        };
+        const auto dim = [&](const Segment& segment) {
+          return [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell, int count) {
+            Real* __restrict const before = path.data() + m;
+            const Real* __restrict const sigma = padded.data() + cell;
+            for_lanes<Real>(count, [=](int i, bool active) { before[i] += active ? sigma[i] * length : Real(0); });
           };
         };
         const auto enter = [&](const Segment& segment, double at) {
@@ -100,20 +111,26 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
             path[m] = outside;
           });
         };
-        cross_level(pattern, step, pattern.level(step), rows, begin, enter);
+        if (options.irradiance) {
+          cross_level(pattern, step, level, rows, light_up, enter);
+        } else {
+          cross_level(pattern, step, level, rows, dim, enter);
+        }
+        if (!box.periodic || rows.level_cell[level] < rows.level_cell[level + 1]) {
+          for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);
+        }
         record(step + 1);
       }
     }
   }
 
   DirectBeam<Real> result;
-  result.irradiance = std::move(sums[0].irradiance);
-  result.level_flux = std::move(sums[0].level_flux);
-  for (std::size_t g = 1; g < sums.size(); ++g) {
-    for (std::size_t c = 0; c < rows.size(); ++c) result.irradiance[c] += sums[g].irradiance[c];
-    for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sums[g].level_flux[c];
+  result.irradiance.assign(options.irradiance ? rows.size() : 0, Real(0));
+  result.level_flux.assign(columns * (box.nz() + 1), 0.);
+  for (const auto& sum : sums) {
+    for (std::size_t c = 0; c < result.irradiance.size(); ++c) result.irradiance[c] += sum.irradiance[c];
+    for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sum.level_flux[c];
   }
-  result.irradiance.resize(rows.size());
   for (const auto& sum : sums) {
     result.side_gain += sum.gain * mu0 * sun.irradiance / rays / static_cast<double>(columns);
     result.side_loss += sum.loss * mu0 * sun.irradiance / rays / static_cast<double>(columns);

@@ -31,28 +31,26 @@ template <class Real>
 class FluxFields {
  public:
   FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-             const TransportSystem<Real>& system, const IterationResult<Real>& solved, const Surroundings* surroundings,
-             const ProgressCallback& progress)
+             const TransportSystem<Real>& system, const IterationResult<Real>& solved, DirectionalSource<Real>* source,
+             const Surroundings* surroundings, const ProgressCallback& progress)
       : problem_(problem),
         options_(options),
         system_(system),
         solved_(solved),
         progress_(progress),
+        source_(source),
         columns_(system.box.columns()) {
-    const bool by_ordinates = !solved.fluxes.column_up.empty();
+    const bool by_ordinates = source == nullptr;
     if (problem.sun) {
-      true_beam_ = beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
+      true_beam_ =
+          beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options, false);
       // Columns by themselves keep the iteration's own beam: their fluxes are the iteration's.
-      flux_beam_ =
-          beam_with<Real>(problem, system.cells->rows,
-                          by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(), options);
-      solver_beam_ = by_ordinates
-                         ? flux_beam_
-                         : beam_with<Real>(problem, system.cells->rows, discretisation.beam_fraction(), options);
+      flux_beam_ = beam_with<Real>(problem, system.cells->rows,
+                                   by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(),
+                                   options, !by_ordinates);
     }
     if (!by_ordinates) {
-      source_.emplace(make_directional_source(problem, discretisation, system, solved.radiance,
-                                              problem.sun ? &*flux_beam_ : nullptr));
+      set_first_order(problem, discretisation, system, problem.sun ? &*flux_beam_ : nullptr, *source_);
       if (surroundings != nullptr)
         side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
     }
@@ -120,7 +118,7 @@ class FluxFields {
   // Diffuse as the gather counts it: what its own beam does not carry.
   double profile_down(int edge) const {
     double total = solved_.fluxes.profile_down[edge];
-    if (problem_.sun) total += mean(slice(solver_beam_->level_flux, edge)) - mean(slice(flux_beam_->level_flux, edge));
+    if (problem_.sun) total += system_.beam_profile[edge] - mean(slice(flux_beam_->level_flux, edge));
     return total;
   }
 
@@ -203,7 +201,7 @@ class FluxFields {
     for (int e = 0; e < levels; ++e) {
       const double direct = mean(slice(true_beam_->level_flux, e));
       solution.profile_direct_flux[e] = direct;
-      solution.profile_downwelling_diffuse_flux[e] += mean(slice(solver_beam_->level_flux, e)) - direct;
+      solution.profile_downwelling_diffuse_flux[e] += system_.beam_profile[e] - direct;
     }
     solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power_in;
   }
@@ -213,12 +211,11 @@ class FluxFields {
   const TransportSystem<Real>& system_;
   const IterationResult<Real>& solved_;
   const ProgressCallback& progress_;
+  DirectionalSource<Real>* source_;
   std::size_t columns_;
   SideRadiance side_radiance_;
-  std::optional<DirectBeam<Real>> true_beam_;    // true extinction: what is reported as direct
-  std::optional<DirectBeam<Real>> flux_beam_;    // what the fluxes here count as direct
-  std::optional<DirectBeam<Real>> solver_beam_;  // what the iteration counted as direct
-  std::optional<DirectionalSource<Real>> source_;
+  std::optional<DirectBeam<Real>> true_beam_;  // true extinction: what is reported as direct
+  std::optional<DirectBeam<Real>> flux_beam_;  // what the fluxes here count as direct
   std::optional<GroundRadiance<Real>> ground_;
   std::vector<double> bottom_down_;
   std::vector<double> top_up_;
@@ -229,14 +226,15 @@ class FluxFields {
 template <class Real>
 void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
                       const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                      const Surroundings* surroundings, const ProgressCallback& progress, Solution& solution) {
-  FluxFields<Real>(problem, discretisation, options, system, solved, surroundings, progress).fill(solution);
+                      DirectionalSource<Real>* source, const Surroundings* surroundings,
+                      const ProgressCallback& progress, Solution& solution) {
+  FluxFields<Real>(problem, discretisation, options, system, solved, source, surroundings, progress).fill(solution);
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                  \
-  template void fill_flux_fields<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
-                                       const TransportSystem<Real>&, const IterationResult<Real>&,  \
-                                       const Surroundings*, const ProgressCallback&, Solution&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                               \
+  template void fill_flux_fields<Real>(                                                          \
+      const Problem&, const Discretisation&, const SolverOptions&, const TransportSystem<Real>&, \
+      const IterationResult<Real>&, DirectionalSource<Real>*, const Surroundings*, const ProgressCallback&, Solution&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "backward_march.hpp"
+#include "plane_blur.hpp"
 
 namespace cloudbow {
 namespace {
@@ -15,8 +16,10 @@ constexpr double band_growth = 1.6;    // each distance band ends this many time
 constexpr double class_growth = 1.4;   // directions of one class differ in spread by at most this factor
 constexpr int most_classes = 16;
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
-constexpr double least_blur = .15;      // columns; below it a blur changes nothing
-constexpr std::size_t batch = 16;       // directions marched side by side and then added in order
+// Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
+constexpr std::size_t groups = 8;
+constexpr std::size_t level_groups = 4;       // fewer for sums over all levels, which take memory
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -24,6 +27,23 @@ double henyey_greenstein_density(double cosine) {
   const double g = sun_asymmetry;
   return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5) / (4 * std::numbers::pi);
 }
+
+// Where in their columns the rays of a direction start: at the centre, from where each is right to second order, or in
+// places that fill a column evenly (additive recurrence of the plastic number, Roberts 2018), for light that changes
+// within the columns, as at a cloud's top.
+struct LaunchPlace {
+  double x;
+  double y;
+};
+
+LaunchPlace launch_place(std::size_t direction, bool filling) {
+  const double q = static_cast<double>(direction);
+  if (!filling) return {.5, .5};
+  return {fraction(.5 + .7548776662466927 * q), fraction(.5 + .5698402909980532 * q)};
+}
+
+// What a direction's radiance counts in a flux.
+double power(const GatherDirection& direction) { return direction.weight * std::abs(direction.travel.z()); }
 
 // Distance over which the beam of one direction spreads, per unit height.
 double beam_spread(const GatherDirection& direction) {
@@ -51,63 +71,119 @@ std::vector<Band> distance_bands(const BoxGrid& box, const ActiveRows& rows, con
   return bands;
 }
 
-// Cell-integrated Gaussian, cut at three sigma and at half the row.
-std::vector<double> gaussian_kernel(double sigma, int n) {
-  const int reach = sigma < least_blur ? 0 : std::min(static_cast<int>(std::ceil(3 * sigma)), n / 2);
-  std::vector<double> kernel(2 * reach + 1, 1.);
-  double sum = 0;
-  for (int i = -reach; i <= reach; ++i) {
-    if (reach > 0)
-      kernel[i + reach] =
-          .5 * (std::erf((i + .5) / sigma / std::numbers::sqrt2) - std::erf((i - .5) / sigma / std::numbers::sqrt2));
-    sum += kernel[i + reach];
+// Directions that are blurred alike: of like spread of their beams, [first, last) of those in order of it.
+struct SpreadClass {
+  std::size_t first;
+  std::size_t last;
+  double spread;  // flux-weighted
+};
+
+// Sorts the directions.
+std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions) {
+  double least = beam_spread(directions.front());
+  for (const auto& d : directions) least = std::min(least, beam_spread(d));
+  const auto class_of = [&](const GatherDirection& d) {
+    return std::min(most_classes - 1,
+                    static_cast<int>(std::log(beam_spread(d) / least * (1 + 1e-12)) / std::log(class_growth)));
+  };
+  std::stable_sort(directions.begin(), directions.end(),
+                   [&](const auto& a, const auto& b) { return class_of(a) < class_of(b); });
+  std::vector<SpreadClass> classes;
+  for (std::size_t first = 0; first < directions.size();) {
+    std::size_t last = first;
+    double spread_sum = 0;
+    double weight_sum = 0;
+    for (; last < directions.size() && class_of(directions[last]) == class_of(directions[first]); ++last) {
+      const double spread = beam_spread(directions[last]);
+      spread_sum += power(directions[last]) * spread * spread;
+      weight_sum += power(directions[last]);
+    }
+    classes.push_back({first, last, std::sqrt(spread_sum / weight_sum)});
+    first = last;
   }
-  for (double& k : kernel) k /= sum;
-  return kernel;
+  return classes;
 }
 
-// Spreads each value over its row; what would fall out of an open side stays in the part of the kernel that is inside.
-void blur_row(std::vector<double>& row, const std::vector<double>& kernel, bool periodic,
-              std::vector<double>& scratch) {
-  const int n = static_cast<int>(row.size());
-  const int reach = static_cast<int>(kernel.size()) / 2;
-  scratch.assign(row.size(), 0.);
-  for (int i = 0; i < n; ++i) {
-    if (row[i] == 0) continue;
-    if (periodic) {
-      for (int d = -reach; d <= reach; ++d) scratch[wrapped(i + d, n)] += row[i] * kernel[d + reach];
-    } else {
-      const int low = std::max(-reach, -i);
-      const int high = std::min(reach, n - 1 - i);
-      double inside = 0;
-      for (int d = low; d <= high; ++d) inside += kernel[d + reach];
-      for (int d = low; d <= high; ++d) scratch[i + d] += row[i] * kernel[d + reach] / inside;
-    }
-  }
-  row = scratch;
-}
+// Gradient of the source, relative to it: of the mean over directions of one quadrant where cells are varied, else of
+// each direction's own.
+template <class Real>
+class SourceGradients {
+ public:
+  explicit SourceGradients(const GatherScene<Real>& scene) : scene_(scene) {}
 
-void blur(std::vector<double>& field, const BoxGrid& box, double sigma_m) {
-  const auto kernel_x = gaussian_kernel(sigma_m / box.dx_m, box.nx);
-  const auto kernel_y = gaussian_kernel(sigma_m / box.dy_m, box.ny);
-  std::vector<double> row, scratch;
-  if (kernel_x.size() > 1) {
-    row.resize(box.nx);
-    for (int j = 0; j < box.ny; ++j) {
-      std::copy_n(field.data() + static_cast<std::size_t>(j) * box.nx, box.nx, row.data());
-      blur_row(row, kernel_x, box.periodic, scratch);
-      std::copy_n(row.data(), box.nx, field.data() + static_cast<std::size_t>(j) * box.nx);
+  // For the directions that along() will be asked for next.
+  void prepare(std::span<const GatherDirection> directions) {
+    if (!scene_.cells.varied) return;
+    const DirectionalSource<Real>& source = scene_.source;
+    for (int q = 0; q < quadrants; ++q) {
+      std::vector<double> of_point(source.points.size(), 0.);
+      std::vector<double> of_beam(source.first_order.size(), 0.);
+      for (const GatherDirection& d : directions) {
+        if (quadrant(d.travel) != q) continue;
+        const Stencil stencil = source.points.stencil(d.travel);
+        for (int k = 0; k < 3; ++k) of_point[stencil.index[k]] += power(d) * stencil.weight[k];
+        for (std::size_t b = 0; b < of_beam.size(); ++b)
+          of_beam[b] += power(d) * source.first_order[b].phase(d.travel.dot(source.sun_travel));
+      }
+      make_mean(of_point, of_beam);
+      make_gradient(gradient_[q]);
     }
   }
-  if (kernel_y.size() > 1) {
-    row.resize(box.ny);
-    for (int i = 0; i < box.nx; ++i) {
-      for (int j = 0; j < box.ny; ++j) row[j] = field[static_cast<std::size_t>(j) * box.nx + i];
-      blur_row(row, kernel_y, box.periodic, scratch);
-      for (int j = 0; j < box.ny; ++j) field[static_cast<std::size_t>(j) * box.nx + i] = row[j];
+
+  // @param own holds the gradient where it is the direction's own.
+  CellView<Real> along(const Direction& travel, LinearSource<Real>& own) const {
+    const Cells<Real>& cells = scene_.cells;
+    if (cells.varied) {
+      const Gradient& gradient = gradient_[quadrant(travel)];
+      return {cells.extinction.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+    }
+    own.resize(cells.size());
+    scene_.source.query(travel, own.value.data());
+    own.make_gradient(cells);
+    return own.view(cells);
+  }
+
+ private:
+  static constexpr int quadrants = 4;
+  static constexpr std::size_t block_cells = 4096;    // a thread's share of loops over cells
+  using Gradient = std::array<std::vector<Real>, 3>;  // [n + lane_padding] along x, y, z
+
+  static int quadrant(const Direction& travel) { return (travel.x() > 0 ? 1 : 0) + (travel.y() > 0 ? 2 : 0); }
+
+  void make_mean(const std::vector<double>& of_point, const std::vector<double>& of_beam) {
+    const std::size_t n = scene_.cells.size();
+    mean_.resize(n);
+#pragma omp parallel for schedule(static)
+    for (std::size_t first = 0; first < n; first += block_cells) {
+      const std::size_t count = std::min(block_cells, n - first);
+      Real* __restrict const to = mean_.data() + first;
+      std::fill_n(to, count, Real(0));
+      const auto add = [&](double weight, const Real* values) {
+        const Real scale = static_cast<Real>(weight);
+        const Real* __restrict const from = values + first;
+        for (std::size_t c = 0; c < count; ++c) to[c] += scale * from[c];
+      };
+      for (std::size_t m = 0; m < of_point.size(); ++m) {
+        if (of_point[m] > 0) add(of_point[m], scene_.source.at_points.row(static_cast<int>(m)));
+      }
+      for (std::size_t b = 0; b < of_beam.size(); ++b) add(of_beam[b], scene_.source.first_order[b].intensity.data());
     }
   }
-}
+
+  void make_gradient(Gradient& gradient) {
+    const std::size_t n = scene_.cells.size();
+    for (auto& axis : gradient) axis.resize(n + lane_padding);
+#pragma omp parallel for schedule(static)
+    for (std::size_t first = 0; first < n; first += block_cells) {
+      source_gradient(scene_.cells, first, std::min(block_cells, n - first), mean_.data(), gradient[0].data() + first,
+                      gradient[1].data() + first, gradient[2].data() + first);
+    }
+  }
+
+  const GatherScene<Real>& scene_;
+  std::vector<Real> mean_;
+  std::array<Gradient, quadrants> gradient_;
+};
 
 }  // namespace
 
@@ -148,75 +224,57 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   const BoxGrid& box = scene.box;
   const std::size_t columns = box.columns();
   const LevelRange levels = upward ? LevelRange{0, edge} : LevelRange{edge, box.nz()};
-
-  // Directions by class of spread: those of one class are blurred alike.
-  double least = beam_spread(directions.front());
-  for (const auto& d : directions) least = std::min(least, beam_spread(d));
-  const auto class_of = [&](const GatherDirection& d) {
-    return std::min(most_classes - 1,
-                    static_cast<int>(std::log(beam_spread(d) / least * (1 + 1e-12)) / std::log(class_growth)));
-  };
   std::vector<GatherDirection> sorted = directions;
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [&](const auto& a, const auto& b) { return class_of(a) < class_of(b); });
-
+  const std::vector<SpreadClass> classes = spread_classes(sorted);
   const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
   const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
 
-  std::vector<double> flux(columns, 0.);
-  std::vector<std::vector<double>> of_class(bands.size(), std::vector<double>(columns, 0.));
-  std::vector<std::vector<std::vector<Real>>> of_direction(batch, std::vector<std::vector<Real>>(bands.size()));
-  std::vector<std::vector<Real>> beyond(batch);
-  double spread_sum = 0;
-  double weight_sum = 0;
-  const auto finish_class = [&] {
-    if (weight_sum == 0) return;
-    const double spread = std::sqrt(spread_sum / weight_sum);  // flux-weighted
-#pragma omp parallel for schedule(dynamic, 1)
-    for (std::size_t b = 0; b < bands.size(); ++b) {
-      if (!bands[b].empty) blur(of_class[b], box, blur_per_spread * spread * bands[b].distance_m);
-    }
-    for (std::size_t b = 0; b < bands.size(); ++b) {
-      for (std::size_t c = 0; c < columns; ++c) flux[c] += of_class[b][c];
-      std::fill(of_class[b].begin(), of_class[b].end(), 0.);
-    }
-    spread_sum = weight_sum = 0;
-  };
+  // Downward, a few directions about the sun's carry too much of the light to be put anywhere but at the centre.
+  const bool filling = upward && !bands.empty() && !bands.front().empty;
 
+  std::vector<double> flux(columns, 0.);
+  std::vector<Gathered<Real>> sums(groups);
+  SourceGradients<Real> gradients(scene);
+  std::size_t prepared = 0;
+  for (const SpreadClass& alike : classes) {
+    if (alike.last > prepared) {
+      prepared = std::min(sorted.size(), std::max(alike.last, alike.first + worth_a_gradient));
+      gradients.prepare({sorted.data() + alike.first, prepared - alike.first});
+    }
 #pragma omp parallel
-  {
-    GatherWorkspace<Real> work;
-    for (std::size_t first = 0; first < sorted.size();) {
-      std::size_t last = first + 1;
-      while (last < sorted.size() && last - first < batch && class_of(sorted[last]) == class_of(sorted[first])) ++last;
+    {
+      GatherWorkspace<Real> work;
+      LinearSource<Real> own;
 #pragma omp for schedule(dynamic, 1)
-      for (std::size_t q = first; q < last; ++q) {
-        const PathPattern pattern = make_path_pattern(box, -sorted[q].travel, .5, .5, false, levels);
-        march_back(scene, pattern, bands, sorted[q].travel, work, of_direction[q - first], beyond[q - first]);
-      }
-#pragma omp for schedule(static)
-      for (std::size_t c = 0; c < columns; ++c) {
-        for (std::size_t q = first; q < last; ++q) {
-          const double power = sorted[q].weight * std::abs(sorted[q].travel.z());
-          for (std::size_t b = 0; b < bands.size(); ++b) {
-            if (!bands[b].empty) of_class[b][c] += power * static_cast<double>(of_direction[q - first][b][c]);
-          }
-          flux[c] += power * static_cast<double>(beyond[q - first][c]);
+      for (std::size_t g = 0; g < groups; ++g) {
+        sums[g].clear(bands.size(), columns);
+        for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
+          const Direction& travel = sorted[q].travel;
+          const LaunchPlace start = launch_place(q, filling);
+          march_back(scene, make_path_pattern(box, -travel, start.x, start.y, false, levels), bands, travel,
+                     static_cast<Real>(power(sorted[q])), gradients.along(travel, own), work, sums[g]);
         }
+      }
+#pragma omp for schedule(dynamic, 1)
+      for (std::size_t b = 0; b < bands.size(); ++b) {
+        if (bands[b].empty) continue;
+        std::vector<Real>& band = sums[0].of_band[b];
+        for (std::size_t g = 1; g < groups; ++g) {
+          const Real* __restrict const more = sums[g].of_band[b].data();
+          for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
+        }
+        band.resize(columns);
+        blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
       }
 #pragma omp single
       {
-        for (std::size_t q = first; q < last; ++q) {
-          const double power = sorted[q].weight * std::abs(sorted[q].travel.z());
-          const double spread = beam_spread(sorted[q]);
-          spread_sum += power * spread * spread;
-          weight_sum += power;
+        for (std::size_t b = 0; b < bands.size(); ++b) {
+          if (bands[b].empty) continue;
+          for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);
         }
-      }
-      first = last;
-      if (first == sorted.size() || class_of(sorted[first]) != class_of(sorted[first - 1])) {
-#pragma omp single
-        finish_class();
+        for (const Gathered<Real>& sum : sums) {
+          for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sum.beyond[c]);
+        }
       }
     }
   }
@@ -227,49 +285,56 @@ template <class Real>
 std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward,
                                       const std::vector<GatherDirection>& directions) {
   const BoxGrid& box = scene.box;
+  const ActiveRows& rows = scene.cells.rows;
   const std::size_t columns = box.columns();
   const int levels = box.nz() + 1;
-  constexpr std::size_t groups = 4;  // fixed, so that sums have one order
-  std::vector<std::vector<float>> of_group(groups);
+  SourceGradients<Real> gradients(scene);
+  gradients.prepare(directions);
+  std::vector<std::vector<float>> of_group(level_groups);
 #pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t g = 0; g < groups; ++g) {
+  for (std::size_t g = 0; g < level_groups; ++g) {
     std::vector<float>& flux = of_group[g];
     flux.assign(columns * levels, 0.F);
-    LinearSource<Real> source;
-    source.resize(scene.cells.size());
-    std::vector<Real> rays;
-    std::vector<Real> from_ground;
-    for (std::size_t q = g; q < directions.size(); q += groups) {
+    LinearSource<Real> own;
+    std::vector<Real> sent(scene.cells.size() + lane_padding);
+    std::vector<Real> rays(columns + lane_padding);
+    std::vector<Real> from_ground, side;
+    for (std::size_t q = g; q < directions.size(); q += level_groups) {
       const Direction& travel = directions[q].travel;
-      scene.source.query(travel, source.value.data());
-      source.make_gradient(scene.cells);
-      const PathPattern pattern = make_path_pattern(box, travel, .5, .5, false, {0, box.nz()});
+      const LaunchPlace start = launch_place(q, upward);
+      const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, false, {0, box.nz()});
+      const SourceAlong<Real> source = scene.source.along(travel, power(directions[q]));
+      const Real weight = static_cast<Real>(power(directions[q]));
       if (upward) {
-        const Real* const start_of_rays = scene.ground->along(travel, from_ground);
-        rays.assign(start_of_rays, start_of_rays + columns);
-        rays.resize(columns + lane_padding);
+        const Real* const leaving = scene.ground->along(travel, from_ground);
+        for (std::size_t c = 0; c < columns; ++c) rays[c] = weight * leaving[c];
       } else {
-        rays.assign(columns + lane_padding, static_cast<Real>(scene.sky_radiance));
+        std::fill(rays.begin(), rays.end(), weight * static_cast<Real>(scene.sky_radiance));
       }
-      const float power = static_cast<float>(directions[q].weight * std::abs(travel.z()));
-      std::vector<Real> side;
       if (!box.periodic && scene.side_radiance) {
         const std::vector<double> by_height = scene.side_radiance(travel);
         side.assign(by_height.begin(), by_height.end());
+        for (Real& radiance : side) radiance *= weight;
         if (!upward) std::reverse(side.begin(), side.end());
       }
-      march<Real, false>(pattern, scene.cells.rows, source.view(scene.cells), box.periodic, side, source.value.data(),
-                         rays.data(), nullptr, [&](int step, const Real* p) {
-                           float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
-                           spread_on_columns(pattern.x[step], pattern.y[step], 1., box.nx, box.ny, box.periodic,
-                                             [&](std::size_t column, std::size_t ray, double weight) {
-                                               at[column] +=
-                                                   power * static_cast<float>(weight) * static_cast<float>(p[ray]);
-                                             });
+      const auto at_level = [&](int step, const Real* p) {
+        float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
+        // A ray counts for the column it is in: its place there is any.
+        for_shifted_rows(pattern.shift_x(step), pattern.shift_y(step), box.nx, box.ny,
+                         [&](std::size_t column, std::size_t ray, int n) {
+                           float* __restrict const to = at + column;
+                           const Real* __restrict const from = p + ray;
+                           for (int i = 0; i < n; ++i) to[i] += static_cast<float>(from[i]);
                          });
+        if (step == pattern.levels()) return;
+        const std::size_t first = rows.level_cell[pattern.level(step)];  // of the cells that are crossed next
+        source.fill(first, rows.level_cell[pattern.level(step) + 1] - first, sent.data() + first);
+      };
+      march<Real, false>(pattern, rows, gradients.along(travel, own), box.periodic, side, sent.data(), rays.data(),
+                         nullptr, at_level);
     }
   }
-  for (std::size_t g = 1; g < groups; ++g) {
+  for (std::size_t g = 1; g < level_groups; ++g) {
     for (std::size_t c = 0; c < of_group[0].size(); ++c) of_group[0][c] += of_group[g][c];
   }
   return of_group[0];

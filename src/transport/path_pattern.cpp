@@ -41,9 +41,14 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
   int cell_x = 0;
   int cell_y = 0;
   Entry entry = Entry::none;
+  const int count = levels.last - levels.first;
+  const double height_m = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
+  const double faces = height_m * (std::abs(per_metre.x) + std::abs(per_metre.y)) + count;
+  pattern.segments.reserve(static_cast<std::size_t>(faces) + 3);
+  for (auto* list : {&pattern.chord_m, &pattern.x, &pattern.y}) list->reserve(static_cast<std::size_t>(count) + 1);
+  pattern.level_begin.reserve(static_cast<std::size_t>(count) + 1);
   pattern.x.push_back(x);
   pattern.y.push_back(y);
-  const int count = levels.last - levels.first;
   for (int step = 0; step < count; ++step) {
     const int k = pattern.upward ? levels.first + step : levels.last - 1 - step;
     const double height = box.thickness_m(k);

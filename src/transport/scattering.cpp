@@ -14,7 +14,8 @@ using Tile = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor
 
 template <class Real>
 void load(const AngularField<Real>& field, std::size_t first, std::size_t n, Tile<Real>& tile) {
-  for (int d = 0; d < field.rows; ++d) std::copy_n(field.row(d) + first, n, tile.data() + d * tile.cols());
+  for (int d = 0; d < static_cast<int>(tile.rows()); ++d)
+    std::copy_n(field.row(d) + first, n, tile.data() + d * tile.cols());
 }
 
 // sum_p scattered_p * (matrix_p * radiance), leaving out phase functions that scatter nothing in this tile.
@@ -41,26 +42,26 @@ void add_scaled(Real scale, const Real* __restrict from, std::size_t n, Tile<Rea
   for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
 }
 
-// Tile by tile: radiance, changed by prepare(first, n, tile), scatters; the source, changed by finish(first, n, tile),
-// goes to `to`, which may be `from` itself.
+// Tile by tile in place: radiance [from_rows], changed by prepare(first, n, tile), scatters; the source [to_rows],
+// changed by finish(first, n, tile), takes its rows.
 template <class Real, class Prepare, class Finish>
-void scatter_tiles(const AngularField<Real>& from, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
-                   AngularField<Real>& to, const Prepare& prepare, const Finish& finish) {
-  const std::size_t tiles = (from.cells + tile_cells - 1) / tile_cells;
+void scatter_tiles(AngularField<Real>& field, int from_rows, int to_rows, std::span<const DenseMatrix<Real>> matrix,
+                   const Cells<Real>& cells, const Prepare& prepare, const Finish& finish) {
+  const std::size_t tiles = (field.cells + tile_cells - 1) / tile_cells;
 #pragma omp parallel
   {
-    Tile<Real> radiance = Tile<Real>::Zero(from.rows, tile_cells);
-    Tile<Real> product(to.rows, tile_cells);
-    Tile<Real> source(to.rows, tile_cells);
+    Tile<Real> radiance = Tile<Real>::Zero(from_rows, tile_cells);
+    Tile<Real> product(to_rows, tile_cells);
+    Tile<Real> source(to_rows, tile_cells);
 #pragma omp for schedule(static)
     for (std::size_t tile = 0; tile < tiles; ++tile) {
       const std::size_t first = tile * tile_cells;
-      const std::size_t n = std::min(tile_cells, from.cells - first);
-      load(from, first, n, radiance);
+      const std::size_t n = std::min(tile_cells, field.cells - first);
+      load(field, first, n, radiance);
       prepare(first, n, radiance);
       scatter_tile(matrix, cells, first, n, radiance, product, source);
       finish(first, n, source);
-      for (int d = 0; d < to.rows; ++d) std::copy_n(source.data() + d * source.cols(), n, to.row(d) + first);
+      for (int d = 0; d < to_rows; ++d) std::copy_n(source.data() + d * source.cols(), n, field.row(d) + first);
     }
   }
 }
@@ -100,14 +101,20 @@ void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Rea
       for (int d = 0; d < field.rows; ++d) add_scaled(b.direction[d], b.intensity.data() + first, n, source, d);
     }
   };
-  scatter_tiles(field, matrix, cells, field, correct, add_sources);
+  scatter_tiles(field, field.rows, field.rows, matrix, cells, correct, add_sources);
 }
 
 template <class Real>
-void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
-                AngularField<Real>& source) {
+AngularField<Real> scatter_to(int rows, AngularField<Real> radiance, std::span<const DenseMatrix<Real>> matrix,
+                              const Cells<Real>& cells) {
   const auto nothing = [](std::size_t, std::size_t, Tile<Real>&) {};
-  scatter_tiles(radiance, matrix, cells, source, nothing, nothing);
+  const int from_rows = radiance.rows;
+  radiance.data.resize(std::max(rows, from_rows));
+  for (auto& row : radiance.data) row.resize(AngularField<Real>::padded(radiance.cells));
+  scatter_tiles(radiance, from_rows, rows, matrix, cells, nothing, nothing);
+  radiance.data.resize(rows);
+  radiance.rows = rows;
+  return radiance;
 }
 
 template <class Real>
@@ -134,8 +141,8 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
   template DenseMatrix<Real> rounded_conservatively<Real>(const Eigen::MatrixXd&, std::span<const double>);         \
   template void scatter_in_place<Real>(AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
                                        const ScatteringTerms<Real>&, const DenseMatrix<Real>&);                     \
-  template void scatter_to<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
-                                 AngularField<Real>&);                                                              \
+  template AngularField<Real> scatter_to<Real>(int, AngularField<Real>, std::span<const DenseMatrix<Real>>,         \
+                                               const Cells<Real>&);                                                 \
   template void moments_of<Real>(const AngularField<Real>&, const DenseMatrix<Real>&, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

@@ -73,7 +73,7 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   }
   report.seconds_beam = seconds_since(phase_start);
 
-  const IterationResult<Real> solved =
+  IterationResult<Real> solved =
       iterate_source<Real>(system, {options.tolerance, options.energy_tolerance, options.max_sweeps},
                            [&](int sweep, double error, double residual) {
                              if (progress) progress({"sweep", sweep, error, residual, 0});
@@ -88,13 +88,19 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
 
   phase_start = Clock::now();
   const Surroundings* const outside = surroundings ? &*surroundings : nullptr;
-  fill_flux_fields(problem, discretisation, options, system, solved, outside, progress, solution);
+  // Columns that exchange no light have their fluxes from the iteration.
+  const bool by_ordinates = !solved.fluxes.column_up.empty();
+  std::optional<DirectionalSource<Real>> source;
+  if (!by_ordinates || !options.views.empty() || options.radiance_field)
+    source.emplace(scattered_source(discretisation, system, std::move(solved.radiance)));
+  fill_flux_fields(problem, discretisation, options, system, solved, by_ordinates ? nullptr : &*source, outside,
+                   progress, solution);
   if (!options.views.empty()) {
-    solution.images = view_radiances(problem, discretisation, options, system, solved, outside, solution);
+    solution.images = view_radiances(problem, options, system, solved, *source, outside, solution);
   }
   fill_cell_fields(problem, options, system, solved, solution);
   if (options.radiance_field) {
-    solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, outside);
+    solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, *source, outside);
   }
   report.seconds_gather = seconds_since(phase_start);
 

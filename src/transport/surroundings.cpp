@@ -13,7 +13,8 @@ Surroundings::Surroundings(const Problem& problem, const Discretisation& discret
       iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
   std::optional<DirectBeam<double>> beam;
   if (problem_.sun) beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), column);
-  source_.emplace(make_directional_source(problem_, discretisation, system_, solved.radiance, beam ? &*beam : nullptr));
+  source_.emplace(scattered_source(discretisation, system_, std::move(solved.radiance)));
+  set_first_order(problem_, discretisation, system_, beam ? &*beam : nullptr, *source_);
 }
 
 std::vector<double> Surroundings::radiance(const Direction& travel) const {

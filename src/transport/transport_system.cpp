@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace cloudbow {
 namespace {
@@ -57,10 +58,10 @@ void TransportSystem<Real>::moments(const AngularField<Real>& radiance, std::spa
 
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options) {
+                           const SolverOptions& options, bool irradiance) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
   return direct_beam<Real>(problem.grid.box, rows, extinction, scaled_layer_extinction(problem.grid, forward_fraction),
-                           *problem.sun, {options.beam_rays, options.independent_columns});
+                           *problem.sun, {options.beam_rays, options.independent_columns, irradiance});
 }
 
 template <class Real>
@@ -102,6 +103,11 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
       }
       if (any) system.beam.push_back(std::move(source));
     }
+    for (auto level = beam.level_flux.begin(); level != beam.level_flux.end();
+         level += static_cast<std::ptrdiff_t>(system.box.columns())) {
+      const double sum = std::accumulate(level, level + static_cast<std::ptrdiff_t>(system.box.columns()), 0.);
+      system.beam_profile.push_back(sum / static_cast<double>(system.box.columns()));
+    }
     system.beam_surface_flux.assign(beam.level_flux.begin(),
                                     beam.level_flux.begin() + static_cast<std::ptrdiff_t>(system.box.columns()));
     system.beam_side_gain = beam.side_gain;
@@ -113,15 +119,13 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
 
 template <class Real>
 DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
-                                         const AngularField<Real>& radiance) {
-  DirectionalSource<Real> source{discretisation.points,
-                                 AngularField<Real>(discretisation.points.size(), system.cells->size()),
-                                 -Direction::UnitZ(),
-                                 {}};
+                                         AngularField<Real> radiance) {
   std::vector<DenseMatrix<Real>> to_points;
   for (const auto& table : discretisation.table) to_points.push_back(table.points_from_ordinates.template cast<Real>());
-  scatter_to<Real>(radiance, to_points, *system.cells, source.at_points);
-  return source;
+  return {discretisation.points,
+          scatter_to<Real>(discretisation.points.size(), std::move(radiance), to_points, *system.cells),
+          -Direction::UnitZ(),
+          {}};
 }
 
 template <class Real>
@@ -140,11 +144,10 @@ void add_single_scattering(DirectionalSource<Real>& source, const PhaseFunction&
 }
 
 template <class Real>
-DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
-                                                const TransportSystem<Real>& system, const AngularField<Real>& radiance,
-                                                const DirectBeam<Real>* gather_beam) {
-  DirectionalSource<Real> source = scattered_source(discretisation, system, radiance);
-  if (!problem.sun) return source;
+void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
+                     const DirectBeam<Real>* gather_beam, DirectionalSource<Real>& source) {
+  source.first_order.clear();
+  if (!problem.sun) return;
   source.sun_travel = problem.sun->travel;
   std::vector<Real> unscattered(system.beam_irradiance.size());
   for (std::size_t c = 0; c < unscattered.size(); ++c)
@@ -160,7 +163,6 @@ DirectionalSource<Real> make_directional_source(const Problem& problem, const Di
                                   system.cells->extinction, unscattered);
     }
   }
-  return source;
 }
 
 OpticalGrid with_empty_cells(const OpticalGrid& grid) {
@@ -217,16 +219,15 @@ bool runs_in_double(const Problem& problem, const SolverOptions& options) {
 
 template struct TransportSystem<float>;
 template struct TransportSystem<double>;
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                    \
-  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,            \
-                                            const SolverOptions&);                                                    \
-  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);      \
-  template DirectionalSource<Real> make_directional_source<Real>(const Problem&, const Discretisation&,               \
-                                                                 const TransportSystem<Real>&,                        \
-                                                                 const AngularField<Real>&, const DirectBeam<Real>*); \
-  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,        \
-                                                          const AngularField<Real>&);                                 \
-  template void add_single_scattering<Real>(DirectionalSource<Real>&, const PhaseFunction&, std::span<const float>,   \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
+  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,          \
+                                            const SolverOptions&, bool);                                            \
+  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);    \
+  template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,          \
+                                      const DirectBeam<Real>*, DirectionalSource<Real>&);                           \
+  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,      \
+                                                          AngularField<Real>);                                      \
+  template void add_single_scattering<Real>(DirectionalSource<Real>&, const PhaseFunction&, std::span<const float>, \
                                             double, std::span<const Real>, std::span<const Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

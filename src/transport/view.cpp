@@ -25,26 +25,25 @@ GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const Sweep
 // Single scattering by the phase function as it is; higher orders from the control points (Nakajima & Tanaka 1988,
 // "TMS"). The beam is the iteration's own.
 template <class Real>
-DirectionalSource<Real> seen_source(const Problem& problem, const Discretisation& discretisation,
-                                    const TransportSystem<Real>& system, const AngularField<Real>& radiance) {
-  DirectionalSource<Real> source = scattered_source(discretisation, system, radiance);
-  if (!problem.sun) return source;
+void set_seen_first_order(const Problem& problem, const TransportSystem<Real>& system,
+                          DirectionalSource<Real>& source) {
+  source.first_order.clear();
+  if (!problem.sun) return;
   source.sun_travel = problem.sun->travel;
   for (std::size_t p = 0; p < problem.phase.size(); ++p)
     add_single_scattering<Real>(source, problem.phase[p], problem.grid.scattering[p], 1., system.cells->extinction,
                                 system.beam_irradiance);
-  return source;
 }
 
 }  // namespace
 
 template <class Real>
-std::vector<RadianceImage> view_radiances(const Problem& problem, const Discretisation& discretisation,
-                                          const SolverOptions& options, const TransportSystem<Real>& system,
-                                          const IterationResult<Real>& solved, const Surroundings* surroundings,
+std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
+                                          const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+                                          DirectionalSource<Real>& source, const Surroundings* surroundings,
                                           const Solution& solution) {
   const BoxGrid& box = system.box;
-  const DirectionalSource<Real> source = seen_source(problem, discretisation, system, solved.radiance);
+  set_seen_first_order(problem, system, source);
   const GroundRadiance<Real> ground = lit_ground(system, solved.fluxes, solution);
   SideRadiance side;
   if (surroundings != nullptr)
@@ -57,20 +56,24 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const Discreti
 
   std::vector<RadianceImage> images;
   for (const View& view : options.views) {
+    LinearSource<Real> linear;
+    linear.resize(system.cells->size());
+    source.query(view.travel, linear.value.data());
+    linear.make_gradient(*system.cells);
     std::vector<std::vector<double>> of_ray(static_cast<std::size_t>(rays) * rays);
 #pragma omp parallel
     {
       GatherWorkspace<Real> work;
-      std::vector<std::vector<Real>> sent(1);
-      std::vector<Real> beyond;
+      Gathered<Real> seen;
 #pragma omp for schedule(dynamic, 1)
       for (int r = 0; r < rays * rays; ++r) {
         const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays, (r / rays + .5) / rays,
                                                       system.vertical, levels);
-        march_back(scene, pattern, all, view.travel, work, sent, beyond);
+        seen.clear(all.size(), box.columns());
+        march_back(scene, pattern, all, view.travel, Real(1), linear.view(*system.cells), work, seen);
         of_ray[r].resize(box.columns());
         for (std::size_t c = 0; c < box.columns(); ++c)
-          of_ray[r][c] = static_cast<double>(sent[0][c]) + static_cast<double>(beyond[c]);
+          of_ray[r][c] = static_cast<double>(seen.of_band[0][c]) + static_cast<double>(seen.beyond[c]);
       }
     }
     RadianceImage image{view, std::vector<float>(box.columns())};
@@ -84,10 +87,10 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const Discreti
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                               \
-  template std::vector<RadianceImage> view_radiances<Real>(                                      \
-      const Problem&, const Discretisation&, const SolverOptions&, const TransportSystem<Real>&, \
-      const IterationResult<Real>&, const Surroundings*, const Solution&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                      \
+  template std::vector<RadianceImage> view_radiances<Real>(                                             \
+      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const IterationResult<Real>&, \
+      DirectionalSource<Real>&, const Surroundings*, const Solution&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

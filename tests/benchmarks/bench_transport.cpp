@@ -157,8 +157,8 @@ void gather_plane(benchmark::State& state) {
   Scene& scene = scene_of(state);
   const auto beam =
       beam_with<float>(scene.problem, scene.system.cells->rows, scene.discretisation.gather_fraction(), scene.options);
-  const auto source =
-      make_directional_source<float>(scene.problem, scene.discretisation, scene.system, scene.field, &beam);
+  auto source = scattered_source<float>(scene.discretisation, scene.system, scene.field);
+  set_first_order<float>(scene.problem, scene.discretisation, scene.system, &beam, source);
   const GatherScene<float> gathered{scene.system.box, *scene.system.cells, source, {}, 0, nullptr};
   const auto directions = gather_directions(128, false, scene.problem.sun->travel);
   for (auto _ : state) benchmark::DoNotOptimize(gather_flux<float>(gathered, 0, false, directions).data());

@@ -12,9 +12,11 @@ void fill_cell_fields(const Problem& problem, const SolverOptions& options, cons
 
 /// Voxel-mean radiance of the delta-scaled problem along the control points of a frame in which none is horizontal.
 /// @param surroundings what open sides show; may be null.
+/// @param source of the scattered light; its first order is set here.
 template <class Real>
 RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
                                   const SolverOptions& options, const TransportSystem<Real>& system,
-                                  const IterationResult<Real>& solved, const Surroundings* surroundings);
+                                  const IterationResult<Real>& solved, DirectionalSource<Real>& source,
+                                  const Surroundings* surroundings);
 
 }  // namespace cloudbow

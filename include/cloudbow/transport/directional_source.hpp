@@ -2,6 +2,7 @@
 // from its phase function itself.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "cloudbow/optics/phase_function.hpp"
@@ -17,6 +18,20 @@ struct SingleScattering {
   std::vector<Real> intensity;
 };
 
+/// The source in one direction, as what it is the sum of.
+template <class Real>
+struct SourceAlong {
+  struct Term {
+    Real weight;
+    const Real* at_cells;  ///< [n]
+  };
+  std::array<Term, 3> points;
+  std::vector<Term> first_order;
+
+  /// Source of the cells [first, first + n).
+  void fill(std::size_t first, std::size_t n, Real* source) const;
+};
+
 template <class Real>
 struct DirectionalSource {
   ControlPoints points;
@@ -24,8 +39,9 @@ struct DirectionalSource {
   Direction sun_travel = -Direction::UnitZ();
   std::vector<SingleScattering<Real>> first_order;
 
-  /// Source of all cells for light that travels along `direction`: three streams times three weights, and one more a
-  /// beam.
+  /// Source for light that travels along `direction`: three streams times three weights, and one more a beam.
+  SourceAlong<Real> along(const Direction& direction, double scale = 1) const;
+  /// The same of all cells, worked out.
   void query(const Direction& direction, Real* source) const;
 };
 

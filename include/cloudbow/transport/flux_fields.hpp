@@ -9,9 +9,12 @@ namespace cloudbow {
 
 /// Fills the fluxes, their profiles, transmittance_direct and the gather's rescaling.
 /// @param surroundings what open sides show; may be null.
+/// @param source of the scattered light; its first order is set here. Null where columns exchange no light: the
+/// iteration's own fluxes are taken.
 template <class Real>
 void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
                       const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                      const Surroundings* surroundings, const ProgressCallback& progress, Solution& solution);
+                      DirectionalSource<Real>* source, const Surroundings* surroundings,
+                      const ProgressCallback& progress, Solution& solution);
 
 }  // namespace cloudbow

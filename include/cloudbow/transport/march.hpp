@@ -3,6 +3,8 @@
 // Rays never move in memory.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -72,37 +74,44 @@ inline void for_rays_through_side(const Segment& segment, int nx, int ny, const 
   }
 }
 
-/// Adds rays that leave a level at fractional position (x, y) columns from their launch column to the columns they
-/// overlap: each ray is as wide as `width` columns. Call with n = nx*ny values; `add(column, ray, weight)`.
-template <class Add>
-inline void spread_on_columns(double x, double y, double width, int nx, int ny, bool periodic, const Add& add) {
-  struct Overlap {
-    int shift;
-    double weight;
+/// Calls `run(column, ray, n)` for the pieces of rows in which the rays of an nx x ny plane, shifted by (shift_x,
+/// shift_y) columns modulo the plane, lie in line with its columns.
+template <class Run>
+[[gnu::always_inline]] inline void for_shifted_rows(int shift_x, int shift_y, int nx, int ny, const Run& run) {
+  const int sx = wrapped(shift_x, nx);
+  const int sy = wrapped(shift_y, ny);
+  for (int r = 0; r < ny; ++r) {
+    const std::size_t ray = static_cast<std::size_t>(r) * nx;
+    const std::size_t column = static_cast<std::size_t>(r + sy < ny ? r + sy : r + sy - ny) * nx;
+    run(column + sx, ray, nx - sx);
+    if (sx > 0) run(column, ray + (nx - sx), sx);
+  }
+}
+
+/// Shares rays at fractional position (x, y) columns from their launch column out to the columns they overlap: each ray
+/// is as wide as `width` <= 1 columns. `run(column, ray, n, weight)` is called for pieces of rows of an nx x ny plane.
+template <class Run>
+inline void spread_on_columns(double x, double y, double width, int nx, int ny, bool periodic, const Run& run) {
+  struct Overlaps {
+    int first;                    // column of the first
+    std::array<double, 2> share;  // of it and of the next
   };
-  const auto overlaps = [&](double position, int n) {
-    std::vector<Overlap> list;
-    if (n == 1 && periodic) return std::vector<Overlap>{{0, 1.}};
+  const auto overlaps = [&](double position, int n) -> Overlaps {
+    if (n == 1 && periodic) return {0, {1., 0.}};
     const double low = position - width / 2;
-    const double high = position + width / 2;
-    for (int c = static_cast<int>(std::floor(low)); c < high; ++c) {
-      const double share = (std::min(high, c + 1.) - std::max(low, static_cast<double>(c))) / width;
-      if (share > 1e-9) list.push_back({c, share});
-    }
-    return list;
+    const int first = static_cast<int>(std::floor(low));
+    const double share = std::min(1., (first + 1 - low) / width);
+    return {first, {share, 1 - share}};
   };
-  for (const Overlap& oy : overlaps(y, ny)) {
-    for (const Overlap& ox : overlaps(x, nx)) {
-      const int sx = wrapped(ox.shift, nx);
-      const int sy = wrapped(oy.shift, ny);
-      const double weight = ox.weight * oy.weight;
-      for (int r = 0; r < ny; ++r) {
-        const int j = r + sy < ny ? r + sy : r + sy - ny;
-        for (int m = 0; m < nx; ++m) {
-          const int i = m + sx < nx ? m + sx : m + sx - nx;
-          add(static_cast<std::size_t>(j) * nx + i, static_cast<std::size_t>(r) * nx + m, weight);
-        }
-      }
+  const Overlaps along_x = overlaps(x, nx);
+  const Overlaps along_y = overlaps(y, ny);
+  constexpr double least = 1e-9;  // smaller overlaps are rounding
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      if (along_x.share[i] < least || along_y.share[j] < least) continue;
+      const double weight = along_x.share[i] * along_y.share[j];
+      for_shifted_rows(along_x.first + i, along_y.first + j, nx, ny,
+                       [&](std::size_t column, std::size_t ray, int n) { run(column, ray, n, weight); });
     }
   }
 }

@@ -40,6 +40,9 @@ struct PathPattern {
   int levels() const { return static_cast<int>(chord_m.size()); }
   /// Index k of a level of the marching order.
   int level(int step) const { return first_level + (upward ? step : levels() - 1 - step); }
+  /// Columns from the launch column to the one the ray is in after `step` levels.
+  int shift_x(int step) const { return step == 0 ? 0 : segments[level_begin[step] - 1].shift_x; }
+  int shift_y(int step) const { return step == 0 ? 0 : segments[level_begin[step] - 1].shift_y; }
 };
 
 /// @param travel direction of the march, travel.z != 0.

@@ -64,10 +64,12 @@ template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                       const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape);
 
-/// The same without beam and correction into another field: the scattered source at the control points.
+/// The same without terms, to other directions: the scattered source at the control points, in the memory of the
+/// radiance.
+/// @param matrix [p] rows x radiance.rows
 template <class Real>
-void scatter_to(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
-                AngularField<Real>& source);
+AngularField<Real> scatter_to(int rows, AngularField<Real> radiance, std::span<const DenseMatrix<Real>> matrix,
+                              const Cells<Real>& cells);
 
 /// moments[m * n + c] = sum_d weights(m, d) J_d(c).
 template <class Real>

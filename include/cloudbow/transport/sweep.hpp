@@ -33,6 +33,7 @@ struct TransportSystem {
   std::vector<double> absorption;           ///< [n] 1/m
   std::vector<Real> beam_irradiance;        ///< [n] of the solver's own beam (order N_b); empty without sun
   std::vector<double> beam_surface_flux;    ///< [columns] of that beam at the surface; empty without sun
+  std::vector<double> beam_profile;         ///< [nz+1] domain means of that beam's flux; empty without sun
   double beam_side_gain = 0;                ///< W m-2 of the top
   double beam_side_loss = 0;
   double sky_radiance = 0;

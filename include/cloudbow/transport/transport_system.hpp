@@ -12,18 +12,19 @@
 namespace cloudbow {
 
 /// The direct beam when the fraction f_p of what phase function p scatters counts as unscattered.
+/// @param irradiance whether it is worked out too, beside the fluxes.
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options);
+                           const SolverOptions& options, bool irradiance = true);
 
 template <class Real>
 TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
                                   const SolverOptions& options);
 
-/// Source in any direction of the converged diffuse radiance: orders of scattering >= 2.
+/// Source in any direction of the converged diffuse radiance, whose memory it takes: orders of scattering >= 2.
 template <class Real>
 DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
-                                         const AngularField<Real>& radiance);
+                                         AngularField<Real> radiance);
 
 /// Adds the first scattering of a beam by one phase function: source = P share scattering/extinction irradiance / (4
 /// pi).
@@ -32,14 +33,13 @@ void add_single_scattering(DirectionalSource<Real>& source, const PhaseFunction&
                            std::span<const float> scattering, double share, std::span<const Real> extinction,
                            std::span<const Real> irradiance);
 
-/// All orders, for fluxes. The beam that lights the first is the one truncated at the gather's order; light that the
-/// iteration's beam (order N_b) calls unscattered but that one does not is added with the phase function of that order
-/// (docs/theory.md, Eq. 25).
+/// The first order of scattering for fluxes, in the place of what the source has of it. The beam that lights it is the
+/// one truncated at the gather's order; light that the iteration's beam (order N_b) calls unscattered but that one does
+/// not is added with the phase function of that order (docs/theory.md, Eq. 25).
 /// @param gather_beam needed where the problem has a sun.
 template <class Real>
-DirectionalSource<Real> make_directional_source(const Problem& problem, const Discretisation& discretisation,
-                                                const TransportSystem<Real>& system, const AngularField<Real>& radiance,
-                                                const DirectBeam<Real>* gather_beam);
+void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
+                     const DirectBeam<Real>* gather_beam, DirectionalSource<Real>& source);
 
 /// Whether a solve needs double: asked for, or cells too thick for float to tell radiance from source.
 bool runs_in_double(const Problem& problem, const SolverOptions& options);

@@ -9,10 +9,11 @@ namespace cloudbow {
 /// light scattered once comes from the phase function itself.
 /// @param surroundings what open sides show; may be null.
 /// @param solution whose fluxes at the ground, where it has them, light the surface.
+/// @param source of the scattered light; its first order is set here.
 template <class Real>
-std::vector<RadianceImage> view_radiances(const Problem& problem, const Discretisation& discretisation,
-                                          const SolverOptions& options, const TransportSystem<Real>& system,
-                                          const IterationResult<Real>& solved, const Surroundings* surroundings,
+std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
+                                          const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+                                          DirectionalSource<Real>& source, const Surroundings* surroundings,
                                           const Solution& solution);
 
 }  // namespace cloudbow

@@ -207,6 +207,27 @@ TEST_F(GatherFlux, BlurMovesLightButMakesNone) {
   }
 }
 
+TEST_F(GatherFlux, SharedGradientsAreTheDirectionsOwnWhereTheSourceIsTheSameInAll) {
+  // Varied cells share one relative gradient between directions; that of a source without direction is everyone's.
+  const BoxGrid box = unequal_box(true);
+  Random random(5);
+  std::vector<double> value(cells_of(box));
+  for (double& v : value) v = .2 + random();
+  Scene scene(box, random_extinction(box, .1, 2), value, 5, 3);
+  for (const bool upward : {true, false}) {
+    const auto directions = gather_directions(128, upward, std::nullopt);
+    scene.cells.varied = false;
+    const auto own = gather_flux(scene.gather, upward ? 6 : 0, upward, directions);
+    const auto own_levels = march_level_fluxes(scene.gather, upward, directions);
+    scene.cells.varied = true;
+    const auto shared = gather_flux(scene.gather, upward ? 6 : 0, upward, directions);
+    const auto shared_levels = march_level_fluxes(scene.gather, upward, directions);
+    for (std::size_t c = 0; c < own.size(); ++c) EXPECT_NEAR(shared[c], own[c], 1e-12);  // rounding
+    for (std::size_t c = 0; c < own_levels.size(); ++c)
+      EXPECT_NEAR(shared_levels[c], own_levels[c], 1e-5);  // the forward march sums in float
+  }
+}
+
 TEST_F(GatherFlux, DistantLightIsSpreadWhereDirectionsAreFew) {
   // One bright thin cell far above the plane: 32 directions alone would light 32 spots of 40 x 40 columns.
   BoxGrid box = make_box(40, 40, 30);

@@ -45,9 +45,8 @@ Marched<Real> march_once(const BoxGrid& box, const Cells<Real>& cells, const Dir
   linear.make_gradient(cells);
   Marched<Real> result{std::vector<Real>(cell_count + lane_padding, Real(0)), std::move(rays), {}};
   result.rays.resize(ray_count + lane_padding);
-  result.totals =
-      march<Real, true>(pattern, cells.rows, linear.view(cells), box.periodic, side, linear.value.data(),
-                        result.rays.data(), result.mean.data(), [](int, const Real*) {});
+  result.totals = march<Real, true>(pattern, cells.rows, linear.view(cells), box.periodic, side, linear.value.data(),
+                                    result.rays.data(), result.mean.data(), [](int, const Real*) {});
   result.mean.resize(cell_count);
   result.rays.resize(ray_count);
   return result;
@@ -277,10 +276,12 @@ TEST(SpreadOnColumns, SharesOutAllOfEachRay) {
       for (const auto& [x, y] :
            {std::pair(.5, .5), std::pair(3.2, -7.9), std::pair(-.05, 2.), std::pair(100.999, .01)}) {
         std::vector<double> of_ray(7 * 5, 0.), of_column(7 * 5, 0.);
-        spread_on_columns(x, y, width, 7, 5, periodic, [&](std::size_t column, std::size_t ray, double weight) {
+        spread_on_columns(x, y, width, 7, 5, periodic, [&](std::size_t column, std::size_t ray, int n, double weight) {
           EXPECT_GT(weight, 0);
-          of_ray[ray] += weight;
-          of_column[column] += weight;
+          for (int i = 0; i < n; ++i) {
+            of_ray[ray + i] += weight;
+            of_column[column + i] += weight;
+          }
         });
         // Overlaps below 1e-9 of a ray are dropped.
         for (const double w : of_ray) EXPECT_NEAR(w, 1, 4e-9);
@@ -294,8 +295,10 @@ TEST(SpreadOnColumns, KeepsTheMeanPlaceOfARayOneColumnWide) {
   // The ray of column (2, 1) starts at its place .3, .8 there; overlap is linear in the place.
   double mean_x = 0;
   double mean_y = 0;
-  spread_on_columns(.3 + 1, .8 + 2, 1., 7, 5, true, [&](std::size_t column, std::size_t ray, double weight) {
-    if (ray != 1 * 7 + 2) return;
+  spread_on_columns(.3 + 1, .8 + 2, 1., 7, 5, true, [&](std::size_t column, std::size_t ray, int n, double weight) {
+    const std::size_t followed = 1 * 7 + 2;
+    if (ray > followed || ray + n <= followed) return;
+    column += followed - ray;
     mean_x += weight * (static_cast<double>(column % 7) + .5);
     mean_y += weight * (static_cast<double>(column / 7) + .5);
   });
@@ -305,8 +308,9 @@ TEST(SpreadOnColumns, KeepsTheMeanPlaceOfARayOneColumnWide) {
 
 TEST(SpreadOnColumns, LeavesOnePeriodicColumnWhole) {
   int calls = 0;
-  spread_on_columns(17.3, .5, 1., 1, 1, true, [&](std::size_t column, std::size_t ray, double weight) {
+  spread_on_columns(17.3, .5, 1., 1, 1, true, [&](std::size_t column, std::size_t ray, int n, double weight) {
     ++calls;
+    EXPECT_EQ(n, 1);
     EXPECT_EQ(column, 0U);
     EXPECT_EQ(ray, 0U);
     EXPECT_EQ(weight, 1);

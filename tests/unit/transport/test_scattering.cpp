@@ -122,8 +122,7 @@ TYPED_TEST(ScatteringOf, GoesToOtherDirectionsAlike) {
       for (int d = 0; d < ordinates; ++d) matrix(m, d) = static_cast<TypeParam>(random() / ordinates);
     }
   }
-  AngularField<TypeParam> source(points, cells);
-  scatter_to<TypeParam>(scene.radiance, scene.matrix, scene.medium, source);
+  const AngularField<TypeParam> source = scatter_to<TypeParam>(points, scene.radiance, scene.matrix, scene.medium);
   for (std::size_t c = 0; c < cells; ++c) {
     for (int m = 0; m < points; ++m) {
       EXPECT_NEAR(static_cast<double>(source.row(m)[c]), scene.source(m, c, scene.radiance), this->tolerance);

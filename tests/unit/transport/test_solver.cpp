@@ -307,8 +307,8 @@ std::size_t moved_column(const Turn& turn, std::size_t column, int n) {
   return static_cast<std::size_t>(place(turn.yx, x, turn.yy, y) * n + place(turn.xx, x, turn.xy, y));
 }
 
-// Control points have the mirror planes of the box but not its quarter turns; spirals of the gather have neither, so
-// columns differ by what 1024 directions leave open.
+// Control points have the mirror planes of the box but not its quarter turns; spirals of the gather and the places
+// their rays start from have neither, so columns differ by what 1024 directions leave open (4e-3 measured).
 void expect_symmetric(const PhaseFunction& phase, const Turn& turn, double mean_limit, double column_limit) {
   constexpr int n = 6;
   const BoxGrid box = make_box(n, n, 4);
@@ -350,11 +350,11 @@ TEST(Solve, TurnsAndMirrorImagesWithTheirSunHaveTheSameFluxes) {
       {"x mirrored", -1, 0, 0, 1}, {"y mirrored", 1, 0, 0, -1}, {"half turn", -1, 0, 0, -1}};
   const std::vector<Turn> turns{{"quarter turn", 0, -1, 1, 0}, {"x and y exchanged", 0, 1, 1, 0}};
   for (const auto& turn : mirrors) {
-    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 2e-3);
-    expect_symmetric(PhaseFunction::henyey_greenstein(.85), turn, 1e-6, 2e-3);
+    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 5e-3);
+    expect_symmetric(PhaseFunction::henyey_greenstein(.85), turn, 1e-6, 5e-3);
   }
   for (const auto& turn : turns) {
-    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 2e-3);
+    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 5e-3);
     expect_symmetric(PhaseFunction::henyey_greenstein(.85), turn, 1e-3, 1e-2);  // 42 points; 2e-4 and 7e-3 measured
   }
 }
@@ -493,7 +493,7 @@ TEST(Solve, ViewsOfBareGroundAreItsReflectance) {
 }
 
 TEST(Solve, BitsDoNotDependOnThreads) {
-  const BoxGrid box = make_box(20, 16, 10);  // more cells than are worth threads
+  const BoxGrid box = make_box(24, 20, 18);  // more cells than are worth threads
   const OpticalGrid grid = make_grid(box, random_extinction(box, 2, 5), .99);
   ASSERT_GT(grid.active_cells(), 2000U);
   Problem problem = problem_of(grid, PhaseFunction::henyey_greenstein(.85));
