@@ -11,6 +11,7 @@ usage: performance.py [phases] [scaling] [directions] [threads] [memory] [--voxe
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 import time
@@ -53,9 +54,17 @@ def direction_count(name):
     return polar * azimuths
 
 
+def small_parent(program, folder):
+    """A program that starts `program` from a small process: a process counts the memory of the one that started it as its own peak."""
+    launcher = folder / "launch"
+    launcher.write_text(f"#!/bin/sh\n{shlex.quote(str(program))} \"$@\"\nexit $?\n")
+    launcher.chmod(0o755)
+    return launcher
+
+
 class Bench:
     def __init__(self, program, folder):
-        self.program = program
+        self.program = small_parent(Path(program).resolve(), folder)
         self.folder = folder
         self.known = {}
 
