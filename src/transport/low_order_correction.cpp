@@ -184,7 +184,7 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
   TransportSystem<Real> low;
   low.vertical = full.vertical;
   low.ordinates = make_ordinate_set(low_directions);
-  low.linear_source = false;  // a correction need not be finer
+  low.linear_source = !full.cells->varied;  // a correction need not be finer where cells are many
   low.truncated_asymmetry = full.truncated_asymmetry;
   if (coarse) {
     const std::vector<double> truncated(full.scattering.size(), 0.);  // its coefficients are so already
@@ -298,7 +298,7 @@ void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<R
 template <class Real>
 void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
   const std::size_t n = low_.cells->size();
-  const std::size_t mixed = mixed_moments * n;
+  const std::size_t mixed = 4 * n;  // the moments l <= 1
   const ThreadsFor threads(n);
   AndersonMixer<Real> mixer(low_mixing_depth);
   std::vector<Real> x(mixed, Real(0)), g(mixed), correction, change(mixed);
@@ -343,18 +343,6 @@ void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
       to[c] = value;
     }
   }
-}
-
-template <class Real>
-std::size_t LowOrderCorrection<Real>::bytes_a_cell(std::size_t size_of_real) {
-  const auto directions = static_cast<std::size_t>(make_ordinate_set(low_directions).size());
-  const std::size_t mixing = 4 * (2 * low_mixing_depth + 5);
-  return size_of_real * (directions + mixing + 3 * low_moments + 8) + 8 * 4 + 9 * 4;
-}
-
-template <class Real>
-std::size_t LowOrderCorrection<Real>::bytes_a_place() {
-  return 8 * (4 + 2 + 3 + 4 + 3) * 4 / 3;  // coefficients, vectors, and a third more for the coarser grids
 }
 
 template class LowOrderCorrection<float>;

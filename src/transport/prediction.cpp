@@ -9,46 +9,62 @@
 namespace cloudbow {
 
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options) {
-  const std::size_t dense = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
+  const BoxGrid& box = problem.grid.box;
+  const std::size_t dense = box.columns() * static_cast<std::size_t>(box.nz());
   const std::size_t active = options.actinic ? dense : problem.grid.active_cells();
   const std::size_t real = runs_in_double(problem, options) ? sizeof(double) : sizeof(float);
   const std::size_t phases = problem.phase.size();
   const auto ordinates = static_cast<std::size_t>(make_ordinate_set(options.directions).size());
   const auto points = static_cast<std::size_t>(options.control_points);
   const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
-  // Grid, cells with their neighbours, and the beams.
-  const std::size_t system =
-      active * (4 * (1 + phases) + real * (1 + 2 * phases) + 3 * (8 + real) + 8 + 2 * real) + dense * 8;
-  const std::size_t iteration = iteration_memory(active, dense, static_cast<int>(ordinates), real);
-  // While the gather runs: radiance at the ordinates, source at the points, a direction's work arrays on each thread.
-  const std::size_t gather =
-      active * real * (ordinates + points + 4 * phases + 4 * threads + 4) + dense * (8 * 3 + 4 * 10 + 12);
-  const std::size_t radiance_field = options.radiance_field ? active * (points * 4 + 12) : 0;
-  constexpr std::size_t program = 60'000'000;  // libraries, tables, the cloud as read
-  return program + system + std::max(iteration, gather) + radiance_field;
+  // A cell of the grid; with its neighbours, its place along x and its share of the chunks; with its beam.
+  const std::size_t grid = 4 * (1 + phases);
+  const std::size_t cell = real * (5 + phases) + 24 + 4 + 10;
+  const std::size_t system = real * (1 + phases) + 8;
+  // Radiance at the ordinates, four sets of moments and six more of the mixing, gradients, a direction's work arrays on
+  // each thread; the low-order problem has a sixth of the cells where they are many.
+  const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
+  const bool many = active >= 2000 && box.nx > 1 && box.ny > 1 && !options.independent_columns;
+  const std::size_t iteration =
+      real * (ordinates + 10 * 9 + 7 + 4 * threads) + (many ? low_cell / 6 + real + 7 : low_cell);
+  // Source at the points in the place of the radiance; first orders of scattering, gradients.
+  const std::size_t gather = real * (std::max(ordinates, points) + 9 + 2 * phases + 4 * threads + 8);
+  const std::size_t radiance_field = options.radiance_field ? points * 4 + 12 : 0;
+  // Fluxes, beams and bookkeeping of the box.
+  constexpr std::size_t place = 48;
+  // Libraries and tables; reading a cloud takes another library.
+  const std::size_t program = 20'000'000 + (box.columns() > 1 ? 33'000'000 : 0);
+  return program + active * (grid + cell + system + std::max(iteration, gather) + radiance_field) + dense * place;
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
-  // Segments a voxel and direction grow with the slant of the ordinates; constants measured with AVX2 on one core.
+  // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest
+  // segments; elsewhere segments grow with the slant of the ordinates.
   constexpr double seconds_a_segment = 2.5e-9;
-  constexpr double seconds_a_cell_and_direction = 6e-9;
-  constexpr double seconds_a_multiply = 2.5e-11;
-  constexpr int usual_sweeps = 10;
+  constexpr double seconds_a_pair = 12e-9;         // of cell and ordinate: march, scattering, moments and correction
+  constexpr double seconds_a_gather_pair = 12e-9;  // of cell and gather direction
+  constexpr double seconds_to_start = .1;
+  constexpr int usual_sweeps = 11;
   const OrdinateSet ordinates = make_ordinate_set(options.directions);
   const BoxGrid& box = problem.grid.box;
   const double dz = (box.z_edge_m.back() - box.z_edge_m.front()) / box.nz();
+  const bool shortest_way = box.periodic && box.nx > 1 && box.ny > 1 && !options.independent_columns;
   double segments = 0;
-  for (const Direction& d : ordinates.direction)
-    segments += 1 + (std::abs(d.x()) * dz / box.dx_m + std::abs(d.y()) * dz / box.dy_m) / std::abs(d.z());
+  for (const Direction& d : ordinates.direction) {
+    const double along_z = 1 + (std::abs(d.x()) * dz / box.dx_m + std::abs(d.y()) * dz / box.dy_m) / std::abs(d.z());
+    segments += shortest_way ? std::min(along_z, 2.) : along_z;
+  }
   const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz())
                                                            : problem.grid.active_cells());
-  const double directions = ordinates.size();
-  const double sweep = cells * (segments * seconds_a_segment + directions * seconds_a_cell_and_direction +
-                                directions * directions * seconds_a_multiply);
-  const double gather =
-      cells * (3.5 * options.gather_directions) * (3 * seconds_a_segment + seconds_a_cell_and_direction);
+  const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair);
+  // Down, with a quarter more about the sun, up, and half as many at the levels between.
+  const bool one_column = box.periodic && box.columns() == 1;
+  const double gather = one_column || options.independent_columns
+                            ? 0
+                            : cells * options.gather_directions * seconds_a_gather_pair *
+                                  (2.25 + (options.flux_levels == FluxLevels::all ? 1.25 : 0));
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  return (sweep * usual_sweeps + gather) / threads + .2;
+  return (sweep * usual_sweeps + gather) / threads + seconds_to_start;
 }
 
 }  // namespace cloudbow

@@ -13,18 +13,22 @@ namespace {
 
 constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cells
 
-// Ordinates whose sources share one gradient, relative to themselves: those of an octant; or each by itself, where the
-// field is not one for shortcuts; or all, where there is no gradient.
+// Whether the ordinates of an octant share the gradient of their mean source; else each has its own, or there is none.
 template <class Real>
-std::vector<std::vector<int>> gradient_groups(const TransportSystem<Real>& system, bool upward) {
+bool shares_gradients(const TransportSystem<Real>& system) {
+  return system.linear_source && system.cells->varied;
+}
+
+// Ordinates that are marched side by side: those that share a gradient, or all.
+template <class Real>
+std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& system, bool upward) {
   std::vector<std::vector<int>> groups;
   std::array<int, 4> of_quadrant{-1, -1, -1, -1};
   for (int d = 0; d < system.ordinates.size(); ++d) {
     const Direction& o = system.ordinates.direction[d];
     if ((o.z() > 0) != upward) continue;
-    int& group = of_quadrant[system.linear_source ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
-    const bool by_itself = system.linear_source && !system.cells->varied;
-    if (by_itself || group < 0) {
+    int& group = of_quadrant[shares_gradients(system) ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
+    if (group < 0) {
       group = static_cast<int>(groups.size());
       groups.emplace_back();
     }
@@ -245,15 +249,17 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   work.of_thread.resize(omp_get_max_threads());
 
   const auto march_ordinates = [&](bool upward) {
-    const auto groups = gradient_groups(system, upward);
+    const auto groups = groups_side_by_side(system, upward);
 #pragma omp parallel
     {
-      OrdinateMarch<Real> march(system, work.of_thread[omp_get_thread_num()]);
+      typename SweepWorkspace<Real>::Thread& own = work.of_thread[omp_get_thread_num()];
+      OrdinateMarch<Real> march(system, own);
       for (const std::vector<int>& group : groups) {
         const bool turned = std::any_of(group.begin(), group.end(), [&](int d) {
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
-        if (system.linear_source) team_make_gradient(system, field, group, turned, work.gradient);
+        const bool shared = shares_gradients(system);
+        if (shared) team_make_gradient(system, field, group, turned, work.gradient);
 #pragma omp for schedule(dynamic, 1)
         for (std::size_t q = 0; q < group.size(); ++q) {
           const int d = group[q];
@@ -266,8 +272,14 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
           }
           if (keep_columns) passing[d].resize(columns * levels);
-          march.cross_box(d, work.gradient, field.data[d], rays, record, keep_columns ? passing[d].data() : nullptr,
-                          of_ordinate[d]);
+          if (system.linear_source && !shared) {
+            const std::size_t n = system.cells->size();
+            for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
+            source_gradient(*system.cells, 0, n, field.row(d), own.gradient.axis[0].data(), own.gradient.axis[1].data(),
+                            own.gradient.axis[2].data());
+          }
+          march.cross_box(d, shared ? work.gradient : own.gradient, field.data[d], rays, record,
+                          keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
           rays.resize(upward ? 0 : columns);
         }
       }

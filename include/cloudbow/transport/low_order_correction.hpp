@@ -29,10 +29,6 @@ class LowOrderCorrection {
   int sweeps() const { return sweeps_; }  ///< with few directions, so far
   bool uses_diffusion() const;
 
-  /// Bytes held for each active cell and for each place of the box.
-  static std::size_t bytes_a_cell(std::size_t size_of_real);
-  static std::size_t bytes_a_place();
-
  private:
   class Diffusion;
   template <class Source>

@@ -11,8 +11,6 @@ namespace cloudbow {
 
 /// Low moments of the radiance of a cell: integral of J times the 9 functions of degree l <= 2; the first is 1.
 inline constexpr int low_moments = 9;
-/// Of these, those of degree l <= 1, which the iteration mixes with earlier ones.
-inline constexpr int mixed_moments = 4;
 
 /// D values a cell, one row an ordinate: value(d, c) at row(d)[c]. Holds source or voxel-mean radiance, each in the
 /// other's place. Rows can be read and written lane_padding beyond their end, and to the end of a tile of cells.

@@ -43,8 +43,4 @@ template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
                                      const IterationCallback& progress);
 
-/// Bytes that iterate_source holds at its peak, beside the system.
-std::size_t iteration_memory(std::size_t active_cells, std::size_t dense_cells, int ordinates,
-                             std::size_t size_of_real);
-
 }  // namespace cloudbow

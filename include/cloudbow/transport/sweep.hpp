@@ -82,6 +82,7 @@ struct SweepWorkspace {
   struct Thread {
     std::vector<Real> mean, plane, turned_source, turned_mean;
     SidewaysWorkspace<Real> sideways;
+    GroupGradient<Real> gradient;  ///< of one ordinate, where none is shared
   };
   std::vector<Thread> of_thread;
   GroupGradient<Real> gradient;
