@@ -46,6 +46,7 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
   for (int k = 0; k < box.nz(); ++k) {
     if (k + 1 == box.nz() || level[k + 1] != level[k]) to.z_edge_m.push_back(box.z_edge_m[k + 1]);
   }
+  if (by_x * by_y == 1 && to.nz() == box.nz()) return std::nullopt;
 
   const auto dense = dense_indices(cells.rows);
   const std::size_t n = cells.size();

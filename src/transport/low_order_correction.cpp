@@ -172,7 +172,7 @@ double transport_depth(const TransportSystem<Real>& system) {
       remains -= static_cast<double>(system.cells->scattered[p][c]) * system.truncated_asymmetry[p];
     sum += remains * static_cast<double>(system.cells->extinction[c]) *
            system.box.thickness_m(static_cast<int>(dense[c] / columns));
-    cloudy[dense[c] % columns] = 1;
+    if (system.cells->extinction[c] > 0) cloudy[dense[c] % columns] = 1;
   }
   const auto count = std::count(cloudy.begin(), cloudy.end(), 1);
   return count > 0 ? sum / static_cast<double>(count) : 0;

@@ -204,7 +204,8 @@ class SidewaysMarch {
 
 std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
                                                LevelRange levels) {
-  assert(box.periodic && axis >= 0 && axis < 2 && travel[axis] != 0);
+  assert(box.periodic && axis >= 0 && axis < 2);
+  if (travel[axis] == 0) return std::nullopt;
   const int other = 1 - axis;
   const double sheet_m = axis == 0 ? box.dx_m : box.dy_m;
   const int sheet_count = axis == 0 ? box.nx : box.ny;
@@ -214,11 +215,12 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
   path.levels = levels;
   path.upward = travel.z() > 0;
   path.rise = std::abs(travel.z() / travel[axis]) * sheet_m / level_m;
+  constexpr double too_steep = 4;  // rays crowd, and along z they cross fewer cells
+  if (path.rise > too_steep) return std::nullopt;
   const double total = path.rise * sheet_count;
   path.block = static_cast<int>(std::floor(total));
   path.rest = total - path.block;
-  constexpr double too_steep = 4;  // rays crowd, and along z they cross fewer cells
-  if (path.block < 1 || path.rise > too_steep) return std::nullopt;
+  if (path.block < 1) return std::nullopt;
 
   BoxGrid turned;
   turned.nx = other == 0 ? box.nx : box.ny;

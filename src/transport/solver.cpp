@@ -135,8 +135,9 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
 
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
   const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
-  omp_set_num_threads(problem.grid.active_cells() < worth_threads ? 1 : threads);
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
+  const std::size_t solved = options.actinic ? cells : problem.grid.active_cells();
+  omp_set_num_threads(std::max(solved, problem.grid.box.columns()) < worth_threads ? 1 : threads);
   if (options.actinic && problem.grid.active_cells() < cells) {
     Problem full = problem;
     full.grid = with_empty_cells(problem.grid);

@@ -51,7 +51,7 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
   const GatherScene<Real> scene{box, *system.cells, source, side, problem.sky_radiance, &ground};
   const LevelRange levels{0, box.nz()};
   const std::vector<Band> all{{0, box.nz(), 0., false}};
-  const bool one_column = box.columns() == 1;
+  const bool one_column = box.periodic && box.columns() == 1;
   const int rays = one_column ? 1 : static_cast<int>(std::lround(std::sqrt(options.beam_rays)));  // an axis
 
   std::vector<RadianceImage> images;

@@ -32,7 +32,8 @@ struct SidewaysPath {
   bool ascending_across = true;
 };
 
-/// @param levels of one thickness. @returns nothing where rays would not cross a level before they are back.
+/// @param levels of one thickness. @returns nothing where rays do not go along the axis, or would not cross a level
+/// before they are back.
 std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
                                                LevelRange levels);
 
