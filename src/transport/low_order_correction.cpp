@@ -294,9 +294,9 @@ void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<R
   solve(correction);
 }
 
-// Light of low_.emission, at the problem's own cells.
+// Light of low_.emission, in moments_.
 template <class Real>
-void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
+void LowOrderCorrection<Real>::iterate() {
   const std::size_t n = low_.cells->size();
   const std::size_t mixed = 4 * n;  // the moments l <= 1
   const ThreadsFor threads(n);
@@ -322,11 +322,18 @@ void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
     for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments_[i];
   }
   std::copy(g.begin(), g.end(), moments_.begin());
+}
+
+// Light of low_.emission, at the problem's own cells.
+template <class Real>
+void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
+  iterate();
   if (!coarse_) {
     std::copy(moments_.begin(), moments_.end(), moments.begin());
     return;
   }
   // Between the centres of coarse cells the moments change linearly.
+  const std::size_t n = low_.cells->size();
   const std::size_t cells = full_->cells->size();
   const Cells<Real>& of = *low_.cells;
 #pragma omp parallel for schedule(static)

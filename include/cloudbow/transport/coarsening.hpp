@@ -13,11 +13,11 @@ namespace cloudbow {
 
 template <class Real>
 struct Coarsening {
-  std::vector<std::array<std::int8_t, 3>>
-      quarters;      ///< [n] of its centre from the coarse cell's along x, y, z, in quarters of that
-  OpticalGrid grid;  ///< coefficients with truncated peaks, means over the volume
+  OpticalGrid grid;                        ///< coefficients with truncated peaks, means over the volume
   std::vector<std::uint32_t> coarse_cell;  ///< [n] for each cell of the problem
-  std::vector<Real> share;                 ///< [n] of the coarse cell's extinction, times volume, that is this cell's
+  /// [n] place of its centre from the coarse cell's along x, y, z, in quarters of the coarse cell.
+  std::vector<std::array<std::int8_t, 3>> quarters;
+  std::vector<Real> share;  ///< [n] of the coarse cell's extinction, times volume, that is this cell's
 };
 
 /// @returns nothing where it does not pay or would not do: few cells, columns that exchange no light, or coarse cells

@@ -33,6 +33,7 @@ class LowOrderCorrection {
   class Diffusion;
   template <class Source>
   void emit(int moment, const Source& source);
+  void iterate();
   void solve(std::span<Real> moments);
 
   std::optional<Coarsening<Real>> coarse_;  // without: the problem's own cells

@@ -308,7 +308,7 @@ std::size_t moved_column(const Turn& turn, std::size_t column, int n) {
 }
 
 // Control points have the mirror planes of the box but not its quarter turns; spirals of the gather and the places
-// their rays start from have neither, so columns differ by what 1024 directions leave open (4e-3 measured).
+// their rays start from have neither, so columns differ by what 4096 directions leave open (of 1024: 4e-3).
 void expect_symmetric(const PhaseFunction& phase, const Turn& turn, double mean_limit, double column_limit) {
   constexpr int n = 6;
   const BoxGrid box = make_box(n, n, 4);
@@ -319,7 +319,7 @@ void expect_symmetric(const PhaseFunction& phase, const Turn& turn, double mean_
   Problem problem = problem_of(make_grid(box, extinction, .99), phase);
   SolverOptions options = coarse();
   options.tolerance = 1e-6;
-  options.gather_directions = 1024;
+  options.gather_directions = 4096;
   const Solution here = solve(problem, options);
   const Direction sun = problem.sun->travel;
   problem.grid = make_grid(box, turned, .99);
@@ -350,11 +350,11 @@ TEST(Solve, TurnsAndMirrorImagesWithTheirSunHaveTheSameFluxes) {
       {"x mirrored", -1, 0, 0, 1}, {"y mirrored", 1, 0, 0, -1}, {"half turn", -1, 0, 0, -1}};
   const std::vector<Turn> turns{{"quarter turn", 0, -1, 1, 0}, {"x and y exchanged", 0, 1, 1, 0}};
   for (const auto& turn : mirrors) {
-    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 5e-3);
-    expect_symmetric(PhaseFunction::henyey_greenstein(.85), turn, 1e-6, 5e-3);
+    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 2e-3);
+    expect_symmetric(PhaseFunction::henyey_greenstein(.85), turn, 1e-6, 2e-3);
   }
   for (const auto& turn : turns) {
-    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 5e-3);
+    expect_symmetric(PhaseFunction::isotropic(), turn, 1e-6, 2e-3);
     expect_symmetric(PhaseFunction::henyey_greenstein(.85), turn, 1e-3, 1e-2);  // 42 points; 2e-4 and 7e-3 measured
   }
 }
@@ -377,7 +377,8 @@ TEST(Solve, LargeFieldsCloseTheirLedgerAlongAllAxes) {
     options.flux_levels = FluxLevels::all;
     const Solution solution = solve(problem, options);
     expect_finite_and_closed(solution, 1e-5);
-    // What passes through the levels is what the cells between them keep, by the profile and by the cells.
+    // What passes through the levels is what the cells between them keep, by the profile and by the cells: to the
+    // iteration's tolerance of 1e-4 of some .9 W m-2 that come in, on either side.
     const auto net = [&](std::size_t e) {
       return solution.profile_direct_flux[e] + solution.profile_downwelling_diffuse_flux[e] -
              solution.profile_upwelling_flux[e];
