@@ -27,7 +27,7 @@ GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const Sweep
 template <class Real>
 std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
                                           const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                          const SeenSource<Real>& source, const Surroundings* surroundings,
+                                          const AngularField<Real>& source, const Surroundings* surroundings,
                                           const Solution& solution) {
   const BoxGrid& box = system.box;
   const GroundRadiance<Real> ground = lit_ground(system, solved.fluxes, solution);
@@ -43,10 +43,11 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
   std::vector<RadianceImage> images;
   for (std::size_t v = 0; v < options.views.size(); ++v) {
     const View& view = options.views[v];
-    const SourceAlong<Real> along = source.along(v);
+    const Real* const row = source.row(static_cast<int>(v));
+    const SourceAlong<Real> along{{{{Real(1), row}, {Real(0), row}, {Real(0), row}}}, {}};
     LinearSource<Real> linear;
     linear.resize(system.cells->size());
-    along.fill(0, system.cells->size(), linear.value.data());
+    std::copy_n(row, system.cells->size(), linear.value.begin());
     linear.make_gradient(*system.cells);
     std::vector<std::vector<double>> of_ray(static_cast<std::size_t>(rays) * rays);
 #pragma omp parallel
@@ -78,7 +79,7 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
 #define CLOUDBOW_INSTANTIATE(Real)                                                                      \
   template std::vector<RadianceImage> view_radiances<Real>(                                             \
       const Problem&, const SolverOptions&, const TransportSystem<Real>&, const IterationResult<Real>&, \
-      const SeenSource<Real>&, const Surroundings*, const Solution&)
+      const AngularField<Real>&, const Surroundings*, const Solution&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -10,11 +10,11 @@ namespace cloudbow {
 /// light scattered once comes from the phase function itself.
 /// @param surroundings what open sides show; may be null.
 /// @param solution whose fluxes at the ground, where it has them, light the surface.
-/// @param source along the views' directions, in their order.
+/// @param source along the views' directions, a row a view (seen_source.hpp).
 template <class Real>
 std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
                                           const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                          const SeenSource<Real>& source, const Surroundings* surroundings,
+                                          const AngularField<Real>& source, const Surroundings* surroundings,
                                           const Solution& solution);
 
 }  // namespace cloudbow
