@@ -40,7 +40,8 @@ VoxelPlanes exported_planes(const std::string& file, const BoxGrid& box) {
   }
   throw InputError(fmt::format(
       "{}: its levels are uneven and it has no cloud (found {:.4g} m at z = {:.6g} m, {:.4g} m at z = "
-      "{:.6g} m, allowed levels of one height, as voxels have) set domain.vertical_cells",
+      "{:.6g} m, allowed levels of one height, as voxels have; domain.vertical_cells makes them "
+      "so in a scene of one layer)",
       file, box.thickness_m(thinnest), box.z_edge_m[thinnest], box.thickness_m(thickest), box.z_edge_m[thickest]));
 }
 
