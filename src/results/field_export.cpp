@@ -203,7 +203,7 @@ class Exporter {
     if (d >= batch_end_) {
       const std::size_t room = options_.batch_bytes / std::max<std::size_t>(1, cells * sizeof(float));
       const std::size_t count = std::clamp<std::size_t>(room, 1, radiance_->directions().size() - d);
-      batch_ = {};
+      std::vector<float>().swap(batch_);  // so that never two batches are in memory
       batch_ = radiance_->radiances(d, count);
       batch_begin_ = d;
       batch_end_ = d + count;
