@@ -41,12 +41,22 @@ Attributes flux_attributes(const FluxName& flux) {
           {"cell_methods", "area: mean"}};
 }
 
-Attributes horizontal_attributes(const char* long_name, const char* axis) {
-  return {{"units", "m"}, {"long_name", long_name}, {"axis", axis}};
+Attributes horizontal_attributes(const char* long_name, const char* axis, double spacing) {
+  return {{"units", "m"}, {"long_name", long_name}, {"axis", axis}, {"cell_size_m", spacing}};
 }
 
 Attributes vertical_attributes(const char* long_name) {
   return {{"units", "m"}, {"long_name", long_name}, {"axis", "Z"}, {"positive", "up"}};
+}
+
+Attributes height_attributes(const VoxelPlanes& cloud) {
+  Attributes attributes = vertical_attributes("height of the cell centre");
+  if (cloud.count > 0) {
+    attributes.insert(attributes.end(), {{"cloud_voxel_planes", std::int32_t{cloud.count}},
+                                         {"cloud_bottom_m", cloud.bottom_m},
+                                         {"cloud_voxel_height_m", cloud.height_m}});
+  }
+  return attributes;
 }
 
 std::vector<double> centres(int cells, double min, double spacing) {
@@ -74,10 +84,10 @@ void write_z_edge(hid_t group, const BoxGrid& box) {
 void write_fields(hid_t file, const Solution& solution) {
   const BoxGrid& box = solution.box;
   netcdf4::write_coordinate(file, "x", centres(box.nx, box.x_min_m, box.dx_m),
-                            horizontal_attributes("cell centre, x", "X"));
+                            horizontal_attributes("cell centre, x", "X", box.dx_m));
   netcdf4::write_coordinate(file, "y", centres(box.ny, box.y_min_m, box.dy_m),
-                            horizontal_attributes("cell centre, y", "Y"));
-  netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), vertical_attributes("height of the cell centre"));
+                            horizontal_attributes("cell centre, y", "Y", box.dy_m));
+  netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
   write_z_edge(file, box);
 
   const bool all_levels = solution.flux_level.size() == box.z_edge_m.size();
@@ -182,20 +192,34 @@ void write_solver(hid_t file, const SolverReport& report, const ResultInfo& info
   group.close();
 }
 
+std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
+  return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
+}
+
 void write_radiance_field(hid_t file, const RadianceField& field) {
   hdf5::Handle group = netcdf4::create_group(file, "radiance_field");
-  netcdf4::write_attribute(group, {"frame", "axes of the domain: x, y horizontal, z up"});
+  netcdf4::write_attributes(
+      group, {{"frame", "axes of the domain: x, y horizontal, z up"},
+              {"interpolation",
+               "the radiance along a direction of travel is the mean of the radiances at the corners of "
+               "the triangle that holds it, weighted by the areas of the spherical triangles that it forms with the "
+               "sides opposite to the corners"}});
   netcdf4::write_dimension(group, "control_point", field.direction.size());
   netcdf4::write_dimension(group, "active_voxel", field.voxel.size());
+  netcdf4::write_dimension(group, "face", field.triangle.size());
+  netcdf4::write_dimension(group, "corner", 3);
   netcdf4::write_dimension(group, "axis", 3);
 
   std::vector<double> direction;
   for (const Direction& d : field.direction) direction.insert(direction.end(), {d.x(), d.y(), d.z()});
   netcdf4::write_variable(group, "direction", {"control_point", "axis"}, std::span<const double>(direction),
                           {{"units", "1"}, {"long_name", "unit vector in which light travels, at each control point"}});
-  const std::span<const std::int32_t> voxel(field.voxel.empty() ? nullptr : field.voxel.front().data(),
-                                            3 * field.voxel.size());
-  netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, voxel,
+  netcdf4::write_variable(group, "triangle", {"face", "corner"}, flattened(field.triangle),
+                          {{"units", "1"},
+                           {"long_name",
+                            "control points at the corners of each triangle of the sphere, counter-clockwise seen from "
+                            "outside, from 0"}});
+  netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, flattened(field.voxel),
                           {{"units", "1"}, {"long_name", "cell indices i, j, k along x, y, z, from 0"}});
   netcdf4::write_variable(
       group, "radiance", {"active_voxel", "control_point"}, std::span(field.radiance),

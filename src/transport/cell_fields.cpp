@@ -34,6 +34,7 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;
   field.direction.assign(points.directions().begin(), points.directions().end());
+  field.triangle.assign(points.triangles().begin(), points.triangles().end());
   const std::size_t n = system.cells->size();
   const std::size_t m = field.direction.size();
   const std::size_t columns = system.box.columns();

@@ -93,6 +93,7 @@ def check_xarray(folder, engine):
         print(field)
         assert field.radiance.dims == ("active_voxel", "control_point") and field.radiance.attrs["units"] == "W m-2 sr-1"
         np.testing.assert_array_equal(field.radiance, [[0, 1, 2], [10, 11, 12]])
+        np.testing.assert_array_equal(field.triangle, [[0, 1, 2]])
         np.testing.assert_array_equal(field.voxel, [[1, 2, 3], [4, 5, 6]])
         np.testing.assert_array_equal(field.direction, [[0, 0, -1], [1, 0, 0], [0, 0.6, 0.8]])
         assert not field.coords
@@ -126,6 +127,25 @@ def check_h5py(folder):
         assert full.attrs["title"].decode() == "Wolken über Köln"
     with h5py.File(folder / "column.h5") as column:
         assert column["upwelling_flux"].compression is None
+    check_queries(folder)
+
+
+def check_queries(folder):
+    """The example that users copy against the library's own interpolation; both work in double on the same float32 radiances."""
+    sys.path.insert(0, str(pathlib.Path(__file__).parents[3] / "docs/examples"))
+    import h5py
+    import numpy as np
+    import query_radiance
+
+    queries = np.loadtxt(folder / "sphere_queries.txt")
+    with h5py.File(folder / "sphere.h5") as result:
+        for query in queries:
+            radiance = query_radiance.query(result["radiance_field"], 3 * query[:3])
+            np.testing.assert_allclose(radiance, query[3:], rtol=1e-12)
+        direction = result["radiance_field/direction"][...]
+        for point, travel in enumerate(direction):  # a corner of five or six triangles: whichever is taken has its value
+            np.testing.assert_allclose(query_radiance.query(result["radiance_field"], travel), result["radiance_field/radiance"][:, point], rtol=1e-7)
+    print(f"{len(queries)} directions and {len(direction)} control points agree")
 
 
 def check_command(folder, *command):
