@@ -116,6 +116,7 @@ struct RadianceField {
 
 struct Solution {
   BoxGrid box;
+  std::optional<Sun> sun;                       ///< that of the problem
   std::vector<int> flux_level;                  ///< indices of z_edge at which the fields below are given, ascending
   std::vector<float> upwelling_flux;            ///< [level][ny][nx] W m-2, diffuse
   std::vector<float> downwelling_diffuse_flux;  ///< as above
