@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -127,19 +128,21 @@ void apply_phase_set(const ScenePhaseSet& set, const std::vector<float>& number,
   apply_classes(family, voxel, tolerance, cloud);
 }
 
-std::vector<float> read_effective_radius(const Scene& scene, const CloudField& field, VdbReadOptions options) {
+std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, const CloudField& field,
+                                         VdbReadOptions options) {
   const SceneCloud& cloud = *scene.cloud;
   options.grid = cloud.effective_radius_grid;
   constexpr double smallest_um = 1e-6;
   constexpr double rounding = 1e-6;  // of grids of floats
-  if (cloud.droplets == nullptr) return read_companion_vdb(cloud.file, field, options, smallest_um);
-  return read_companion_vdb(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
-                            cloud.droplets->effective_radius_um.back() * (1 + rounding));
+  if (cloud.droplets == nullptr)
+    return files.companion(cloud.file, field, options, smallest_um, std::numeric_limits<double>::max());
+  return files.companion(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
+                         cloud.droplets->effective_radius_um.back() * (1 + rounding));
 }
 
-OpenedCloud open_cloud(const Scene& scene) {
+OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   const SceneCloud& cloud = *scene.cloud;
-  OpenedCloud opened{read_cloud_vdb(cloud.file, cloud.read), {}, {}, {}};
+  OpenedCloud opened{files.field(cloud.file, cloud.read), {}, {}, {}};
   CloudField& field = opened.field;
   const std::string quantity = cloud.quantity.empty() ? field.quantity : cloud.quantity;
   VdbReadOptions companion = cloud.read;
@@ -154,13 +157,14 @@ OpenedCloud open_cloud(const Scene& scene) {
         quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity)));
   }
   if (cloud.droplets != nullptr) {
-    apply_droplets(*cloud.droplets, read_effective_radius(scene, field, companion), is_water, class_error, opened);
+    apply_droplets(*cloud.droplets, read_effective_radius(scene, files, field, companion), is_water, class_error,
+                   opened);
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
   } else if (is_water && cloud.effective_radius_um) {
     opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
   } else if (is_water && !cloud.effective_radius_grid.empty()) {
-    const std::vector<float> radius = read_effective_radius(scene, field, companion);
+    const std::vector<float> radius = read_effective_radius(scene, files, field, companion);
     for (std::size_t n = 0; n < radius.size(); ++n) {
       field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
     }
@@ -176,7 +180,7 @@ OpenedCloud open_cloud(const Scene& scene) {
                                      : static_cast<int>(scene.phase_functions.size());
   if (!cloud.single_scattering_albedo_grid.empty()) {
     companion.grid = cloud.single_scattering_albedo_grid;
-    const std::vector<float> albedo = read_companion_vdb(cloud.file, field, companion, 0, 1);
+    const std::vector<float> albedo = files.companion(cloud.file, field, companion, 0, 1);
     opened.optics.voxel_single_scattering_albedo.assign(albedo.begin(), albedo.end());
   } else if (cloud.single_scattering_albedo) {
     opened.optics.single_scattering_albedo = *cloud.single_scattering_albedo;
@@ -185,7 +189,7 @@ OpenedCloud open_cloud(const Scene& scene) {
   if (cloud.phase_set != nullptr) {
     companion.grid = cloud.phase_set->index_grid;
     const std::vector<float> number =
-        read_companion_vdb(cloud.file, field, companion, 1, static_cast<double>(cloud.phase_set->function.size()));
+        files.companion(cloud.file, field, companion, 1, static_cast<double>(cloud.phase_set->function.size()));
     apply_phase_set(*cloud.phase_set, number, class_error,
                     fmt::format("{}: grid \"{}\"", cloud.file.string(), companion.grid), opened);
   }
@@ -334,8 +338,9 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   for (const SceneRadiance& radiance : scene.radiances) {
     const SceneSun place{radiance.zenith_deg, radiance.azimuth_deg,
                          0};  // light travels towards where the sensor stands
-    options.views.push_back({radiance.name, -sun_travel(place)});
+    options.views.push_back({radiance.name, -sun_travel(place), radiance.width, radiance.height});
   }
+  options.cameras = scene.cameras;
   return options;
 }
 
@@ -343,6 +348,16 @@ int nearest_edge(const std::vector<double>& edges, double z) {
   const auto nearest = std::min_element(edges.begin(), edges.end(),
                                         [z](double a, double b) { return std::abs(a - z) < std::abs(b - z); });
   return static_cast<int>(nearest - edges.begin());
+}
+
+void check_cameras(const Scene& scene, double ground_m) {
+  for (std::size_t n = 0; n < scene.cameras.size(); ++n) {
+    const double height = scene.cameras[n].position_m.z();
+    if (height < ground_m) {
+      throw InputError(fmt::format("{}: below the ground (found z = {} m, allowed at least {} m)",
+                                   scene.where(fmt::format("camera.{}.position_m", n)), height, ground_m));
+    }
+  }
 }
 
 }  // namespace
@@ -369,8 +384,14 @@ Raster read_albedo_map(const Scene& scene) {
 }
 
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
+  CloudFiles files(false);
+  return assemble(scene, memory_limit_bytes, files, {});
+}
+
+AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, CloudFiles& files,
+                        const std::vector<double>& levels_m) {
   OpenedCloud cloud;
-  if (scene.cloud) cloud = open_cloud(scene);
+  if (scene.cloud) cloud = open_cloud(scene, files);
   const CloudField* field = scene.cloud ? &cloud.field : nullptr;
   const Domain domain = DomainChecker(scene, field).check();
   for (const double height : scene.output.heights_m) {
@@ -379,6 +400,8 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
                                    scene.where("output.flux_levels"), height, domain.min_m[2], domain.max_m[2]));
     }
   }
+
+  check_cameras(scene, domain.min_m[2]);
 
   AssembledScene assembled;
   Problem& problem = assembled.problem;
@@ -401,6 +424,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
   levels.layer_cells = scene.domain.vertical_cells;
   levels.edges_m = scene.output.heights_m;
+  levels.levels_m = levels_m;
   levels.memory_limit_bytes = memory_limit_bytes;
   // Layers without a cloud are the same everywhere: they have no sides.
   const bool periodic = scene.domain.periodic || field == nullptr;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -44,31 +46,57 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->callback([&action, options] { action = [options] { return run(*options); }; });
 }
 
+void set_exposure(RenderOptions& options, const std::string& text) {
+  if (text.empty()) return;
+  if (text == "auto") {
+    options.automatic_exposure = true;
+    return;
+  }
+  double factor = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(factor) || factor <= 0)
+    throw InputError(fmt::format("--exposure: found '{}', allowed a number > 0 or auto", text));
+  options.exposure = factor;
+}
+
 void add_render(CLI::App& app, Action& action) {
   struct Options {
     RenderOptions render;
     std::vector<double> range;
+    std::string exposure;
   };
   auto options = std::make_shared<Options>();
   RenderOptions& render_options = options->render;
-  CLI::App* render_app = app.add_subcommand("render", "Draw a flux field of a result file");
+  CLI::App* render_app = app.add_subcommand("render", "Draw an image or a flux field of a result file");
   render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->type_name("FILE")->required();
-  render_app->add_option("-o,--output", render_options.image_file, "Picture (PNG)")->type_name("FILE")->required();
-  render_app->add_option("--variable", render_options.variable, "Variable to draw")->capture_default_str();
+  render_app->add_option("-o,--output", render_options.image_file, "Picture (PNG, or OpenEXR by its name)")
+      ->type_name("FILE")
+      ->required();
+  render_app->add_option("--variable,--field", render_options.variable, "Variable to draw")->capture_default_str();
   render_app->add_option("--level", render_options.level, "top, bottom or a height in metres")->capture_default_str();
   render_app->add_option("--range", options->range, "Values of the first and the last colour (default: those there)")
       ->expected(2)
       ->check(finite_number(std::numeric_limits<double>::lowest(), "a finite number"));
   render_app->add_option("--scale", render_options.scale, "Pixels a cell (default: about 768 pixels in all)")
       ->check(whole_number(1, 1000));
-  render_app->add_option("--colormap", render_options.colormap, joined(colormap_names()))->capture_default_str();
+  render_app
+      ->add_option("--colormap", render_options.colormap,
+                   joined(colormap_names()) + " (default: natural colours where there can be, else grey)")
+      ->type_name("NAME");
+  render_app->add_option("--wavelength-um", options->render.wavelength_um, "Of a spectrum: draw the nearest alone")
+      ->check(finite_number(0, "a wavelength > 0"));
+  render_app->add_option("--tone", render_options.tone, "Tone curve of natural colours: " + joined(tone_names()))
+      ->type_name("NAME");
+  render_app->add_option("--exposure", options->exposure, "Factor on reflectance factors, or auto (default: 1)")
+      ->type_name("X|auto");
   render_app->callback([&action, options] {
     action = [options] {
       if (!options->range.empty()) options->render.range = {options->range[0], options->range[1]};
+      set_exposure(options->render, options->exposure);
       const RenderReport report = render(options->render);
-      fmt::print("{}: {} [{}], {}, {} x {} pixels, colours from {:.4g} to {:.4g}\n",
-                 options->render.image_file.string(), report.image.variable, report.image.units, report.image.place,
-                 report.width, report.height, report.min, report.max);
+      fmt::print("{}: {} [{}], {}{} x {} pixels, {}\n", options->render.image_file.string(), report.image.variable,
+                 report.image.units, report.image.place.empty() ? "" : report.image.place + ", ", report.width,
+                 report.height, report.colours);
       return kExitDone;
     };
   });
@@ -78,9 +106,9 @@ void add_mie(CLI::App& app, Action& action, const std::string& command) {
   auto options = std::make_shared<MieOptions>();
   options->command = command;
   CLI::App* mie_app = app.add_subcommand("mie", "Make a table of droplets by Mie theory, for scenes");
-  mie_app->add_option("--wavelength-um", options->wavelength_um, "Wavelength [um]")
-      ->required()
-      ->check(finite_number(0, "a wavelength > 0"));
+  mie_app->add_option("--wavelength-um", options->wavelength_um, "Wavelengths [um], one or several")
+      ->type_name("W|FROM:TO:STEP")
+      ->required();
   mie_app->add_option("--effective-radius-um", options->effective_radius_um, "Effective radii [um]")
       ->type_name("R|FROM:TO:STEP")
       ->required();

@@ -91,6 +91,35 @@ double ConfigReader::number(const std::string& key, const NumberRange& range) co
   return *value;
 }
 
+void ConfigReader::check_spectral_list(const std::string& key, const ConfigNode& list, SpectralPlace at) const {
+  if (at.count == 0) fail(key, "a list without [spectrum]", describe(list), "one value, or [spectrum] wavelengths_um");
+  if (list.items.size() != at.count) {
+    fail(key, "not one for each wavelength", describe(list),
+         fmt::format("one value, or a list of {} as spectrum.wavelengths_um is", at.count));
+  }
+}
+
+std::optional<double> ConfigReader::find_number(const std::string& key, const NumberRange& range,
+                                                SpectralPlace at) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr || node->kind != ConfigNode::Kind::array) return find_number(key, range);
+  check_spectral_list(key, *node, at);
+  return as_number(key, node->items[at.index], range);
+}
+
+double ConfigReader::number(const std::string& key, const NumberRange& range, SpectralPlace at) const {
+  const auto value = find_number(key, range, at);
+  if (!value) fail_missing(key, range.allowed);
+  return *value;
+}
+
+std::vector<std::string> ConfigReader::spectral_texts(const std::string& key, SpectralPlace at) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr || node->kind != ConfigNode::Kind::array) return {text(key)};
+  check_spectral_list(key, *node, at);
+  return *find_texts(key);
+}
+
 std::optional<int> ConfigReader::find_integer(const std::string& key, int low, int high) const {
   const ConfigNode* node = find(key);
   if (node == nullptr) return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -18,7 +19,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kMaxRadii = 1000;
+constexpr int kMaxSteps = 1000;
 
 void print_table(const DropletTable& table) {
   fmt::print("{:>10} {:>14} {:>14} {:>10} {:>8}\n", "r_e [um]", "ext [m2/g]", "1 - albedo", "g", "moments");
@@ -28,11 +29,55 @@ void print_table(const DropletTable& table) {
   }
 }
 
+std::vector<double> parse_wavelengths(const std::vector<std::string>& texts) {
+  std::vector<double> all;
+  for (const std::string& text : texts) {
+    for (const double wavelength : parse_steps("--wavelength-um", text)) {
+      if (std::find(all.begin(), all.end(), wavelength) != all.end())
+        throw InputError(fmt::format("--wavelength-um: found {} twice, allowed each once", wavelength));
+      all.push_back(wavelength);
+    }
+  }
+  return all;
+}
+
+Substance substance_of(const MieOptions& options) {
+  return options.substance == "ice" ? Substance::ice : Substance::water;
+}
+
+DropletRecipe make_recipe(const MieOptions& options, double wavelength_um) {
+  DropletRecipe recipe;
+  recipe.wavelength_um = wavelength_um;
+  recipe.distribution = options.distribution == "lognormal" ? DistributionKind::lognormal : DistributionKind::gamma;
+  recipe.effective_variance = options.variance;
+  if (options.refractive_index.empty()) {
+    recipe.refractive_index = refractive_index(substance_of(options), wavelength_um);
+    recipe.density_g_cm3 = options.density_g_cm3.value_or(density_g_cm3(substance_of(options)));
+  } else {
+    recipe.refractive_index = {options.refractive_index[0], options.refractive_index[1]};
+    recipe.density_g_cm3 = options.density_g_cm3.value_or(1);
+  }
+  return recipe;
+}
+
+DropletTableInfo make_info(const MieOptions& options, const DropletRecipe& recipe) {
+  DropletTableInfo info;
+  info.refractive_index = recipe.refractive_index;
+  info.refractive_index_source =
+      options.refractive_index.empty() ? refractive_index_source(substance_of(options)) : "given";
+  info.density_g_cm3 = recipe.density_g_cm3;
+  info.distribution = distribution_name(recipe.distribution);
+  info.effective_variance = recipe.effective_variance;
+  info.source = fmt::format("cloudbow {}", version());
+  info.history = options.command;
+  return info;
+}
+
 }  // namespace
 
-std::vector<double> parse_radii(const std::string& text) {
-  const auto reject = [&text](const std::string& allowed) {
-    throw InputError(fmt::format("--effective-radius-um: found '{}', allowed {}", text, allowed));
+std::vector<double> parse_steps(const std::string& option, const std::string& text) {
+  const auto reject = [&](const std::string& allowed) {
+    throw InputError(fmt::format("{}: found '{}', allowed {}", option, text, allowed));
   };
   std::vector<double> number;
   const char* at = text.data();
@@ -40,68 +85,58 @@ std::vector<double> parse_radii(const std::string& text) {
   while (true) {
     double value = 0;
     const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || !std::isfinite(value) || value <= 0) reject("a radius > 0 or FROM:TO:STEP");
+    if (error != std::errc() || !std::isfinite(value) || value <= 0) reject("a number > 0 or FROM:TO:STEP");
     number.push_back(value);
     at = next;
     if (at == end) break;
-    if (*at != ':') reject("a radius > 0 or FROM:TO:STEP");
+    if (*at != ':') reject("a number > 0 or FROM:TO:STEP");
     ++at;
   }
   if (number.size() == 1) return number;
-  if (number.size() != 3 || number[1] < number[0]) reject("a radius > 0 or FROM:TO:STEP with TO >= FROM");
+  if (number.size() != 3 || number[1] < number[0]) reject("a number > 0 or FROM:TO:STEP with TO >= FROM");
   const double steps = std::floor((number[1] - number[0]) / number[2] * (1 + 1e-12) + 1e-9);
-  if (steps >= kMaxRadii) reject(fmt::format("at most {} radii", kMaxRadii));
-  std::vector<double> radii;
-  for (int n = 0; n <= static_cast<int>(steps); ++n) radii.push_back(number[0] + n * number[2]);
-  return radii;
+  if (steps >= kMaxSteps) reject(fmt::format("at most {} numbers", kMaxSteps));
+  std::vector<double> values;
+  for (int n = 0; n <= static_cast<int>(steps); ++n) values.push_back(number[0] + n * number[2]);
+  return values;
 }
 
 int make_mie_file(const MieOptions& options) {
-  const std::vector<double> radii = parse_radii(options.effective_radius_um);
-  DropletRecipe recipe;
-  DropletTableInfo info;
-  recipe.wavelength_um = options.wavelength_um;
-  recipe.distribution = options.distribution == "lognormal" ? DistributionKind::lognormal : DistributionKind::gamma;
-  recipe.effective_variance = options.variance;
-  if (options.refractive_index.empty()) {
-    const Substance substance = options.substance == "ice" ? Substance::ice : Substance::water;
-    recipe.refractive_index = refractive_index(substance, options.wavelength_um);
-    recipe.density_g_cm3 = options.density_g_cm3.value_or(density_g_cm3(substance));
-    info.refractive_index_source = refractive_index_source(substance);
-  } else {
-    recipe.refractive_index = {options.refractive_index[0], options.refractive_index[1]};
-    recipe.density_g_cm3 = options.density_g_cm3.value_or(1);
-    info.refractive_index_source = "given";
-  }
+  const std::vector<double> radii = parse_steps("--effective-radius-um", options.effective_radius_um);
+  const std::vector<double> wavelengths = parse_wavelengths(options.wavelength_um);
+  std::vector<DropletRecipe> recipes;
+  for (const double wavelength : wavelengths) recipes.push_back(make_recipe(options, wavelength));
   check_writable(options.output);
 
   const InterruptGuard guard;
-  DropletTable table;
+  std::vector<DropletTable> tables;
+  std::vector<DropletTableInfo> infos;
   {
     ProgressDisplay display(options.quiet, 1);
-    MieTableOptions table_options;
-    table_options.threads = options.threads;
-    table_options.progress = [&display](double fraction) {
-      InterruptGuard::check();
-      SolverProgress progress;
-      progress.phase = "mie";
-      progress.fraction = fraction;
-      display.show(progress);
-    };
-    table = make_mie_table(recipe, radii, table_options);
+    for (const DropletRecipe& recipe : recipes) {
+      MieTableOptions table_options;
+      table_options.threads = options.threads;
+      const double done = static_cast<double>(tables.size());
+      table_options.progress = [&](double fraction) {
+        InterruptGuard::check();
+        SolverProgress progress;
+        progress.phase = "mie";
+        progress.fraction = (done + fraction) / static_cast<double>(recipes.size());
+        display.show(progress);
+      };
+      tables.push_back(make_mie_table(recipe, radii, table_options));
+      infos.push_back(make_info(options, recipe));
+    }
   }
-  info.refractive_index = recipe.refractive_index;
-  info.density_g_cm3 = recipe.density_g_cm3;
-  info.distribution = distribution_name(recipe.distribution);
-  info.effective_variance = recipe.effective_variance;
-  info.source = fmt::format("cloudbow {}", version());
-  info.history = options.command;
-  write_droplet_table(options.output, table, info);
+  write_droplet_tables(options.output, tables, infos);
   InterruptGuard::check();
   if (!options.quiet) {
-    fmt::print("refractive index {:.6g} + {:.4g} i ({})\n", recipe.refractive_index.real(),
-               recipe.refractive_index.imag(), info.refractive_index_source);
-    print_table(table);
+    for (std::size_t n = 0; n < tables.size(); ++n) {
+      if (tables.size() > 1) fmt::print("{}wavelength {} um\n", n == 0 ? "" : "\n", wavelengths[n]);
+      fmt::print("refractive index {:.6g} + {:.4g} i ({})\n", infos[n].refractive_index.real(),
+                 infos[n].refractive_index.imag(), infos[n].refractive_index_source);
+      print_table(tables[n]);
+    }
     fmt::print("written to {}\n", options.output.string());
   }
   return kExitDone;

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <optional>
 
 #include "cloudbow/app/assemble.hpp"
+#include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/progress.hpp"
 #include "cloudbow/app/scene.hpp"
@@ -41,16 +44,144 @@ std::string classes_text(const PhaseClassReport& classes) {
                      classes.functions, classes.estimated_error);
 }
 
-void print_prediction(const AssembledScene& scene, std::size_t memory, std::uint64_t available) {
-  const OpticalGrid& grid = scene.problem.grid;
+/// What is known of a run before the first solve.
+struct Forecast {
+  std::size_t memory = 0;              ///< bytes, of the most demanding wavelength, with the results of all
+  double seconds = 0;                  ///< of all wavelengths
+  std::vector<double> levels_m;        ///< that serve all wavelengths; empty: there is one scene only
+  std::optional<AssembledScene> only;  ///< that scene
+};
+
+/// Of the fields that a solution holds.
+std::size_t solution_bytes(const AssembledScene& scene) {
+  const BoxGrid& box = scene.problem.grid.box;
+  const SolverOptions& options = scene.options;
+  const std::size_t levels = options.flux_levels == FluxLevels::all          ? box.z_edge_m.size()
+                             : options.flux_levels == FluxLevels::boundaries ? 2
+                                                                             : options.listed_levels.size();
+  const std::size_t of_cells = (options.absorption ? 1 : 0) + (options.actinic ? 1 : 0);
+  std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
+  for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);
+  for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
+  if (options.radiance_field)
+    floats += scene.problem.grid.active_cells() * static_cast<std::size_t>(options.control_points + 3);
+  return floats * sizeof(float);
+}
+
+/// The radiance field of all wavelengths has one list of cells.
+void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available, CloudFiles& files,
+                      const std::vector<double>& levels_m) {
+  std::optional<std::size_t> cells;
+  for (const Scene& scene : scenes) {
+    const std::size_t here = assemble(scene, available, files, levels_m).problem.grid.active_cells();
+    if (here != cells.value_or(here)) {
+      throw InputError(
+          fmt::format("{}: a radiance field needs the same cells at every wavelength (found {} cells with "
+                      "matter at {} um and {} at {} um, allowed optical depths that are above 0 at all or at none)",
+                      scene.path.string(), *cells, *scenes.front().wavelength_um, here, *scene.wavelength_um));
+    }
+    cells = here;
+  }
+}
+
+/// Looks at every wavelength, so that none fails after others were solved.
+Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, CloudFiles& files) {
+  Forecast forecast;
+  std::vector<std::vector<double>> levels;
+  std::size_t kept = 0;
+  for (const Scene& scene : scenes) {
+    AssembledScene assembled = assemble(scene, available, files, {});
+    assembled.options.threads = threads;
+    forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, assembled.options));
+    forecast.seconds += predict_seconds(assembled.problem, assembled.options);
+    levels.push_back(assembled.problem.grid.box.z_edge_m);
+    kept += solution_bytes(assembled);
+    if (scenes.size() == 1) forecast.only = std::move(assembled);
+  }
+  if (scenes.size() > 1) {
+    forecast.memory += kept;
+    forecast.levels_m = finest_levels(levels);
+    if (scenes.front().output.radiance_field) check_same_cells(scenes, available, files, forecast.levels_m);
+  }
+  return forecast;
+}
+
+void check_memory(const Scene& scene, const Forecast& forecast, std::uint64_t available) {
+  if (forecast.memory <= available) return;
+  throw InputError(fmt::format(
+      "{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
+      "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
+      "less",
+      scene.path.string(), static_cast<double>(forecast.memory) / 1e9, static_cast<double>(available) / 1e9));
+}
+
+void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& first, const Forecast& forecast,
+                    std::uint64_t available) {
+  const OpticalGrid& grid = first.problem.grid;
   fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
              grid.active_cells());
-  fmt::print("solver    {} control points, {}, tolerance {}\n", scene.options.control_points, scene.options.directions,
-             scene.options.tolerance);
-  if (scene.phase_classes) fmt::print("phase     {}\n", classes_text(*scene.phase_classes));
-  fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(memory) / 1e9,
+  fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points, first.options.directions,
+             first.options.tolerance);
+  if (scenes.front().wavelength_um) {
+    std::string list;
+    for (const Scene& scene : scenes) list += fmt::format("{}{}", list.empty() ? "" : ", ", *scene.wavelength_um);
+    fmt::print("spectrum  {} um\n", list);
+  }
+  if (first.phase_classes) fmt::print("phase     {}\n", classes_text(*first.phase_classes));
+  fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(forecast.memory) / 1e9,
              static_cast<double>(available) / 1e9);
-  fmt::print("time      {:.1f} s predicted\n", predict_seconds(scene.problem, scene.options));
+  fmt::print("time      {:.1f} s predicted\n", forecast.seconds);
+}
+
+/// Solutions of all wavelengths, and what the result file says about how they were made.
+struct Solved {
+  std::vector<Solution> solutions;
+  std::vector<PhaseClassReport> phase_classes;  ///< of each, or none
+};
+
+Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunOptions& options,
+                 std::uint64_t available, CloudFiles& files) {
+  Solved solved;
+  for (const Scene& scene : scenes) {
+    AssembledScene assembled =
+        forecast.only ? std::move(*forecast.only) : assemble(scene, available, files, forecast.levels_m);
+    assembled.options.threads = options.threads;
+    if (scene.wavelength_um && !options.quiet) fmt::print(stderr, "wavelength {} um\n", *scene.wavelength_um);
+    ProgressDisplay display(options.quiet, assembled.options.tolerance);
+    solved.solutions.push_back(solve(assembled.problem, assembled.options, [&display](const SolverProgress& progress) {
+      InterruptGuard::check();
+      display.show(progress);
+    }));
+    if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
+    InterruptGuard::check();
+  }
+  return solved;
+}
+
+void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    if (scenes[n].wavelength_um)
+      fmt::print("{}{:<21}{} um\n", n == 0 ? "" : "\n", "wavelength", *scenes[n].wavelength_um);
+    if (!solved.phase_classes.empty())
+      fmt::print("{:<21}{}\n", "phase functions", classes_text(solved.phase_classes[n]));
+    fmt::print("{}", summary_table(solved.solutions[n]));
+  }
+}
+
+/// Exit code.
+int tell_unconverged(const std::vector<Scene>& scenes, const Solved& solved, const std::filesystem::path& output) {
+  int code = kExitDone;
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    const Solution& solution = solved.solutions[n];
+    if (solution.report.converged) continue;
+    const std::string at = scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "";
+    fmt::print(stderr,
+               "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
+               "marked so\n",
+               at, solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
+    code = kExitNotConverged;
+  }
+  return code;
 }
 
 }  // namespace
@@ -63,57 +194,41 @@ std::uint64_t physical_memory_bytes() {
 }
 
 int run(const RunOptions& options) {
-  const Scene scene = read_scene(options.scene, options.overrides);
-  const std::filesystem::path output = output_file(options, scene);
-  check_not_an_input(output, scene);
+  const std::vector<Scene> scenes = read_scenes(options.scene, options.overrides);
+  const Scene& first = scenes.front();
+  const std::filesystem::path output = output_file(options, first);
+  check_not_an_input(output, first);
   if (!options.dry_run) check_writable(output);
 
   const std::uint64_t available = physical_memory_bytes();
-  AssembledScene assembled = assemble(scene, available);
-  assembled.options.threads = options.threads;
-  const std::size_t memory = predict_memory(assembled.problem, assembled.options);
-  if (memory > available) {
-    throw InputError(
-        fmt::format("{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
-                    "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
-                    "less",
-                    scene.path.string(), static_cast<double>(memory) / 1e9, static_cast<double>(available) / 1e9));
-  }
+  CloudFiles files(scenes.size() > 1);
+  Forecast expected = forecast(scenes, available, options.threads, files);
+  check_memory(first, expected, available);
   if (options.dry_run) {
-    print_prediction(assembled, memory, available);
+    const AssembledScene assembled =
+        expected.only ? std::move(*expected.only) : assemble(first, available, files, expected.levels_m);
+    print_forecast(scenes, assembled, expected, available);
     return kExitDone;
   }
 
   const InterruptGuard guard;
-  Solution solution;
-  {
-    ProgressDisplay display(options.quiet, assembled.options.tolerance);
-    solution = solve(assembled.problem, assembled.options, [&display](const SolverProgress& progress) {
-      InterruptGuard::check();
-      display.show(progress);
-    });
+  const Solved solved = solve_all(scenes, std::move(expected), options, available, files);
+  ResultInfo info{first.title, fmt::format("cloudbow {}", version()), history_line(options.command), first.text};
+  for (const PhaseClassReport& classes : solved.phase_classes) {
+    info.phase_classes.push_back(classes.classes);
+    info.phase_class_error.push_back(classes.estimated_error);
   }
-  InterruptGuard::check();
-  ResultInfo info{scene.title, fmt::format("cloudbow {}", version()), history_line(options.command), scene.text};
-  if (assembled.phase_classes) {
-    info.phase_classes = assembled.phase_classes->classes;
-    info.phase_class_error = assembled.phase_classes->estimated_error;
+  for (const Scene& scene : scenes) {
+    if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
   }
-  write_result(output, solution, info);
+  write_result(output, solved.solutions, info);
   InterruptGuard::check();
 
-  if (!options.quiet && assembled.phase_classes) {
-    fmt::print("{:<21}{}\n", "phase functions", classes_text(*assembled.phase_classes));
+  if (!options.quiet) {
+    print_summaries(scenes, solved);
+    fmt::print("\nwritten to {}\n", output.string());
   }
-  if (!options.quiet) fmt::print("{}\nwritten to {}\n", summary_table(solution), output.string());
-  if (!solution.report.converged) {
-    fmt::print(stderr,
-               "cloudbow: not converged: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
-               "marked so\n",
-               solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
-    return kExitNotConverged;
-  }
-  return kExitDone;
+  return tell_unconverged(scenes, solved, output);
 }
 
 }  // namespace cloudbow

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/config_reader.hpp"
 #include "cloudbow/app/phase_function_file.hpp"
 #include "cloudbow/app/phase_set_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/rayleigh.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
 
@@ -21,10 +23,34 @@ constexpr NumberRange kAsymmetry{"-1 < g < 1", -1, 1, false, false};
 constexpr NumberRange kZenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
 constexpr NumberRange kTolerance{"1e-8 to 0.1", 1e-8, 0.1};
 constexpr int kMaxVerticalCells = 100000;
+constexpr int kMaxPixels = 16384;
+constexpr int kMaxRays = 16;
+constexpr std::size_t kMaxWavelengths = 1000;
+
+/// Of `[spectrum]`; none without it.
+std::vector<double> read_wavelengths(const ConfigReader& root) {
+  const auto spectrum = root.find_table("spectrum");
+  if (!spectrum) return {};
+  spectrum->check_keys({"wavelengths_um"});
+  const auto wavelengths = spectrum->find_numbers("wavelengths_um", kPositive);
+  if (!wavelengths) spectrum->fail_missing("wavelengths_um", "a list of wavelengths > 0");
+  if (wavelengths->empty() || wavelengths->size() > kMaxWavelengths) {
+    spectrum->fail("wavelengths_um", "empty or too long", fmt::format("{} wavelengths", wavelengths->size()),
+                   fmt::format("1 to {}", kMaxWavelengths));
+  }
+  for (auto w = wavelengths->begin(); w != wavelengths->end(); ++w) {
+    if (std::find(wavelengths->begin(), w, *w) != w)
+      spectrum->fail("wavelengths_um", "a wavelength twice", fmt::format("{}", *w), "each once");
+  }
+  return *wavelengths;
+}
 
 class SceneReader {
  public:
-  SceneReader(const ConfigTree& tree, const std::filesystem::path& path) : root_(tree.root, "") {
+  SceneReader(const ConfigTree& tree, const std::filesystem::path& path, std::span<const double> wavelengths_um,
+              std::size_t wavelength)
+      : root_(tree.root, ""), at_{wavelength, wavelengths_um.size()} {
+    if (!wavelengths_um.empty()) scene_.wavelength_um = wavelengths_um[wavelength];
     scene_.path = path;
     scene_.inputs.push_back(path);
     scene_.text = tree.text;
@@ -32,8 +58,7 @@ class SceneReader {
 
   Scene read() {
     root_.check_keys({"title", "cloud", "phase_function", "layer", "domain", "sun", "sky", "surface", "solver",
-                      "radiance", "output"},
-                     {"camera", "spectrum"});
+                      "radiance", "camera", "spectrum", "output"});
     scene_.title = root_.find_text("title").value_or(scene_.path.stem().string());
     read_phase_functions();
     if (const auto cloud = root_.find_table("cloud")) read_cloud(*cloud);
@@ -42,11 +67,12 @@ class SceneReader {
     if (const auto sun = root_.find_table("sun")) read_sun(*sun);
     if (const auto sky = root_.find_table("sky")) {
       sky->check_keys({"radiance_w_m2_sr"});
-      scene_.sky_radiance = sky->find_number("radiance_w_m2_sr", kNotNegative).value_or(0);
+      scene_.sky_radiance = sky->find_number("radiance_w_m2_sr", kNotNegative, at_).value_or(0);
     }
     if (const auto surface = root_.find_table("surface")) read_surface(*surface);
     if (const auto solver = root_.find_table("solver")) read_solver(*solver);
     for (const ConfigReader& radiance : root_.tables("radiance")) read_radiance(radiance);
+    for (const ConfigReader& camera : root_.tables("camera")) read_camera(camera);
     if (const auto output = root_.find_table("output")) read_output(*output);
     check_whole();
     return std::move(scene_);
@@ -67,13 +93,24 @@ class SceneReader {
   }
 
   std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key) {
-    const std::filesystem::path file = relative_to_scene(reader.text(key));
+    return existing_file(reader, key, reader.text(key));
+  }
+
+  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key, const std::string& name) {
+    const std::filesystem::path file = relative_to_scene(name);
     std::error_code error;
     const auto status = std::filesystem::status(file, error);
     if (!std::filesystem::exists(status)) reader.fail(key, "no such file", file.string(), "a file that is there");
     if (std::filesystem::is_directory(status)) reader.fail(key, "a directory", file.string(), "a file");
     scene_.inputs.push_back(file);
     return file;
+  }
+
+  /// The file of this wavelength, of a list with one for each or of one for all.
+  std::filesystem::path existing_spectral_file(const ConfigReader& reader, const std::string& key) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& name : reader.spectral_texts(key, at_)) files.push_back(existing_file(reader, key, name));
+    return files.size() == 1 ? files.front() : files[at_.index];
   }
 
   void remember(const ConfigReader& reader, const std::string& key) {
@@ -100,13 +137,13 @@ class SceneReader {
     }
     if (type == "henyey-greenstein") {
       reader.check_keys({"type", "asymmetry_parameter"});
-      return {PhaseFunction::henyey_greenstein(reader.number("asymmetry_parameter", kAsymmetry))};
+      return {PhaseFunction::henyey_greenstein(reader.number("asymmetry_parameter", kAsymmetry, at_))};
     }
     if (type == "double-henyey-greenstein") {
       reader.check_keys({"type", "forward_asymmetry_parameter", "backward_asymmetry_parameter", "forward_weight"});
-      return {PhaseFunction::double_henyey_greenstein(reader.number("forward_asymmetry_parameter", kAsymmetry),
-                                                      reader.number("backward_asymmetry_parameter", kAsymmetry),
-                                                      reader.number("forward_weight", kFraction))};
+      return {PhaseFunction::double_henyey_greenstein(reader.number("forward_asymmetry_parameter", kAsymmetry, at_),
+                                                      reader.number("backward_asymmetry_parameter", kAsymmetry, at_),
+                                                      reader.number("forward_weight", kFraction, at_))};
     }
     if (type == "legendre") return read_legendre(reader);
     if (type == "table") return read_table(reader);
@@ -143,8 +180,9 @@ class SceneReader {
 
   DefinedPhaseFunction read_mie(const ConfigReader& reader) {
     reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um"});
-    const auto file = existing_file(reader, "file");
-    const auto wavelength = reader.find_number("wavelength_um", kPositive);
+    const auto file = existing_spectral_file(reader, "file");
+    auto wavelength = reader.find_number("wavelength_um", kPositive, at_);
+    if (!wavelength) wavelength = scene_.wavelength_um;
     DefinedPhaseFunction defined;
     defined.measured = true;
     defined.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
@@ -199,7 +237,7 @@ class SceneReader {
     const auto& [name, defined] = find_phase_function(reader);
     if (defined.droplets == nullptr) {
       if (cloud.single_scattering_albedo_grid.empty()) {
-        cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+        cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
       }
       if (defined.set != nullptr) {
         cloud.phase_set = defined.set;
@@ -208,7 +246,7 @@ class SceneReader {
       cloud.phase_function = add_phase_function(name, *defined.function, defined.measured);
       return;
     }
-    cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", kFraction);
+    cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", kFraction, at_);
     const std::string of_function = fmt::format("phase_function.{}.effective_radius_um", name);
     if (!cloud.effective_radius_grid.empty()) {
       if (defined.effective_radius_um) {
@@ -243,7 +281,7 @@ class SceneReader {
                   "a single phase function");
     }
     if (defined.droplets == nullptr) {
-      layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction);
+      layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
       layer.phase_function = add_phase_function(name, *defined.function, defined.measured);
       return;
     }
@@ -253,7 +291,7 @@ class SceneReader {
     }
     const DropletOptics optics = droplet_optics(*defined.droplets, *defined.effective_radius_um);
     layer.single_scattering_albedo =
-        reader.find_number("single_scattering_albedo", kFraction).value_or(optics.single_scattering_albedo);
+        reader.find_number("single_scattering_albedo", kFraction, at_).value_or(optics.single_scattering_albedo);
     layer.phase_function = add_phase_function(name, optics.phase_function, true);
   }
 
@@ -265,7 +303,7 @@ class SceneReader {
     cloud.file = existing_file(reader, "file");
     if (reader.has("grid")) cloud.read.grid = reader.text("grid");
     cloud.quantity = reader.find_choice("quantity", {"extinction", "liquid_water_content"}).value_or("");
-    cloud.read.scale = reader.find_number("scale", kPositive).value_or(1);
+    cloud.read.scale = reader.find_number("scale", kPositive, at_).value_or(1);
     cloud.read.up_axis = reader.find_choice("up_axis", {"x", "y", "z"}).value_or("z");
     if (const ConfigNode* size = reader.find("voxel_size_m");
         size != nullptr && size->kind == ConfigNode::Kind::array) {
@@ -292,7 +330,8 @@ class SceneReader {
   }
 
   void read_layer(const ConfigReader& reader) {
-    reader.check_keys({"name", "bottom_m", "top_m", "optical_depth", "single_scattering_albedo", "phase_function"});
+    reader.check_keys({"name", "bottom_m", "top_m", "optical_depth", "optical_depth_wavelength_um",
+                       "single_scattering_albedo", "phase_function"});
     reader.find_text("name");
     Layer layer;
     layer.bottom_m = reader.number("bottom_m", kFinite);
@@ -300,10 +339,24 @@ class SceneReader {
     if (layer.top_m <= layer.bottom_m) {
       reader.fail("top_m", "not above bottom_m", fmt::format("{}", layer.top_m), fmt::format("> {}", layer.bottom_m));
     }
-    layer.optical_depth = reader.number("optical_depth", kNotNegative);
+    layer.optical_depth = reader.number("optical_depth", kNotNegative, at_);
     read_layer_optics(reader, layer);
+    if (reader.has("optical_depth_wavelength_um")) layer.optical_depth *= rayleigh_ratio(reader, layer);
     for (const char* key : {"bottom_m", "top_m"}) remember(reader, key);
     scene_.layers.push_back(layer);
+  }
+
+  /// Of the optical depths at this wavelength and at that for which the layer gives one.
+  double rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const {
+    const char* const key = "optical_depth_wavelength_um";
+    const double given_um = reader.number(key, kPositive);
+    if (!scene_.wavelength_um) reader.fail(key, "needs [spectrum]", fmt::format("{}", given_um), "no such key");
+    const ScenePhaseFunction& phase = scene_.phase_functions[static_cast<std::size_t>(layer.phase_function)];
+    if (phase.function.key() != PhaseFunction::rayleigh().key())
+      reader.fail(key, "a law that air alone follows", "phase function " + phase.name, "phase_function = \"rayleigh\"");
+    if (reader.find("optical_depth")->kind == ConfigNode::Kind::array)
+      reader.fail(key, "excludes a list of optical depths", "both", "one of the two");
+    return rayleigh_optical_depth(*scene_.wavelength_um) / rayleigh_optical_depth(given_um);
   }
 
   void read_domain(const ConfigReader& reader) {
@@ -347,29 +400,87 @@ class SceneReader {
                   "one of the two: azimuth_deg counter-clockwise from +x, or bearing_deg clockwise from +y");
     }
     sun.azimuth_deg = *azimuth;
-    sun.irradiance_w_m2 = reader.find_number("irradiance_w_m2", kNotNegative).value_or(1);
+    sun.irradiance_w_m2 = reader.find_number("irradiance_w_m2", kNotNegative, at_).value_or(1);
     if (sun.irradiance_w_m2 > 0) scene_.sun = sun;
   }
 
-  void read_radiance(const ConfigReader& reader) {
-    reader.check_keys({"name", "zenith_deg", "azimuth_deg", "bearing_deg"}, {"width", "height"});
-    SceneRadiance radiance;
-    radiance.name = reader.text("name");
+  /// Of an image, which results and pictures know it by.
+  std::string read_image_name(const ConfigReader& reader) const {
+    const std::string name = reader.text("name");
     const auto is_word = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-    if (radiance.name.empty() || !std::all_of(radiance.name.begin(), radiance.name.end(), is_word)) {
-      reader.fail("name", "not a name", radiance.name, "letters, digits and _");
+    if (!std::all_of(name.begin(), name.end(), is_word))
+      reader.fail("name", "not a name", name, "letters, digits and _");
+    const auto same = [&](const auto& other) { return other.name == name; };
+    if (name == "field" || std::any_of(scene_.radiances.begin(), scene_.radiances.end(), same) ||
+        std::any_of(scene_.cameras.begin(), scene_.cameras.end(), same)) {
+      reader.fail("name", "already in use", name, "another name");
     }
-    const auto same = [&](const SceneRadiance& other) { return other.name == radiance.name; };
-    if (radiance.name == "field" || std::any_of(scene_.radiances.begin(), scene_.radiances.end(), same)) {
-      reader.fail("name", "already in use", radiance.name, "another name");
-    }
+    return name;
+  }
+
+  void read_radiance(const ConfigReader& reader) {
+    reader.check_keys({"name", "zenith_deg", "azimuth_deg", "bearing_deg", "width", "height"});
+    SceneRadiance radiance;
+    radiance.name = read_image_name(reader);
     radiance.zenith_deg = reader.number("zenith_deg", {"0 to 180 without 89 to 91", 0, 180});
     if (std::abs(radiance.zenith_deg - 90) < 1) {
       reader.fail("zenith_deg", "too near the horizon", fmt::format("{}", radiance.zenith_deg),
                   "0 to 180 without 89 to 91");
     }
     radiance.azimuth_deg = read_azimuth(reader).value_or(0);
+    if (reader.has("width") != reader.has("height")) {
+      reader.fail_missing(reader.has("width") ? "height" : "width", "width and height, or neither");
+    }
+    radiance.width = reader.find_integer("width", 1, kMaxPixels).value_or(0);
+    radiance.height = reader.find_integer("height", 1, kMaxPixels).value_or(0);
     scene_.radiances.push_back(radiance);
+  }
+
+  void read_camera(const ConfigReader& reader) {
+    reader.check_keys(
+        {"name", "type", "position_m", "look_at_m", "up", "field_of_view_deg", "width", "height", "rays"});
+    const std::string name = read_image_name(reader);
+    const std::string type = reader.find_choice("type", {"perspective", "fisheye", "panorama"}).value_or("perspective");
+    const auto vector = [&](const char* key) -> std::optional<Eigen::Vector3d> {
+      const auto triple = reader.find_triple(key, kFinite);
+      if (!triple) return std::nullopt;
+      return Eigen::Vector3d((*triple)[0], (*triple)[1], (*triple)[2]);
+    };
+    CameraPlacement placement;
+    const auto position = vector("position_m");
+    if (!position) reader.fail_missing("position_m", "[x, y, z]");
+    placement.position_m = *position;
+    const auto look_at = vector("look_at_m");
+    if (!look_at && type != "fisheye") reader.fail_missing("look_at_m", "[x, y, z]");
+    placement.look_at_m = look_at.value_or(*position + Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d sight = placement.look_at_m - placement.position_m;
+    const bool vertical = sight.x() == 0 && sight.y() == 0 && type != "panorama";
+    placement.up = vector("up").value_or(vertical ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ());
+
+    auto projection = Camera::Projection::perspective;
+    NumberRange allowed{"above 0, up to 170", 0, 170, false};
+    double default_deg = 60;
+    if (type == "fisheye") {
+      projection = Camera::Projection::fisheye;
+      allowed = {"above 0, up to 360", 0, 360, false};
+      default_deg = 180;
+    } else if (type == "panorama") {
+      projection = Camera::Projection::panorama;
+      allowed = {"above 0, up to 180", 0, 180, false};
+    }
+    const double field_of_view_deg = reader.find_number("field_of_view_deg", allowed).value_or(default_deg);
+    const auto pixels = [&](const char* key) {
+      const auto count = reader.find_integer(key, 1, kMaxPixels);
+      if (!count) reader.fail_missing(key, fmt::format("an integer from 1 to {}", kMaxPixels));
+      return *count;
+    };
+    const int width = pixels("width"), height = pixels("height");
+    const int rays = reader.find_integer("rays", 1, kMaxRays).value_or(2);
+    reader.with_place(reader.has("look_at_m") ? "look_at_m" : "up", [&] {
+      scene_.cameras.push_back(
+          make_camera(name, projection, placement, field_of_view_deg * std::numbers::pi / 180, width, height, rays));
+    });
+    remember(reader, "position_m");
   }
 
   void read_surface(const ConfigReader& reader) {
@@ -385,28 +496,29 @@ class SceneReader {
     surface.tilt.aspect_deg = reader.find_number("aspect_deg", kFinite).value_or(0);
     if (type == "lambertian") {
       check_keys({"albedo", "albedo_map"});
-      surface.albedo = reader.find_number("albedo", kFraction).value_or(0);
-      if (const auto map = reader.find_text("albedo_map")) read_albedo_map_key(reader, *map);
+      surface.albedo = reader.find_number("albedo", kFraction, at_).value_or(0);
+      if (reader.has("albedo_map")) read_albedo_map_key(reader);
       if (surface.tilt.slope_deg > 0) surface.brdf = SurfaceBrdf::lambertian(surface.albedo);
     } else if (type == "rpv") {
       check_keys({"rho0", "k", "theta", "rho_c"});
-      const double rho0 = reader.number("rho0", kNotNegative);
-      surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", kPositive),
-                                      reader.number("theta", {"between -1 and 1", -1, 1, false, false}),
-                                      reader.find_number("rho_c", kNotNegative).value_or(rho0));
+      const double rho0 = reader.number("rho0", kNotNegative, at_);
+      surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", kPositive, at_),
+                                      reader.number("theta", {"between -1 and 1", -1, 1, false, false}, at_),
+                                      reader.find_number("rho_c", kNotNegative, at_).value_or(rho0));
     } else if (type == "ross-li") {
       check_keys({"f_iso", "f_vol", "f_geo"});
-      surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", kNotNegative), reader.number("f_vol", kFinite),
-                                          reader.number("f_geo", kFinite));
+      surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", kNotNegative, at_),
+                                          reader.number("f_vol", kFinite, at_), reader.number("f_geo", kFinite, at_));
     } else {
       check_keys({"wind_speed_m_s", "refractive_index"});
       surface.brdf = SurfaceBrdf::cox_munk(
           reader.number("wind_speed_m_s", {"0 to 50", 0, 50}),
-          reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}).value_or(1.34));
+          reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}, at_).value_or(1.34));
     }
   }
 
-  void read_albedo_map_key(const ConfigReader& reader, const std::string& file) {
+  void read_albedo_map_key(const ConfigReader& reader) {
+    const std::string file = reader.spectral_texts("albedo_map", at_).front();
     if (reader.has("albedo")) reader.fail("albedo_map", "stands beside `albedo`", file, "one of the two");
     if (scene_.surface.tilt.slope_deg > 0)
       reader.fail("albedo_map", "stands beside `slope_deg`", file, "one of the two");
@@ -414,7 +526,7 @@ class SceneReader {
       reader.fail("albedo_map", "needs a cloud, whose columns it covers", file,
                   "`albedo` where there are layers alone");
     }
-    scene_.albedo_map = existing_file(reader, "albedo_map");
+    scene_.albedo_map = existing_spectral_file(reader, "albedo_map");
     remember(reader, "albedo_map");
   }
 
@@ -502,6 +614,7 @@ class SceneReader {
   }
 
   ConfigReader root_;
+  SpectralPlace at_;
   Scene scene_;
   std::map<std::string, DefinedPhaseFunction> defined_;
 };
@@ -513,8 +626,17 @@ std::string Scene::where(const std::string& key) const {
   return fmt::format("{}: {}", known == place.end() ? path.string() : known->second, key);
 }
 
+std::vector<Scene> read_scenes(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  const ConfigTree tree = read_config(path, overrides);
+  const std::vector<double> wavelengths = read_wavelengths(ConfigReader(tree.root, ""));
+  std::vector<Scene> scenes;
+  for (std::size_t n = 0; n < std::max<std::size_t>(wavelengths.size(), 1); ++n)
+    scenes.push_back(SceneReader(tree, path, wavelengths, n).read());
+  return scenes;
+}
+
 Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides) {
-  return SceneReader(read_config(path, overrides), path).read();
+  return std::move(read_scenes(path, overrides).front());
 }
 
 }  // namespace cloudbow

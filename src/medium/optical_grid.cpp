@@ -195,6 +195,7 @@ void cut_stretch(const std::vector<double>& edges, int begin, int end, double ex
 std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Layer>& layers, double bottom, double top,
                                 int phase_functions, const std::vector<double>& forward_fraction,
                                 const LevelOptions& options) {
+  if (!options.levels_m.empty()) return options.levels_m;
   const double tolerance = kMergeFraction * (top - bottom);
   std::vector<Edge> edges{{bottom, 0}, {top, 0}};
   if (cloud.first < cloud.end) {
@@ -298,6 +299,24 @@ class GridBuilder {
 };
 
 }  // namespace
+
+std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels_m) {
+  std::vector<double> common = levels_m.front();
+  for (const auto& levels : levels_m) {
+    std::erase_if(common, [&](double z) { return !std::binary_search(levels.begin(), levels.end(), z); });
+  }
+  std::vector<double> finest{common.front()};
+  for (std::size_t n = 0; n + 1 < common.size(); ++n) {
+    std::vector<double> chosen;
+    for (const auto& levels : levels_m) {
+      const auto first = std::upper_bound(levels.begin(), levels.end(), common[n]);
+      const auto end = std::upper_bound(first, levels.end(), common[n + 1]);
+      if (static_cast<std::size_t>(end - first) > chosen.size()) chosen.assign(first, end);
+    }
+    finest.insert(finest.end(), chosen.begin(), chosen.end());
+  }
+  return finest;
+}
 
 OpticalGrid layers_only(const OpticalGrid& grid) {
   BoxGrid box;

@@ -45,6 +45,23 @@ int sync_to_disk(const fs::path& path, int flags) {
   return sync_error != 0 ? sync_error : close_error;
 }
 
+/// Returns errno.
+int write_bytes(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  int error = 0;
+  for (std::size_t done = 0; done < bytes.size() && error == 0;) {
+    const ssize_t written = write(descriptor, bytes.data() + done, bytes.size() - done);
+    if (written > 0) {
+      done += static_cast<std::size_t>(written);
+    } else if (errno != EINTR) {
+      error = errno;
+    }
+  }
+  const int close_error = close(descriptor) == 0 ? 0 : errno;
+  return error != 0 ? error : close_error;
+}
+
 }  // namespace
 
 void throw_unwritable(const fs::path& file, const std::string& reason) {
@@ -83,5 +100,11 @@ void AtomicFile::commit() {
 }
 
 void check_writable(const fs::path& file) { const AtomicFile probe(file); }
+
+void write_file_atomically(const fs::path& file, std::span<const std::uint8_t> bytes) {
+  AtomicFile target(file);
+  if (const int error = write_bytes(target.temporary(), bytes)) throw_unwritable(file, system_message(error));
+  target.commit();
+}
 
 }  // namespace cloudbow

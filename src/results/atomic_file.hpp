@@ -1,7 +1,9 @@
 // A file that appears under its name only when it is complete.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 
 namespace cloudbow {
@@ -30,5 +32,8 @@ class AtomicFile {
   std::filesystem::path temporary_;
   bool committed_ = false;
 };
+
+/// All of a file at once. @throws InputError as above.
+void write_file_atomically(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace cloudbow

@@ -12,19 +12,19 @@
 
 namespace cloudbow {
 
+std::uint8_t srgb_byte(double linear) {
+  const double clamped = std::clamp(linear, 0.0, 1.0);
+  const double encoded =
+      clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1 / 2.4) - 0.055;  // IEC 61966-2-1
+  return static_cast<std::uint8_t>(std::lround(255 * encoded));
+}
+
 namespace {
 
 /// Inverse of the CIE 1976 function of XYZ.
 double cie_inverse(double f) {
   constexpr double kDelta = 6.0 / 29.0;
   return f > kDelta ? f * f * f : 3 * kDelta * kDelta * (f - 4.0 / 29.0);
-}
-
-std::uint8_t srgb_byte(double linear) {
-  const double clamped = std::clamp(linear, 0.0, 1.0);
-  const double encoded =
-      clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1 / 2.4) - 0.055;  // IEC 61966-2-1
-  return static_cast<std::uint8_t>(std::lround(255 * encoded));
 }
 
 /// CIE 1976 lightness (0 to 100), chroma and hue angle [deg] under D65 to sRGB.

@@ -10,6 +10,9 @@ namespace cloudbow {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
+/// A part of what the display can do, 0 to 1 in linear light, as the byte of an sRGB picture (IEC 61966-2-1); clamped.
+std::uint8_t srgb_byte(double linear);
+
 /// `size` sRGB colours from dark to light. "grey": L* 0 to 100 without colour; "blue-yellow": L* 20 to 92, from blue
 /// over green to yellow.
 /// @throws InputError for another name.

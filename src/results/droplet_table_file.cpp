@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -20,60 +21,115 @@ namespace cloudbow {
 
 namespace {
 
+constexpr const char* kWavelength = "wavelength";
 constexpr const char* kRadius = "effective_radius";
 constexpr const char* kExtinction = "extinction_per_water_content";
 constexpr const char* kAlbedo = "single_scattering_albedo";
 constexpr const char* kMoments = "legendre_moment";
 constexpr std::size_t kLargestTable = std::size_t{1} << 27;  // values
 
-void write_all(const std::filesystem::path& path, const DropletTable& table, const DropletTableInfo& info) {
+/// Numbers of all tables, one after the other.
+template <class Numbers>
+auto joined(std::span<const DropletTable> tables, const Numbers& numbers_of) {
+  auto all = numbers_of(tables.front());
+  for (const DropletTable& table : tables.subspan(1)) {
+    const auto numbers = numbers_of(table);
+    all.insert(all.end(), numbers.begin(), numbers.end());
+  }
+  return all;
+}
+
+/// Moments of all rows, filled up with zeros.
+std::vector<double> moments_of(const DropletTable& table, std::size_t count) {
+  std::vector<double> moments(table.size() * count, 0.0);
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    std::copy(table.moments[n].begin(), table.moments[n].end(),
+              moments.begin() + static_cast<std::ptrdiff_t>(n * count));
+  }
+  return moments;
+}
+
+std::vector<float> phase_functions_of(const DropletTable& table, std::span<const double> angle_deg) {
+  std::vector<float> phase;
+  for (const auto& row : table.moments) {
+    const PhaseFunction function = PhaseFunction::legendre(row);
+    for (const double a : angle_deg)
+      phase.push_back(static_cast<float>(function(std::cos(a * std::numbers::pi / 180))));
+  }
+  return phase;
+}
+
+std::vector<double> asymmetry_of(const DropletTable& table) {
+  std::vector<double> asymmetry;
+  for (const auto& row : table.moments) asymmetry.push_back(row.size() > 1 ? row[1] : 0);
+  return asymmetry;
+}
+
+void write_all(const std::filesystem::path& path, std::span<const DropletTable> tables,
+               std::span<const DropletTableInfo> infos) {
+  const bool spectral = tables.size() > 1;
+  const DropletTableInfo& info = infos.front();
+  std::vector<double> wavelength, real, imaginary;
+  for (std::size_t n = 0; n < tables.size(); ++n) {
+    wavelength.push_back(tables[n].wavelength_um);
+    real.push_back(infos[n].refractive_index.real());
+    imaginary.push_back(infos[n].refractive_index.imag());
+  }
+  const auto each = [spectral](const std::vector<double>& numbers) {
+    return spectral ? netcdf4::AttributeValue(numbers) : netcdf4::AttributeValue(numbers.front());
+  };
+  const auto dimensions = [spectral](std::vector<std::string> names) {
+    if (spectral) names.insert(names.begin(), kWavelength);
+    return names;
+  };
   hdf5::Handle file = hdf5::create_file(path);
   netcdf4::write_attributes(
       file, {{"Conventions", "CF-1.10"},
-             {"title", fmt::format("scattering by droplets at {} um, by effective radius", table.wavelength_um)},
+             {"title", spectral ? "scattering by droplets, by wavelength and effective radius"
+                                : fmt::format("scattering by droplets at {} um, by effective radius", wavelength[0])},
              {"source", info.source},
              {"history", info.history},
-             {"wavelength_um", table.wavelength_um},
-             {"refractive_index_real", info.refractive_index.real()},
-             {"refractive_index_imaginary", info.refractive_index.imag()},
+             {"wavelength_um", each(wavelength)},
+             {"refractive_index_real", each(real)},
+             {"refractive_index_imaginary", each(imaginary)},
              {"refractive_index_source", info.refractive_index_source},
              {"density_g_cm3", info.density_g_cm3},
              {"size_distribution", info.distribution},
              {"effective_variance", info.effective_variance}});
 
   std::size_t moment_count = 0;
-  for (const auto& row : table.moments) moment_count = std::max(moment_count, row.size());
-  std::vector<double> degree(moment_count), moments(table.size() * moment_count, 0.0);
+  for (const DropletTable& table : tables) {
+    for (const auto& row : table.moments) moment_count = std::max(moment_count, row.size());
+  }
+  std::vector<double> degree(moment_count);
   for (std::size_t l = 0; l < moment_count; ++l) degree[l] = static_cast<double>(l);
-  for (std::size_t n = 0; n < table.size(); ++n) {
-    std::copy(table.moments[n].begin(), table.moments[n].end(),
-              moments.begin() + static_cast<std::ptrdiff_t>(n * moment_count));
-  }
   const std::vector<double> angle = droplet_table_angles();
-  std::vector<float> phase;
-  std::vector<double> asymmetry;
-  for (const auto& row : table.moments) {
-    const PhaseFunction function = PhaseFunction::legendre(row);
-    asymmetry.push_back(function.asymmetry_parameter());
-    for (const double a : angle) phase.push_back(static_cast<float>(function(std::cos(a * std::numbers::pi / 180))));
-  }
 
-  netcdf4::write_coordinate(file, kRadius, table.effective_radius_um,
+  if (spectral) {
+    netcdf4::write_coordinate(
+        file, kWavelength, wavelength,
+        {{"units", "um"}, {"long_name", "wavelength"}, {"standard_name", "radiation_wavelength"}});
+  }
+  netcdf4::write_coordinate(file, kRadius, tables.front().effective_radius_um,
                             {{"units", "um"}, {"long_name", "effective radius, <r^3>/<r^2>"}});
   netcdf4::write_coordinate(file, "moment", degree, {{"units", "1"}, {"long_name", "degree l of the Legendre moment"}});
   netcdf4::write_coordinate(file, "angle", angle, {{"units", "degree"}, {"long_name", "scattering angle"}});
-  netcdf4::write_variable(
-      file, kExtinction, {kRadius}, std::span<const double>(table.extinction_m2_per_g),
-      {{"units", "m2 g-1"}, {"long_name", "extinction coefficient [m-1] per mass of droplets in air [g m-3]"}});
-  netcdf4::write_variable(file, kAlbedo, {kRadius}, std::span<const double>(table.single_scattering_albedo),
-                          {{"units", "1"}, {"long_name", "single-scattering albedo"}});
-  netcdf4::write_variable(file, "asymmetry_parameter", {kRadius}, std::span<const double>(asymmetry),
-                          {{"units", "1"}, {"long_name", "mean cosine of the scattering angle"}});
-  netcdf4::write_variable(
-      file, kMoments, {kRadius, "moment"}, std::span<const double>(moments),
+  const auto write = [&](const char* name, const std::vector<std::string>& names, const auto& numbers_of,
+                         const std::vector<netcdf4::Attribute>& attributes) {
+    const auto numbers = joined(tables, numbers_of);
+    netcdf4::write_variable(file, name, dimensions(names), std::span(numbers), attributes);
+  };
+  write(kExtinction, {kRadius}, [](const DropletTable& t) { return t.extinction_m2_per_g; },
+        {{"units", "m2 g-1"}, {"long_name", "extinction coefficient [m-1] per mass of droplets in air [g m-3]"}});
+  write(kAlbedo, {kRadius}, [](const DropletTable& t) { return t.single_scattering_albedo; },
+        {{"units", "1"}, {"long_name", "single-scattering albedo"}});
+  write("asymmetry_parameter", {kRadius}, asymmetry_of,
+        {{"units", "1"}, {"long_name", "mean cosine of the scattering angle"}});
+  write(
+      kMoments, {kRadius, "moment"}, [&](const DropletTable& t) { return moments_of(t, moment_count); },
       {{"units", "1"}, {"long_name", "chi_l of P(mu) = sum (2l+1) chi_l P_l(mu), without the factor 2l+1; chi_0 = 1"}});
-  netcdf4::write_variable(file, "phase_function", {kRadius, "angle"}, std::span<const float>(phase),
-                          {{"units", "1"}, {"long_name", "phase function, mean over the sphere 1"}});
+  write("phase_function", {kRadius, "angle"}, [&](const DropletTable& t) { return phase_functions_of(t, angle); },
+        {{"units", "1"}, {"long_name", "phase function, mean over the sphere 1"}});
   hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
   file.close();
 }
@@ -85,24 +141,45 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
+/// One wavelength of several.
+struct WavelengthIndex {
+  hsize_t index;
+  hsize_t count;
+};
+
 /// @param rows 0: any length.
-std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, std::size_t rows) {
+/// @param at where the variable has a dimension `wavelength`, which comes first: which one to read
+std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, std::size_t rows,
+                                std::optional<WavelengthIndex> at = std::nullopt) {
   if (hdf5::check(H5Lexists(file, name, H5P_DEFAULT), "look for a variable") <= 0) {
     throw InputError(fmt::format("no variable '{}' (allowed: a table by cloudbow mie)", name));
   }
   const hdf5::Handle dataset = hdf5::open_dataset(file, name);
   const std::vector<hsize_t> shape = shape_of(dataset);
-  std::size_t count = 1;
-  for (const hsize_t size : shape) {
-    if (size > kLargestTable / std::max<std::size_t>(count, 1)) throw InputError(fmt::format("'{}': too large", name));
-    count *= size;
+  const std::size_t before = at ? 1 : 0;
+  if (shape.size() != rank + before || (at && shape[0] != at->count) || (rows > 0 && shape[before] != rows)) {
+    throw InputError(fmt::format("'{}': wrong shape (found {} dimensions, allowed {}{}, the first of them {})", name,
+                                 shape.size(), rank + before, at ? " with the wavelength" : "",
+                                 at ? at->count : hsize_t{rows}));
   }
-  if (shape.size() != rank || (rows > 0 && shape[0] != rows)) {
-    throw InputError(fmt::format("'{}': wrong shape (found {} dimensions, allowed {}, the first of them {})", name,
-                                 shape.size(), rank, rows));
+  std::vector<hsize_t> start(shape.size(), 0), size = shape;
+  if (at) {
+    start[0] = at->index;
+    size[0] = 1;
+  }
+  std::size_t count = 1;
+  for (const hsize_t length : size) {
+    if (length > kLargestTable / std::max<std::size_t>(count, 1))
+      throw InputError(fmt::format("'{}': too large", name));
+    count *= length;
   }
   std::vector<double> value(count);
-  hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), "read a variable");
+  const hdf5::Handle space(H5Dget_space(dataset), H5Sclose, "read a variable");
+  hdf5::check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
+              "choose a part of a variable");
+  const hdf5::Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose,
+                            "create a dataspace");
+  hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, value.data()), "read a variable");
   return value;
 }
 
@@ -120,14 +197,21 @@ double read_number_attribute(hid_t file, const char* name) {
 
 DropletTable read_own_table(hid_t file, std::optional<double> wavelength_um) {
   DropletTable table;
-  table.wavelength_um = read_number_attribute(file, "wavelength_um");
-  choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
+  std::optional<WavelengthIndex> at;
+  if (hdf5::check(H5Lexists(file, kWavelength, H5P_DEFAULT), "look for a variable") > 0) {
+    const std::vector<double> there = read_values(file, kWavelength, 1, 0);
+    at = WavelengthIndex{choose_wavelength(there, wavelength_um), there.size()};
+    table.wavelength_um = there[at->index];
+  } else {
+    table.wavelength_um = read_number_attribute(file, "wavelength_um");
+    choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
+  }
   table.effective_radius_um = read_values(file, kRadius, 1, 0);
   const std::size_t rows = table.size();
   if (rows == 0) throw InputError("no effective radius (allowed at least one)");
-  table.extinction_m2_per_g = read_values(file, kExtinction, 1, rows);
-  table.single_scattering_albedo = read_values(file, kAlbedo, 1, rows);
-  const std::vector<double> moments = read_values(file, kMoments, 2, rows);
+  table.extinction_m2_per_g = read_values(file, kExtinction, 1, rows, at);
+  table.single_scattering_albedo = read_values(file, kAlbedo, 1, rows, at);
+  const std::vector<double> moments = read_values(file, kMoments, 2, rows, at);
   const auto count = static_cast<std::ptrdiff_t>(moments.size() / rows);
   for (std::size_t n = 0; n < rows; ++n) {
     const auto begin = moments.begin() + static_cast<std::ptrdiff_t>(n) * count;
@@ -204,9 +288,15 @@ std::size_t choose_wavelength(std::span<const double> there_um, std::optional<do
 }
 
 void write_droplet_table(const std::filesystem::path& file, const DropletTable& table, const DropletTableInfo& info) {
+  write_droplet_tables(file, std::span(&table, 1), std::span(&info, 1));
+}
+
+void write_droplet_tables(const std::filesystem::path& file, std::span<const DropletTable> tables,
+                          std::span<const DropletTableInfo> infos) {
+  assert(!tables.empty() && tables.size() == infos.size());
   AtomicFile target(file);
   try {
-    write_all(target.temporary(), table, info);
+    write_all(target.temporary(), tables, infos);
   } catch (const hdf5::Error& error) {
     throw_unwritable(file, error.what());
   }

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "cloudbow/core/error.hpp"
 #include "hdf5_handle.hpp"
@@ -54,37 +55,55 @@ std::string read_units(hid_t dataset) {
   return text;
 }
 
-bool is_picture(hid_t file, const char* name) {
-  H5O_info_t info;
-  check(H5Oget_info_by_name(file, name, &info, H5P_DEFAULT), "look at an object");
-  if (info.type != H5O_TYPE_DATASET) return false;
-  const Handle dataset = hdf5::open_dataset(file, name);
+/// How a variable's dimensions make an image.
+struct ImageShape {
+  bool spectral = false;  ///< the first is the wavelength
+  bool levels = false;    ///< then one of height
+  bool camera = false;    ///< rows from the top, pixels
+  std::string y, x;       ///< names of the last two
+};
+
+std::optional<ImageShape> image_shape(hid_t dataset) {
   const auto rank = static_cast<unsigned>(shape_of(dataset).size());
-  return (rank == 2 || rank == 3) && dimension_name(dataset, rank - 2) == "y" &&
-         dimension_name(dataset, rank - 1) == "x";
+  if (rank < 2) return std::nullopt;
+  ImageShape image;
+  image.y = dimension_name(dataset, rank - 2);
+  image.x = dimension_name(dataset, rank - 1);
+  image.spectral = rank > 2 && dimension_name(dataset, 0) == "wavelength";
+  const unsigned others = rank - 2 - (image.spectral ? 1 : 0);
+  image.levels = others == 1;
+  image.camera = image.y.starts_with("row_") && image.x.starts_with("column_");
+  const bool map = image.y == "y" && image.x == "x";
+  const bool pixels = image.y.starts_with("y_") && image.x.starts_with("x_");
+  if (others > 1 || !(map || (others == 0 && (image.camera || pixels)))) return std::nullopt;
+  return image;
 }
 
-/// The root variables with the dimensions y, x, in the order of the file.
-std::vector<std::string> pictures(hid_t file) {
+bool is_image(hid_t file, const char* name) {
+  H5O_info_t info;
+  check(H5Oget_info_by_name(file, name, &info, H5P_DEFAULT), "look at an object");
+  return info.type == H5O_TYPE_DATASET && image_shape(hdf5::open_dataset(file, name)).has_value();
+}
+
+std::vector<std::string> images(hid_t file) {
   std::vector<std::string> names;
   const auto take = [](hid_t, const char* name, const H5L_info_t*, void* result) -> herr_t {
     static_cast<std::vector<std::string>*>(result)->emplace_back(name);
     return 0;
   };
   check(H5Literate(file, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, take, &names), "list a file");
-  std::erase_if(names, [file](const std::string& name) { return !is_picture(file, name.c_str()); });
+  std::erase_if(names, [file](const std::string& name) { return !is_image(file, name.c_str()); });
   return names;
 }
 
-/// `count` layers of a (layer, y, x) variable from layer `first`, or all of a (y, x) variable.
-std::vector<float> read_layers(hid_t dataset, const std::vector<hsize_t>& shape, hsize_t first, hsize_t count) {
+std::vector<double> wavelengths(hid_t file) {
+  if (check(H5Lexists(file, "wavelength", H5P_DEFAULT), "look for a variable") <= 0) return {};
+  return read_coordinate(file, "wavelength");
+}
+
+/// A block of a variable: from `start` on, of `size`.
+std::vector<float> read_block(hid_t dataset, const std::vector<hsize_t>& start, const std::vector<hsize_t>& size) {
   const Handle space(H5Dget_space(dataset), H5Sclose, "read a variable");
-  std::vector<hsize_t> start(shape.size(), 0);
-  std::vector<hsize_t> size = shape;
-  if (shape.size() == 3) {
-    start[0] = first;
-    size[0] = count;
-  }
   check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
         "choose a part of a variable");
   const Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose,
@@ -130,54 +149,78 @@ std::vector<double> edges_between(const std::vector<double>& level) {
   return edge;
 }
 
-FluxImage read_image(hid_t file, const std::string& where, const std::string& variable, const std::string& level) {
-  const auto there = pictures(file);
+std::vector<float> upside_down(const std::vector<float>& value, int rows, int columns) {
+  std::vector<float> turned;
+  turned.reserve(value.size());
+  for (int row = rows - 1; row >= 0; --row) {
+    const auto begin = value.begin() + static_cast<std::ptrdiff_t>(row) * columns;
+    turned.insert(turned.end(), begin, begin + columns);
+  }
+  return turned;
+}
+
+FluxImage read_image(hid_t file, const std::string& where, const std::string& variable, const ImageChoice& choice) {
+  const auto there = images(file);
   if (std::find(there.begin(), there.end(), variable) == there.end()) {
     throw InputError(fmt::format(
         "{}: there is no map \"{}\" to draw, the file has {}", where, variable,
         there.empty() ? std::string("none (is it a cloudbow result?)") : fmt::format("{}", fmt::join(there, ", "))));
   }
   const Handle dataset = hdf5::open_dataset(file, variable.c_str());
-  const auto shape = shape_of(dataset);
-  const auto x = read_coordinate(file, "x");
-  const auto y = read_coordinate(file, "y");
+  const ImageShape kind = *image_shape(dataset);
+  const auto x = read_coordinate(file, kind.x);
+  const auto y = read_coordinate(file, kind.y);
   const double dx = spacing(x, spacing(y, 1));
   const double dy = spacing(y, dx);
 
   FluxImage image;
   image.variable = variable;
   image.units = read_units(dataset);
-  const bool section = shape.size() == 3 && shape[0] > 1 && (x.size() == 1 || y.size() == 1);
-  if (section) {
+  std::vector<hsize_t> size = shape_of(dataset);
+  std::vector<hsize_t> start(size.size(), 0);
+  if (kind.spectral) {
+    const auto there_um = wavelengths(file);
+    const double wanted = choice.wavelength_um.value_or(there_um.front());
+    const auto nearest = std::min_element(there_um.begin(), there_um.end(), [wanted](double a, double b) {
+      return std::abs(a - wanted) < std::abs(b - wanted);
+    });
+    image.wavelength_um = *nearest;
+    start[0] = static_cast<hsize_t>(nearest - there_um.begin());
+    size[0] = 1;
+  }
+  const unsigned vertical = kind.spectral ? 1 : 0;
+  if (kind.levels && size[vertical] > 1 && (x.size() == 1 || y.size() == 1)) {
     // One of the two horizontal axes has length 1, so that [z][y][x] is [row][column] already.
-    const std::string vertical = dimension_name(dataset, 0);
+    const std::string name = dimension_name(dataset, vertical);
     image.place = x.size() > 1 ? "section x-z" : y.size() > 1 ? "section y-z" : "column";
     image.columns = static_cast<int>(std::max(x.size(), y.size()));
-    image.rows = static_cast<int>(shape[0]);
+    image.rows = static_cast<int>(size[vertical]);
     image.column_width_m = x.size() > 1 ? dx : dy;
-    image.row_edge_m =
-        vertical == "z" ? read_coordinate(file, "z_edge") : edges_between(read_coordinate(file, vertical));
-    image.value = read_layers(dataset, shape, 0, shape[0]);
+    image.row_edge_m = name == "z" ? read_coordinate(file, "z_edge") : edges_between(read_coordinate(file, name));
+    image.value = read_block(dataset, start, size);
     return image;
   }
-  hsize_t chosen = 0;
-  if (shape.size() == 3) {
-    const auto height = read_coordinate(file, dimension_name(dataset, 0));
-    chosen = find_level(height, level, where);
-    image.place = fmt::format("z = {:g} m", height[chosen]);
+  if (kind.levels) {
+    const auto height = read_coordinate(file, dimension_name(dataset, vertical));
+    start[vertical] = find_level(height, choice.level, where);
+    size[vertical] = 1;
+    image.place = fmt::format("z = {:g} m", height[start[vertical]]);
   }
   image.columns = static_cast<int>(x.size());
   image.rows = static_cast<int>(y.size());
+  image.value = read_block(dataset, start, size);
   image.column_width_m = dx;
   image.row_edge_m = edges_around(y, dy);
-  image.value = read_layers(dataset, shape, chosen, 1);
+  if (kind.camera) {
+    image.place = "camera";
+    image.value = upside_down(image.value, image.rows, image.columns);
+  }
   return image;
 }
 
-}  // namespace
-
-FluxImage read_flux_image(const std::filesystem::path& result_file, const std::string& variable,
-                          const std::string& level) {
+/// Does something with an open result file.
+template <class Action>
+auto with_result(const std::filesystem::path& result_file, const Action& action) {
   const std::string where = result_file.string();
   std::error_code error;
   const auto status = std::filesystem::status(result_file, error);
@@ -186,10 +229,25 @@ FluxImage read_flux_image(const std::filesystem::path& result_file, const std::s
     throw InputError(where + ": it is not a file (name a result file of cloudbow run)");
   try {
     const Handle file = hdf5::open_file(result_file);
-    return read_image(file, where, variable, level);
+    return action(file);
   } catch (const hdf5::Error& failure) {
     throw InputError(fmt::format("{}: can't be read as a result file of cloudbow run ({})", where, failure.what()));
   }
+}
+
+}  // namespace
+
+std::vector<double> read_wavelengths(const std::filesystem::path& result_file) {
+  return with_result(result_file, [](hid_t file) { return wavelengths(file); });
+}
+
+std::vector<std::string> list_flux_images(const std::filesystem::path& result_file) {
+  return with_result(result_file, [](hid_t file) { return images(file); });
+}
+
+FluxImage read_flux_image(const std::filesystem::path& result_file, const std::string& variable,
+                          const ImageChoice& choice) {
+  return with_result(result_file, [&](hid_t file) { return read_image(file, result_file.string(), variable, choice); });
 }
 
 }  // namespace cloudbow

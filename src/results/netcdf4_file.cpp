@@ -39,18 +39,20 @@ hid_t file_type() {
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
 }
 
-Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace"}; }
-
 Handle dataspace(const std::vector<hsize_t>& shape) {
   return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "create a dataspace"};
 }
 
-void write_scalar(hid_t object, const std::string& name, hid_t stored, hid_t memory, const void* value) {
-  const Handle space = scalar_space();
+void write_array(hid_t object, const std::string& name, hid_t stored, hid_t memory, const void* value, hid_t space) {
   Handle attribute(H5Acreate2(object, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                    "create an attribute");
   check(H5Awrite(attribute, memory, value), "write an attribute");
   attribute.close();
+}
+
+void write_scalar(hid_t object, const std::string& name, hid_t stored, hid_t memory, const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
+  write_array(object, name, stored, memory, value, space);
 }
 
 /// Text of fixed length: what netCDF calls a char attribute, which every reader knows.
@@ -125,6 +127,10 @@ void write_attribute(hid_t object, const Attribute& attribute) {
         using T = std::decay_t<decltype(value)>;
         if constexpr (std::is_same_v<T, std::string>) {
           write_text(object, attribute.name, value);
+        } else if constexpr (requires { typename T::value_type; }) {
+          using Number = typename T::value_type;
+          const Handle space = dataspace({value.size()});
+          write_array(object, attribute.name, file_type<Number>(), memory_type<Number>(), value.data(), space);
         } else {
           write_scalar(object, attribute.name, file_type<T>(), memory_type<T>(), &value);
         }

@@ -14,7 +14,8 @@
 
 namespace cloudbow::netcdf4 {
 
-using AttributeValue = std::variant<std::string, double, float, std::int32_t, std::int64_t>;
+using AttributeValue = std::variant<std::string, double, float, std::int32_t, std::int64_t, std::vector<double>,
+                                    std::vector<std::int32_t>, std::vector<std::int64_t>>;
 
 struct Attribute {
   std::string name;

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "atomic_file.hpp"
@@ -33,6 +36,8 @@ constexpr FluxName kDownwellingDiffuse{"downwelling_diffuse_flux",
                                        "diffuse_downwelling_shortwave_flux_in_air"};
 constexpr FluxName kDirect{"direct_flux", "unscattered sunlight through a horizontal surface (true extinction)",
                            "direct_downwelling_shortwave_flux_in_air"};
+
+constexpr const char* kNoDisc = "the sun's disc is left out";
 
 Attributes flux_attributes(const FluxName& flux) {
   return {{"units", "W m-2"},
@@ -77,183 +82,346 @@ std::vector<double> flux_heights(const Solution& solution) {
   return height;
 }
 
-void write_z_edge(hid_t group, const BoxGrid& box) {
-  netcdf4::write_coordinate(group, "z_edge", box.z_edge_m, vertical_attributes("height of the horizontal interfaces"));
-}
-
-void write_fields(hid_t file, const Solution& solution) {
-  const BoxGrid& box = solution.box;
-  netcdf4::write_coordinate(file, "x", centres(box.nx, box.x_min_m, box.dx_m),
-                            horizontal_attributes("cell centre, x", "X", box.dx_m));
-  netcdf4::write_coordinate(file, "y", centres(box.ny, box.y_min_m, box.dy_m),
-                            horizontal_attributes("cell centre, y", "Y", box.dy_m));
-  netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
-  write_z_edge(file, box);
-
-  const bool all_levels = solution.flux_level.size() == box.z_edge_m.size();
-  const Dimensions flux_dimensions = {all_levels ? "z_edge" : "z_flux", "y", "x"};
-  if (!all_levels) {
-    netcdf4::write_coordinate(file, "z_flux", flux_heights(solution), vertical_attributes("height of the fluxes"));
-  }
-  netcdf4::write_variable(file, kUpwelling.name, flux_dimensions, std::span(solution.upwelling_flux),
-                          flux_attributes(kUpwelling));
-  netcdf4::write_variable(file, kDownwellingDiffuse.name, flux_dimensions, std::span(solution.downwelling_diffuse_flux),
-                          flux_attributes(kDownwellingDiffuse));
-  netcdf4::write_variable(file, kDirect.name, flux_dimensions, std::span(solution.direct_flux),
-                          flux_attributes(kDirect));
-
-  const Dimensions cell_dimensions = {"z", "y", "x"};
-  if (!solution.absorbed_power.empty()) {
-    netcdf4::write_variable(
-        file, "absorbed_power", cell_dimensions, std::span(solution.absorbed_power),
-        {{"units", "W m-3"}, {"long_name", "solar power absorbed per volume"}, {"cell_methods", "area: mean z: mean"}});
-  }
-  if (!solution.actinic_flux.empty()) {
-    netcdf4::write_variable(file, "actinic_flux", cell_dimensions, std::span(solution.actinic_flux),
-                            {{"units", "W m-2"},
-                             {"long_name", "actinic flux: 4 pi times the mean radiance, direct beam included"},
-                             {"cell_methods", "area: mean z: mean"}});
-  }
-}
-
-void write_images(hid_t file, const Solution& solution) {
-  constexpr double degree = std::numbers::pi / 180;
-  for (const RadianceImage& image : solution.images) {
-    const Direction& travel = image.view.travel;
-    netcdf4::write_variable(
-        file, ("radiance_" + image.view.name).c_str(), {"y", "x"}, std::span(image.radiance),
-        {{"units", "W m-2 sr-1"},
-         {"long_name",
-          fmt::format(
-              "diffuse radiance at the {} of the domain, mean over the column where the line of sight crosses it",
-              travel.z() > 0 ? "top" : "bottom")},
-         {"cell_methods", "area: mean"},
-         {"sensor_zenith_deg", std::acos(std::clamp(travel.z(), -1., 1.)) / degree},
-         {"sensor_azimuth_deg", std::atan2(travel.y(), travel.x()) / degree}});
-  }
-}
-
-/// xarray opens a group without its parents, so the group brings its own z_edge.
-void write_profile(hid_t file, const Solution& solution) {
-  hdf5::Handle group = netcdf4::create_group(file, "profile");
-  write_z_edge(group, solution.box);
-  const Dimensions dimensions = {"z_edge"};
-  netcdf4::write_variable(group, kUpwelling.name, dimensions, std::span(solution.profile_upwelling_flux),
-                          flux_attributes(kUpwelling));
-  netcdf4::write_variable(group, kDownwellingDiffuse.name, dimensions,
-                          std::span(solution.profile_downwelling_diffuse_flux), flux_attributes(kDownwellingDiffuse));
-  netcdf4::write_variable(group, kDirect.name, dimensions, std::span(solution.profile_direct_flux),
-                          flux_attributes(kDirect));
-  group.close();
-}
-
-void write_summary(hid_t file, const EnergyLedger& ledger) {
-  hdf5::Handle group = netcdf4::create_group(file, "summary");
-  netcdf4::write_attributes(group, {{"reflectance", ledger.reflectance},
-                                    {"transmittance", ledger.transmittance},
-                                    {"transmittance_direct", ledger.transmittance_direct},
-                                    {"absorptance", ledger.absorptance},
-                                    {"surface_absorptance", ledger.surface_absorptance},
-                                    {"side_gain", ledger.side_gain},
-                                    {"side_loss", ledger.side_loss},
-                                    {"energy_residual", ledger.residual}});
-  group.close();
-}
-
-void write_solver(hid_t file, const SolverReport& report, const ResultInfo& info) {
-  hdf5::Handle group = netcdf4::create_group(file, "solver");
-  netcdf4::write_attributes(group, {{"converged", std::int32_t{report.converged}},
-                                    {"sweeps", std::int32_t{report.sweeps}},
-                                    {"estimated_error", report.estimated_error},
-                                    {"gather_rescaling", report.gather_rescaling},
-                                    {"control_points", std::int32_t{report.control_points}},
-                                    {"directions", report.directions},
-                                    {"mode", report.mode},
-                                    {"active_voxels", static_cast<std::int64_t>(report.active_voxels)},
-                                    {"threads", std::int32_t{report.threads}},
-                                    {"seconds_total", report.seconds_total},
-                                    {"seconds_tables", report.seconds_tables},
-                                    {"seconds_beam", report.seconds_beam},
-                                    {"seconds_sweeps", report.seconds_sweeps},
-                                    {"seconds_scattering", report.seconds_scattering},
-                                    {"seconds_acceleration", report.seconds_acceleration},
-                                    {"seconds_gather", report.seconds_gather},
-                                    {"cpu_seconds", report.cpu_seconds},
-                                    {"peak_memory_bytes", static_cast<std::int64_t>(report.peak_memory_bytes)},
-                                    {"fit_closure", report.fit_closure},
-                                    {"fit_max_error", report.fit_max_error},
-                                    {"fit_fallbacks", std::int32_t{report.fit_fallbacks}},
-                                    {"surface_largest_albedo", report.surface_largest_albedo},
-                                    {"surface_largest_correction", report.surface_largest_correction}});
-  if (info.phase_classes > 0) {
-    netcdf4::write_attributes(
-        group, {{"phase_classes", std::int32_t{info.phase_classes}}, {"phase_class_error", info.phase_class_error}});
-  }
-  group.close();
-}
-
 std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
   return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
 }
 
-void write_radiance_field(hid_t file, const RadianceField& field) {
-  hdf5::Handle group = netcdf4::create_group(file, "radiance_field");
-  netcdf4::write_attributes(
-      group, {{"frame", "axes of the domain: x, y horizontal, z up"},
-              {"interpolation",
-               "the radiance along a direction of travel is the mean of the radiances at the corners of "
-               "the triangle that holds it, weighted by the areas of the spherical triangles that it forms with the "
-               "sides opposite to the corners"}});
-  netcdf4::write_dimension(group, "control_point", field.direction.size());
-  netcdf4::write_dimension(group, "active_voxel", field.voxel.size());
-  netcdf4::write_dimension(group, "face", field.triangle.size());
-  netcdf4::write_dimension(group, "corner", 3);
-  netcdf4::write_dimension(group, "axis", 3);
+/// Names of the dimensions of an image.
+struct ImagePlane {
+  std::string y = "y";
+  std::string x = "x";
+};
 
-  std::vector<double> direction;
-  for (const Direction& d : field.direction) direction.insert(direction.end(), {d.x(), d.y(), d.z()});
-  netcdf4::write_variable(group, "direction", {"control_point", "axis"}, std::span<const double>(direction),
-                          {{"units", "1"}, {"long_name", "unit vector in which light travels, at each control point"}});
-  netcdf4::write_variable(group, "triangle", {"face", "corner"}, flattened(field.triangle),
-                          {{"units", "1"},
-                           {"long_name",
-                            "control points at the corners of each triangle of the sphere, counter-clockwise seen from "
-                            "outside, from 0"}});
-  netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, flattened(field.voxel),
-                          {{"units", "1"}, {"long_name", "cell indices i, j, k along x, y, z, from 0"}});
-  netcdf4::write_variable(
-      group, "radiance", {"active_voxel", "control_point"}, std::span(field.radiance),
-      {{"units", "W m-2 sr-1"},
-       {"long_name", "voxel mean of the diffuse radiance of the delta-scaled problem, direct beam excluded"}});
-  group.close();
+/// pi I / (mu0 F0).
+std::vector<float> reflectance_factor(std::span<const float> radiance, const std::optional<Sun>& sun) {
+  const double of_white = sun ? -sun->travel.z() * sun->irradiance / std::numbers::pi : 0;
+  std::vector<float> factor;
+  factor.reserve(radiance.size());
+  for (const float value : radiance)
+    factor.push_back(of_white > 0 ? static_cast<float>(value / of_white) : std::numeric_limits<float>::quiet_NaN());
+  return factor;
 }
 
-void write_all(const std::filesystem::path& path, const Solution& solution, const ResultInfo& info) {
-  hdf5::Handle file = hdf5::create_file(path);
-  netcdf4::write_attributes(file, {{"Conventions", "CF-1.10"},
-                                   {"title", info.title},
-                                   {"source", info.source},
-                                   {"history", info.history},
-                                   {"scene", info.scene}});
-  write_fields(file, solution);
-  write_profile(file, solution);
-  write_summary(file, solution.ledger);
-  write_solver(file, solution.report, info);
-  write_images(file, solution);
-  if (solution.radiance_field) write_radiance_field(file, *solution.radiance_field);
-  // After a failed write closing may report success and leave zeros in the file: what is still in memory goes out here,
-  // checked.
-  hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
-  file.close();
-}
+std::vector<double> components(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Writes one solution, or those of several wavelengths on the same grid with a dimension more.
+class ResultWriter {
+ public:
+  ResultWriter(std::span<const Solution> solutions, const ResultInfo& info)
+      : solutions_(solutions), first_(solutions.front()), info_(info), spectral_(!info.wavelengths_um.empty()) {}
+
+  void write(const std::filesystem::path& path) const {
+    hdf5::Handle file = hdf5::create_file(path);
+    netcdf4::write_attributes(file, {{"Conventions", "CF-1.10"},
+                                     {"title", info_.title},
+                                     {"source", info_.source},
+                                     {"history", info_.history},
+                                     {"scene", info_.scene}});
+    write_fields(file);
+    write_profile(file);
+    write_summary(file);
+    write_solver(file);
+    write_images(file);
+    write_camera_images(file);
+    if (first_.radiance_field) write_radiance_field(file);
+    // After a failed write closing may report success and leave zeros in the file: what is still in memory goes out
+    // here, checked.
+    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
+    file.close();
+  }
+
+ private:
+  /// @param values_of what the variable holds of one solution, a vector
+  template <class Values>
+  void write_variable(hid_t group, const std::string& name, Dimensions dimensions, const Values& values_of,
+                      const Attributes& attributes) const {
+    using Vector = std::decay_t<decltype(values_of(first_))>;
+    using Number = const typename Vector::value_type;
+    if (!spectral_) {
+      const auto& values = values_of(first_);
+      netcdf4::write_variable(group, name.c_str(), dimensions, std::span<Number>(values), attributes);
+      return;
+    }
+    Vector all;
+    for (const Solution& solution : solutions_) {
+      const auto& values = values_of(solution);
+      all.insert(all.end(), values.begin(), values.end());
+    }
+    dimensions.insert(dimensions.begin(), "wavelength");
+    netcdf4::write_variable(group, name.c_str(), dimensions, std::span<Number>(all), attributes);
+  }
+
+  /// A number, or one for each wavelength.
+  template <class Number>
+  netcdf4::AttributeValue each(const Number& number_of) const {
+    using Value = std::decay_t<decltype(number_of(first_))>;
+    if (!spectral_) return number_of(first_);
+    std::vector<Value> all;
+    for (const Solution& solution : solutions_) all.push_back(number_of(solution));
+    return all;
+  }
+
+  template <class Number>
+  netcdf4::AttributeValue each(const std::vector<Number>& numbers) const {
+    if (spectral_) return numbers;
+    return numbers.front();
+  }
+
+  void write_wavelength(hid_t group) const {
+    if (!spectral_) return;
+    netcdf4::write_coordinate(
+        group, "wavelength", info_.wavelengths_um,
+        {{"units", "um"}, {"long_name", "wavelength"}, {"standard_name", "radiation_wavelength"}});
+  }
+
+  void write_z_edge(hid_t group) const {
+    netcdf4::write_coordinate(group, "z_edge", first_.box.z_edge_m,
+                              vertical_attributes("height of the horizontal interfaces"));
+  }
+
+  void write_fields(hid_t file) const {
+    const BoxGrid& box = first_.box;
+    write_wavelength(file);
+    netcdf4::write_coordinate(file, "x", centres(box.nx, box.x_min_m, box.dx_m),
+                              horizontal_attributes("cell centre, x", "X", box.dx_m));
+    netcdf4::write_coordinate(file, "y", centres(box.ny, box.y_min_m, box.dy_m),
+                              horizontal_attributes("cell centre, y", "Y", box.dy_m));
+    netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
+    write_z_edge(file);
+
+    const bool all_levels = first_.flux_level.size() == box.z_edge_m.size();
+    const Dimensions flux_dimensions = {all_levels ? "z_edge" : "z_flux", "y", "x"};
+    if (!all_levels) {
+      netcdf4::write_coordinate(file, "z_flux", flux_heights(first_), vertical_attributes("height of the fluxes"));
+    }
+    write_variable(
+        file, kUpwelling.name, flux_dimensions, [](const Solution& s) -> auto& { return s.upwelling_flux; },
+        flux_attributes(kUpwelling));
+    write_variable(
+        file, kDownwellingDiffuse.name, flux_dimensions,
+        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; }, flux_attributes(kDownwellingDiffuse));
+    write_variable(
+        file, kDirect.name, flux_dimensions, [](const Solution& s) -> auto& { return s.direct_flux; },
+        flux_attributes(kDirect));
+
+    const Dimensions cell_dimensions = {"z", "y", "x"};
+    if (!first_.absorbed_power.empty()) {
+      write_variable(file, "absorbed_power", cell_dimensions,
+                     [](const Solution& s) -> auto& { return s.absorbed_power; },
+                     {{"units", "W m-3"},
+                      {"long_name", "solar power absorbed per volume"},
+                      {"cell_methods", "area: mean z: mean"}});
+    }
+    if (!first_.actinic_flux.empty()) {
+      write_variable(file, "actinic_flux", cell_dimensions, [](const Solution& s) -> auto& { return s.actinic_flux; },
+                     {{"units", "W m-2"},
+                      {"long_name", "actinic flux: 4 pi times the mean radiance, direct beam included"},
+                      {"cell_methods", "area: mean z: mean"}});
+    }
+  }
+
+  /// Of an image whose radiance stands in `radiance_of` a solution; only where there is a sun.
+  template <class Radiance>
+  void write_reflectance_factor(hid_t file, const std::string& name, const ImagePlane& plane,
+                                const Radiance& radiance_of) const {
+    if (std::none_of(solutions_.begin(), solutions_.end(), [](const Solution& s) { return s.sun.has_value(); })) return;
+    write_variable(
+        file, "reflectance_factor_" + name, {plane.y, plane.x},
+        [&](const Solution& s) { return reflectance_factor(radiance_of(s), s.sun); },
+        {{"units", "1"},
+         {"long_name",
+          "reflectance factor pi I / (mu0 F0): diffuse radiance over that of a level, white, Lambertian surface in the "
+          "sun above the atmosphere"},
+         {"comment", kNoDisc}});
+  }
+
+  ImagePlane write_view_plane(hid_t file, const View& view) const {
+    if (view.width == 0) return {};
+    const BoxGrid& box = first_.box;
+    const ImagePlane plane{"y_" + view.name, "x_" + view.name};
+    netcdf4::write_coordinate(file, plane.x.c_str(), centres(view.width, box.x_min_m, box.nx * box.dx_m / view.width),
+                              horizontal_attributes("pixel centre, x", "X", box.nx * box.dx_m / view.width));
+    netcdf4::write_coordinate(file, plane.y.c_str(), centres(view.height, box.y_min_m, box.ny * box.dy_m / view.height),
+                              horizontal_attributes("pixel centre, y", "Y", box.ny * box.dy_m / view.height));
+    return plane;
+  }
+
+  void write_images(hid_t file) const {
+    constexpr double degree = std::numbers::pi / 180;
+    for (std::size_t n = 0; n < first_.images.size(); ++n) {
+      const View& view = first_.images[n].view;
+      const ImagePlane plane = write_view_plane(file, view);
+      const auto radiance_of = [n](const Solution& s) -> auto& { return s.images[n].radiance; };
+      write_variable(file, "radiance_" + view.name, {plane.y, plane.x}, radiance_of,
+                     {{"units", "W m-2 sr-1"},
+                      {"long_name",
+                       fmt::format("diffuse radiance at the {} of the domain, mean over the {} where the line of sight "
+                                   "crosses it",
+                                   view.travel.z() > 0 ? "top" : "bottom", view.width == 0 ? "column" : "pixel")},
+                      {"cell_methods", "area: mean"},
+                      {"comment", kNoDisc},
+                      {"sensor_zenith_deg", std::acos(std::clamp(view.travel.z(), -1., 1.)) / degree},
+                      {"sensor_azimuth_deg", std::atan2(view.travel.y(), view.travel.x()) / degree}});
+      write_reflectance_factor(file, view.name, plane, radiance_of);
+    }
+  }
+
+  void write_camera_images(hid_t file) const {
+    constexpr double degree = std::numbers::pi / 180;
+    for (std::size_t n = 0; n < first_.camera_images.size(); ++n) {
+      const Camera& camera = first_.camera_images[n].camera;
+      const ImagePlane plane{"row_" + camera.name, "column_" + camera.name};
+      netcdf4::write_coordinate(file, plane.y.c_str(), centres(camera.height, 0, 1),
+                                {{"units", "1"}, {"long_name", "pixel centre, rows from the image's top edge"}});
+      netcdf4::write_coordinate(file, plane.x.c_str(), centres(camera.width, 0, 1),
+                                {{"units", "1"}, {"long_name", "pixel centre, columns from the image's left edge"}});
+      const auto radiance_of = [n](const Solution& s) -> auto& { return s.camera_images[n].radiance; };
+      write_variable(file, "camera_" + camera.name, {plane.y, plane.x}, radiance_of,
+                     {{"units", "W m-2 sr-1"},
+                      {"long_name", "diffuse radiance that a camera sees, mean over the pixel"},
+                      {"comment", kNoDisc},
+                      {"projection", projection_name(camera.projection)},
+                      {"position_m", components(camera.position_m)},
+                      {"forward", components(camera.forward)},
+                      {"right", components(camera.right)},
+                      {"up", components(camera.up)},
+                      {"field_of_view_deg", camera.field_of_view / degree}});
+      write_reflectance_factor(file, camera.name, plane, radiance_of);
+    }
+  }
+
+  /// xarray opens a group without its parents, so the group brings its own coordinates.
+  void write_profile(hid_t file) const {
+    hdf5::Handle group = netcdf4::create_group(file, "profile");
+    write_wavelength(group);
+    write_z_edge(group);
+    write_variable(
+        group, kUpwelling.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_upwelling_flux; },
+        flux_attributes(kUpwelling));
+    write_variable(
+        group, kDownwellingDiffuse.name, {"z_edge"},
+        [](const Solution& s) -> auto& { return s.profile_downwelling_diffuse_flux; },
+        flux_attributes(kDownwellingDiffuse));
+    write_variable(
+        group, kDirect.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_direct_flux; },
+        flux_attributes(kDirect));
+    group.close();
+  }
+
+  void write_summary(hid_t file) const {
+    hdf5::Handle group = netcdf4::create_group(file, "summary");
+    const auto of = [this](double EnergyLedger::*term) {
+      return each([term](const Solution& s) { return s.ledger.*term; });
+    };
+    netcdf4::write_attributes(group, {{"reflectance", of(&EnergyLedger::reflectance)},
+                                      {"transmittance", of(&EnergyLedger::transmittance)},
+                                      {"transmittance_direct", of(&EnergyLedger::transmittance_direct)},
+                                      {"absorptance", of(&EnergyLedger::absorptance)},
+                                      {"surface_absorptance", of(&EnergyLedger::surface_absorptance)},
+                                      {"side_gain", of(&EnergyLedger::side_gain)},
+                                      {"side_loss", of(&EnergyLedger::side_loss)},
+                                      {"energy_residual", of(&EnergyLedger::residual)}});
+    group.close();
+  }
+
+  void write_solver(hid_t file) const {
+    hdf5::Handle group = netcdf4::create_group(file, "solver");
+    const auto real = [this](double SolverReport::*term) {
+      return each([term](const Solution& s) { return s.report.*term; });
+    };
+    const auto whole = [this](int SolverReport::*term) {
+      return each([term](const Solution& s) { return std::int32_t{s.report.*term}; });
+    };
+    const auto size = [this](std::size_t SolverReport::*term) {
+      return each([term](const Solution& s) { return static_cast<std::int64_t>(s.report.*term); });
+    };
+    using R = SolverReport;
+    netcdf4::write_attributes(group,
+                              {{"converged", each([](const Solution& s) { return std::int32_t{s.report.converged}; })},
+                               {"sweeps", whole(&R::sweeps)},
+                               {"estimated_error", real(&R::estimated_error)},
+                               {"gather_rescaling", real(&R::gather_rescaling)},
+                               {"control_points", whole(&R::control_points)},
+                               {"directions", first_.report.directions},
+                               {"mode", first_.report.mode},
+                               {"active_voxels", size(&R::active_voxels)},
+                               {"threads", whole(&R::threads)},
+                               {"seconds_total", real(&R::seconds_total)},
+                               {"seconds_tables", real(&R::seconds_tables)},
+                               {"seconds_beam", real(&R::seconds_beam)},
+                               {"seconds_sweeps", real(&R::seconds_sweeps)},
+                               {"seconds_scattering", real(&R::seconds_scattering)},
+                               {"seconds_acceleration", real(&R::seconds_acceleration)},
+                               {"seconds_gather", real(&R::seconds_gather)},
+                               {"cpu_seconds", real(&R::cpu_seconds)},
+                               {"peak_memory_bytes", size(&R::peak_memory_bytes)},
+                               {"fit_closure", real(&R::fit_closure)},
+                               {"fit_max_error", real(&R::fit_max_error)},
+                               {"fit_fallbacks", whole(&R::fit_fallbacks)},
+                               {"surface_largest_albedo", real(&R::surface_largest_albedo)},
+                               {"surface_largest_correction", real(&R::surface_largest_correction)}});
+    if (!info_.phase_classes.empty()) {
+      netcdf4::write_attributes(
+          group, {{"phase_classes", each(info_.phase_classes)}, {"phase_class_error", each(info_.phase_class_error)}});
+    }
+    group.close();
+  }
+
+  void write_radiance_field(hid_t file) const {
+    const RadianceField& field = *first_.radiance_field;
+    hdf5::Handle group = netcdf4::create_group(file, "radiance_field");
+    netcdf4::write_attributes(
+        group, {{"frame", "axes of the domain: x, y horizontal, z up"},
+                {"interpolation",
+                 "the radiance along a direction of travel is the mean of the radiances at the corners of "
+                 "the triangle that holds it, weighted by the areas of the spherical triangles that it forms with the "
+                 "sides opposite to the corners"}});
+    write_wavelength(group);
+    netcdf4::write_dimension(group, "control_point", field.direction.size());
+    netcdf4::write_dimension(group, "active_voxel", field.voxel.size());
+    netcdf4::write_dimension(group, "face", field.triangle.size());
+    netcdf4::write_dimension(group, "corner", 3);
+    netcdf4::write_dimension(group, "axis", 3);
+
+    std::vector<double> direction;
+    for (const Direction& d : field.direction) direction.insert(direction.end(), {d.x(), d.y(), d.z()});
+    netcdf4::write_variable(
+        group, "direction", {"control_point", "axis"}, std::span<const double>(direction),
+        {{"units", "1"}, {"long_name", "unit vector in which light travels, at each control point"}});
+    netcdf4::write_variable(
+        group, "triangle", {"face", "corner"}, flattened(field.triangle),
+        {{"units", "1"},
+         {"long_name",
+          "control points at the corners of each triangle of the sphere, counter-clockwise seen from "
+          "outside, from 0"}});
+    netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, flattened(field.voxel),
+                            {{"units", "1"}, {"long_name", "cell indices i, j, k along x, y, z, from 0"}});
+    write_variable(
+        group, "radiance", {"active_voxel", "control_point"},
+        [](const Solution& s) -> auto& { return s.radiance_field->radiance; },
+        {{"units", "W m-2 sr-1"},
+         {"long_name", "voxel mean of the diffuse radiance of the delta-scaled problem, direct beam excluded"}});
+    group.close();
+  }
+
+  std::span<const Solution> solutions_;
+  const Solution& first_;
+  const ResultInfo& info_;
+  bool spectral_;
+};
 
 }  // namespace
 
 void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info) {
-  assert(solution.box.nz() >= 1);
+  write_result(file, std::span(&solution, 1), info);
+}
+
+void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info) {
+  assert(!solutions.empty() && solutions.front().box.nz() >= 1);
+  assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
   AtomicFile target(file);
   try {
-    write_all(target.temporary(), solution, info);
+    ResultWriter(solutions, info).write(target.temporary());
   } catch (const hdf5::Error& error) {
     throw_unwritable(file, error.what());
   }

@@ -34,7 +34,13 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   constexpr std::size_t place = 48;
   // Libraries and tables; reading a cloud takes another library.
   const std::size_t program = 20'000'000 + (box.columns() > 1 ? 33'000'000 : 0);
-  return program + active * (grid + cell + system + std::max(iteration, gather) + radiance_field) + dense * place;
+  std::size_t pixels = 0;
+  for (const Camera& camera : options.cameras) pixels += static_cast<std::size_t>(camera.width) * camera.height;
+  for (const View& view : options.views) {
+    pixels += view.width > 0 ? static_cast<std::size_t>(view.width) * view.height : box.columns();
+  }
+  return program + active * (grid + cell + system + std::max(iteration, gather) + radiance_field) + dense * place +
+         pixels * sizeof(float);
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {

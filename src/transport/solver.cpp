@@ -53,6 +53,7 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   const double cpu_start = cpu_seconds();
   Solution solution;
   solution.box = problem.grid.box;
+  solution.sun = problem.sun;
   SolverReport& report = solution.report;
   const auto tell = [&](const char* phase, double fraction) {
     if (progress) progress({phase, report.sweeps, report.estimated_error, solution.ledger.residual, fraction});

@@ -59,6 +59,18 @@ def scenes():
     yield "albedo map above 1", replaced("albedo = 0.05", 'albedo_map = "bright.h5"'), ["scene.toml:17", "bright.h5", "1.5", "0 to 1"]
     yield "radiance along the horizon", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 90.0\n', ["radiance.0.zenith_deg", "90"]
     yield "two images of one name", SCENE + 2 * '[[radiance]]\nname = "a"\nzenith_deg = 0.0\n', ["radiance.1.name", "already in use"]
+    camera = '[[camera]]\nname = "a"\nposition_m = [0.0, 0.0, 0.0]\nwidth = 4\nheight = 4\n'
+    yield "camera without a point to look at", SCENE + camera, ["camera.0.look_at_m", "missing"]
+    yield "camera that looks at itself", SCENE + camera + "look_at_m = [0.0, 0.0, 0.0]\n", ["camera.0.look_at_m", "where it stands"]
+    yield "camera without up", SCENE + camera + "look_at_m = [0.0, 0.0, 9.0]\nup = [0.0, 0.0, 1.0]\n", ["camera.0.look_at_m", "parallel"]
+    yield "camera below the ground", SCENE + camera.replace("0.0]", "-1.0]") + 'type = "fisheye"\n', ["camera.0.position_m", "below the ground", "-1"]
+    yield "camera and image of one name", SCENE + camera + 'type = "fisheye"\n[[radiance]]\nname = "a"\nzenith_deg = 0.0\n', ["name", "already in use"]
+    yield "image width without height", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 0.0\nwidth = 4\n', ["radiance.0.height", "missing"]
+    spectrum = "[spectrum]\nwavelengths_um = [0.67, 0.55]\n"
+    yield "list without spectrum", replaced("albedo = 0.05", "albedo = [0.05, 0.1]"), ["scene.toml:17", "surface.albedo", "[spectrum]"]
+    yield "list of another length", replaced("albedo = 0.05", "albedo = [0.05]") + spectrum, ["scene.toml:17", "surface.albedo", "a list of 2"]
+    yield "value out of range at one wavelength", replaced("albedo = 0.05", "albedo = [0.05, 1.5]") + spectrum, ["scene.toml:17", "surface.albedo", "1.5", "0 to 1"]
+    yield "spectrum without wavelengths", SCENE + "[spectrum]\n", ["spectrum.wavelengths_um", "missing"]
     yield "g = 1", replaced("= 0.85", "= 1.0"), ["scene.toml:11", "asymmetry_parameter", "1"]
     yield "ssa 1.01", replaced("= 0.99", "= 1.01"), ["scene.toml:7", "single_scattering_albedo", "1.01", "0 to 1"]
     yield "sun below the horizon", replaced("zenith_deg = 60.0", "zenith_deg = 95.0"), ["scene.toml:13", "sun.zenith_deg", "95", "90"]

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -24,8 +26,14 @@ struct AssembledScene {
 
 /// @param memory_limit_bytes of the optical grid; told before it is taken.
 /// @throws InputError where the cloud cannot be read or does not fit the scene (domain off the voxel faces or too
-/// small, quantity or effective radius missing).
+/// small, quantity or effective radius missing, a camera below the ground).
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes);
+
+/// The same for one wavelength of several.
+/// @param files of the scene's cloud
+/// @param levels_m as LevelOptions::levels_m
+AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, CloudFiles& files,
+                        const std::vector<double>& levels_m);
 
 /// Direction in which sunlight travels, from where the sun stands.
 Direction sun_travel(const SceneSun& sun);

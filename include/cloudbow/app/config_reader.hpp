@@ -29,6 +29,12 @@ inline constexpr NumberRange kPositive{"> 0", 0, 1e300, false, true};
 inline constexpr NumberRange kNotNegative{">= 0", 0, 1e300};
 inline constexpr NumberRange kFraction{"0 to 1", 0, 1};
 
+/// Which entry of lists that have one for each wavelength.
+struct SpectralPlace {
+  std::size_t index = 0;
+  std::size_t count = 0;  ///< wavelengths of the scene; 0: it has no spectrum, and lists are errors
+};
+
 class ConfigReader {
  public:
   /// @param path the table's dotted name, empty for the root.
@@ -48,8 +54,13 @@ class ConfigReader {
   std::optional<double> find_number(const std::string& key, const NumberRange& range) const;
   double number(const std::string& key, const NumberRange& range) const;
   std::optional<int> find_integer(const std::string& key, int low, int high) const;
+  /// A number for all wavelengths, or the entry of a list with one for each.
+  std::optional<double> find_number(const std::string& key, const NumberRange& range, SpectralPlace at) const;
+  double number(const std::string& key, const NumberRange& range, SpectralPlace at) const;
   std::optional<std::string> find_text(const std::string& key) const;
   std::string text(const std::string& key) const;
+  /// As the spectral find_number(); all strings of the list, or the only one.
+  std::vector<std::string> spectral_texts(const std::string& key, SpectralPlace at) const;
   /// One of `allowed`.
   std::optional<std::string> find_choice(const std::string& key, const std::vector<std::string>& allowed) const;
   std::optional<std::vector<double>> find_numbers(const std::string& key, const NumberRange& range) const;
@@ -69,6 +80,7 @@ class ConfigReader {
 
  private:
   double as_number(const std::string& key, const ConfigNode& node, const NumberRange& range) const;
+  void check_spectral_list(const std::string& key, const ConfigNode& list, SpectralPlace at) const;
 
   const ConfigNode& table_;
   std::string path_;

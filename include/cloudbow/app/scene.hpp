@@ -64,6 +64,8 @@ struct SceneRadiance {
   std::string name;        ///< letters, digits and _
   double zenith_deg = 0;   ///< where the sensor stands, seen from the scene; above 90 below it
   double azimuth_deg = 0;  ///< counter-clockwise from +x
+  int width = 0;           ///< pixels along x and y; 0: one a column
+  int height = 0;
 };
 
 enum class SolveMode { automatic, three_dimensional, independent_columns };
@@ -97,6 +99,7 @@ struct Scene {
   std::vector<std::filesystem::path> inputs;  ///< the scene file and every file that it names as one to read
   std::string text;                           ///< the TOML as run
   std::string title;
+  std::optional<double> wavelength_um;  ///< where the scene has a spectrum: the one that all numbers below are for
   std::optional<SceneCloud> cloud;
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once
   std::vector<Layer> layers;
@@ -107,6 +110,7 @@ struct Scene {
   std::filesystem::path albedo_map;  ///< empty: none
   SceneSolver solver;
   std::vector<SceneRadiance> radiances;
+  std::vector<Camera> cameras;  ///< named as radiances are, none twice
   SceneOutput output;
   std::map<std::string, std::string>
       place;  ///< "domain.min_m" to "FILE:LINE", for messages about what only the cloud can tell
@@ -115,8 +119,12 @@ struct Scene {
   std::string where(const std::string& key) const;
 };
 
+/// The scene at each of its wavelengths, in the order of `spectrum.wavelengths_um`; without a spectrum one scene.
 /// @param overrides "KEY=VALUE" as in read_config().
 /// @throws InputError with file, line, key, what was found and what is allowed.
+std::vector<Scene> read_scenes(const std::filesystem::path& path, std::span<const std::string> overrides = {});
+
+/// The first of them.
 Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides = {});
 
 }  // namespace cloudbow

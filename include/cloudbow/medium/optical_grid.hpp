@@ -56,12 +56,12 @@ OpticalGrid layers_only(const OpticalGrid& grid);
 
 /// Optical properties of the cloud's droplets: the same everywhere, or by voxel.
 struct CloudOptics {
-  double extinction_per_value = 1;                    ///< multiplies CloudField::value to give extinction [1/m], > 0
-  double single_scattering_albedo = 1;                ///< used where voxel_single_scattering_albedo is empty
+  double extinction_per_value = 1;                     ///< multiplies CloudField::value to give extinction [1/m], > 0
+  double single_scattering_albedo = 1;                 ///< used where voxel_single_scattering_albedo is empty
   std::vector<double> voxel_single_scattering_albedo;  ///< per active voxel, or empty
-  int phase_function = 0;                             ///< index into the problem's phase functions
-  /// Where droplets vary: per active voxel, the first of two phase functions, phase_function + voxel_phase_function, and
-  /// the share of its scattering that follows the next one; or both empty.
+  int phase_function = 0;                              ///< index into the problem's phase functions
+  /// Where droplets vary: per active voxel, the first of two phase functions, phase_function + voxel_phase_function,
+  /// and the share of its scattering that follows the next one; or both empty.
   std::vector<std::uint16_t> voxel_phase_function;
   std::vector<float> voxel_next_share;
 };
@@ -88,6 +88,9 @@ struct LevelOptions {
   int min_levels = 1;           ///< of each stretch of the same optics
   std::vector<double> edges_m;  ///< heights at which levels must end, beside those of cloud and layers
   int layer_cells = 0;          ///< > 0: this many equal levels between any two layer edges, whatever the optics
+  /// Where not empty, the levels as they are: those that another grid of the same cloud, layers and domain has, or
+  /// finest_levels() of several.
+  std::vector<double> levels_m;
   /// Of the grid's coefficients; exceeding it is told before memory is taken.
   std::uint64_t memory_limit_bytes = std::numeric_limits<std::uint64_t>::max();
 
@@ -97,6 +100,10 @@ struct LevelOptions {
     return options;
   }
 };
+
+/// Levels for grids that differ in their optics only, from the levels that each has by itself (all ascending, with the
+/// same ends): between edges that all have, those of the grid that cuts there most finely.
+std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels_m);
 
 /// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the
 /// faces of the voxel planes between the lowest and the highest active voxel, joined with the layers' edges; below and

@@ -5,6 +5,7 @@
 #include <complex>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "cloudbow/optics/droplet_table.hpp"
@@ -29,8 +30,13 @@ std::vector<double> droplet_table_angles();
 /// written.
 void write_droplet_table(const std::filesystem::path& file, const DropletTable& table, const DropletTableInfo& info);
 
+/// The same for several wavelengths in one file: tables of the same radii, each with its own refractive index; the rest
+/// of what is known of them is that of the first.
+void write_droplet_tables(const std::filesystem::path& file, std::span<const DropletTable> tables,
+                          std::span<const DropletTableInfo> infos);
+
 /// Reads a table of any known form, which its content tells:
-/// - HDF5 by write_droplet_table();
+/// - HDF5 by write_droplet_table() and write_droplet_tables();
 /// - netCDF by libRadtran's `mie` (wavelen, reff, ext, ssa, nmom, pmom), classic or netCDF-4;
 /// - text by SHDOM's make_mie_table ("! Mie table vs. effective radius").
 /// @param wavelength_um which one to take of a file that holds several [um], to 0.1 %.

@@ -2,30 +2,44 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace cloudbow {
 
 /// Values on a rectangle of cells, seen with the first axis to the right and the second upwards: a horizontal map (x,
-/// y) or, where the result has one row or column of cells only, a vertical section (x or y, z).
+/// y), what a camera sees or, where the result has one row or column of cells only, a vertical section (x or y, z).
 struct FluxImage {
   std::string variable;
   std::string units;
-  std::string place;  ///< "z = 3000 m" for a map, "section x-z" for a section
+  std::string place;  ///< "z = 3000 m" or empty for a map, "section x-z" for a section, "camera"
+  std::optional<double> wavelength_um;
   int columns = 0;
   int rows = 0;
-  std::vector<float> value;  ///< [row][column], row 0 at the bottom; NaN: no value
-  double column_width_m = 1;
+  std::vector<float> value;        ///< [row][column], row 0 at the bottom; NaN: no value
+  double column_width_m = 1;       ///< of a camera: 1, a pixel
   std::vector<double> row_edge_m;  ///< rows + 1, ascending
 };
 
-/// Reads a root variable of shape (y, x), (z, y, x) or (level, y, x).
-/// @param level "top", "bottom" or a height in metres between them, of which the nearest level is taken; sections
-/// ignore it.
-/// @throws InputError where the file is no result, or it lacks the variable (the message lists what is there) or the
-/// level.
+/// Where in a variable of more dimensions an image lies.
+struct ImageChoice {
+  std::string level = "top";  ///< "top", "bottom" or a height in metres between them, of which the nearest level is
+                              ///< taken; sections and images ignore it
+  std::optional<double> wavelength_um;  ///< of which the nearest is taken; default: the first
+};
+
+/// Wavelengths [um] of a result; empty: it has no spectrum. @throws InputError where the file is no result.
+std::vector<double> read_wavelengths(const std::filesystem::path& result_file);
+
+/// Root variables that read_flux_image() can read, in the order of the file. @throws InputError as above.
+std::vector<std::string> list_flux_images(const std::filesystem::path& result_file);
+
+/// Reads a root variable of shape (y, x), (z, y, x), (level, y, x), an image with pixels of its own or of a camera; all
+/// of them with the wavelength first where the result has a spectrum.
+/// @throws InputError where the file is no result, or it lacks the variable (the message lists what is there), the
+/// level or any wavelength.
 FluxImage read_flux_image(const std::filesystem::path& result_file, const std::string& variable,
-                          const std::string& level);
+                          const ImageChoice& choice);
 
 }  // namespace cloudbow

@@ -1,8 +1,11 @@
 // The result file: HDF5 that is also netCDF-4 (docs/formats.md).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "cloudbow/transport/solution.hpp"
 
@@ -12,9 +15,12 @@ struct ResultInfo {
   std::string title;
   std::string source;  ///< program name and version
   std::string history;
-  std::string scene;      ///< the whole scene file as run
-  int phase_classes = 0;  ///< phase functions that stand for droplets which vary; 0: they do not
-  double phase_class_error = 0;
+  std::string scene;  ///< the whole scene file as run
+  /// Of each solution: phase functions that stand for droplets which vary, and the error that they make; empty where
+  /// droplets do not vary.
+  std::vector<std::int32_t> phase_classes{};
+  std::vector<double> phase_class_error{};
+  std::vector<double> wavelengths_um{};  ///< of each solution; empty: the scene has no spectrum, and one solution
 };
 
 /// Tells before a long solve whether a result or picture could be written: makes and removes a temporary file beside
@@ -28,5 +34,8 @@ void check_writable(const std::filesystem::path& file);
 /// @throws InputError naming the file where it can't be written (as check_writable, or disk full); the temporary file
 /// is removed.
 void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info);
+
+/// The solutions of a scene with a spectrum, all on the same grid: every variable has the dimension `wavelength` first.
+void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info);
 
 }  // namespace cloudbow

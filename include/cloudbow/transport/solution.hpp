@@ -13,6 +13,7 @@
 #include "cloudbow/medium/surface.hpp"
 #include "cloudbow/optics/phase_function.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
+#include "cloudbow/transport/camera.hpp"
 
 namespace cloudbow {
 
@@ -33,12 +34,14 @@ struct Problem {
 struct View {
   std::string name;
   Direction travel;  ///< of the light that is seen, z != 0
+  int width = 0;     ///< pixels along x and y over the domain's horizontal extent; 0: one a column
+  int height = 0;
 };
 
 struct RadianceImage {
   View view;
-  std::vector<float>
-      radiance;  ///< [ny][nx] W m-2 sr-1, mean over the column where the line of sight crosses that plane
+  std::vector<float> radiance;  ///< [height][width] of the view, else [ny][nx]; y ascending; W m-2 sr-1, mean over the
+                                ///< pixel where the line of sight crosses that plane
 };
 
 enum class FluxLevels { all, boundaries, listed };
@@ -61,6 +64,7 @@ struct SolverOptions {
   bool actinic = false;
   bool radiance_field = false;
   std::vector<View> views;
+  std::vector<Camera> cameras;
   int threads = 0;  ///< 0: all that OpenMP gives
 };
 
@@ -113,6 +117,7 @@ struct RadianceField {
 
 struct Solution {
   BoxGrid box;
+  std::optional<Sun> sun;                       ///< that of the problem
   std::vector<int> flux_level;                  ///< indices of z_edge at which the fields below are given, ascending
   std::vector<float> upwelling_flux;            ///< [level][ny][nx] W m-2, diffuse
   std::vector<float> downwelling_diffuse_flux;  ///< as above
@@ -123,7 +128,8 @@ struct Solution {
   std::vector<float> absorbed_power;  ///< [nz][ny][nx] W m-3, empty unless asked
   std::vector<float>
       actinic_flux;  ///< [nz][ny][nx] W m-2, empty unless asked; NaN where no light was computed (empty cells)
-  std::vector<RadianceImage> images;  ///< one for each of SolverOptions::views
+  std::vector<RadianceImage> images;       ///< one for each of SolverOptions::views
+  std::vector<CameraImage> camera_images;  ///< one for each of SolverOptions::cameras
   std::optional<RadianceField> radiance_field;
   EnergyLedger ledger;
   SolverReport report;

@@ -75,6 +75,31 @@ TEST_F(AssembleTest, DomainGivenByTheScene) {
   EXPECT_EQ(scene.problem.grid.spans.at(0).i, 3);
 }
 
+TEST_F(AssembleTest, CamerasAndImagesReachTheSolver) {
+  const std::string camera = "[[camera]]\nname = \"c\"\nlook_at_m = [0, 0, 50]\nwidth = 4\nheight = 3\nposition_m = ";
+  const AssembledScene scene =
+      assembled("[[radiance]]\nname = \"n\"\nzenith_deg = 0\nwidth = 8\nheight = 6\n" + camera + "[-300, 20, 0]\n");
+  ASSERT_EQ(scene.options.cameras.size(), 1u);
+  EXPECT_EQ(scene.options.cameras[0].position_m, Eigen::Vector3d(-300, 20, 0));
+  ASSERT_EQ(scene.options.views.size(), 1u);
+  EXPECT_EQ(scene.options.views[0].width, 8);
+  EXPECT_EQ(scene.options.views[0].height, 6);
+  EXPECT_THAT(message(camera + "[5, 5, -1]\n"),
+              AllOf(HasSubstr("scene.toml:13: camera.0.position_m"), HasSubstr("below the ground"), HasSubstr("-1 m")));
+}
+
+TEST_F(AssembleTest, FilesAreReadOnceForAllWavelengths) {
+  const std::string text =
+      "[spectrum]\nwavelengths_um = [0.67, 0.55]\n[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\n"
+      "single_scattering_albedo = [0.9, 0.5]\nscale = [1, 2]\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n";
+  const std::vector<Scene> scenes = read_scenes(folder_.write("scene.toml", text));
+  CloudFiles files(true);
+  EXPECT_FLOAT_EQ(assemble(scenes[0], kMemory, files, {}).problem.grid.scattering[0][0], 0.018f);
+  EXPECT_FLOAT_EQ(assemble(scenes[1], kMemory, files, {}).problem.grid.scattering[0][0], 0.02f);
+  std::filesystem::remove(folder_ / "cloud.vdb");
+  EXPECT_FLOAT_EQ(assemble(scenes[0], kMemory, files, {}).problem.grid.scattering[0][0], 0.018f);
+}
+
 TEST_F(AssembleTest, DomainMistakesNameTheNearestNumbers) {
   const auto domain = [&](const std::string& corner) { return message("[domain]\n" + corner + "\n"); };
   EXPECT_THAT(domain("max_m = [110, 75, 50]"), AllOf(HasSubstr("scene.toml:9: domain.max_m"), HasSubstr("in x"),

@@ -84,6 +84,8 @@ TEST(CommandLine, UsageErrors) {
            {"export", "result.h5", "--vdb", "x.vdb", "--direction", "0", "1"},
            {"export", "result.h5", "--direction", "0", "0", "1"},
            {"mie", "--wavelength-um", "1"},
+           {"mie", "--wavelength-um", "0", "--effective-radius-um", "5", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "1", "1:2:0.5", "--effective-radius-um", "5", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "9:5:1", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "5:9", "-o", "x.h5"},
            {"mie", "--wavelength-um", "100", "--effective-radius-um", "5", "-o", "x.h5"},
@@ -142,6 +144,10 @@ TEST(CommandLine, MakesAMieTableThatAppearsWhole) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_THAT(outcome.output, testing::AllOf(HasSubstr("Segelstein"), HasSubstr("\n         8 ")));
   EXPECT_EQ(read_droplet_table(table).effective_radius_um, (std::vector<double>{4, 6, 8}));
+  EXPECT_EQ(cloudbow({"mie", "--wavelength-um", "3:4:0.5", "10", "--effective-radius-um", "4", "-o", table}).exit_code,
+            0);
+  EXPECT_EQ(read_droplet_table(table, 3.5).wavelength_um, 3.5);
+  EXPECT_EQ(read_droplet_table(table, 10).wavelength_um, 10);
   EXPECT_EQ(cloudbow({"mie", "--wavelength-um", "3.7", "--effective-radius-um", "4", "-o", folder / "no" / "drops.h5"})
                 .exit_code,
             2);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/error.hpp"
 #include "temporary_folder.hpp"
@@ -378,6 +380,129 @@ TEST(Scene, WholeScenesThatMakeNoSense) {
               AllOf(HasSubstr("[cloud]"), HasSubstr("[[layer]]")));
   EXPECT_THAT(message_of(replaced("irradiance_w_m2 = 1361.0", "irradiance_w_m2 = 0")), HasSubstr("no light"));
   EXPECT_THAT(message_of(""), HasSubstr("neither"));
+}
+
+std::string with_camera(const std::string& keys, const std::string& more = "") {
+  return kLayers + "[[camera]]\nname = \"eye\"\nwidth = 40\nheight = 30\n" + keys + "\n" + more;
+}
+
+TEST(Scene, CamerasArrive) {
+  const TemporaryFolder folder;
+  const Scene scene = read_scene(folder.write("scene.toml", with_camera(R"(position_m = [10, 20, 30]
+look_at_m = [10, 120, 30]
+[[camera]]
+name = "sky"
+type = "fisheye"
+position_m = [1, 2, 0]
+width = 8
+height = 8
+rays = 1
+[[camera]]
+name = "round"
+type = "panorama"
+position_m = [0, 0, 10]
+look_at_m = [-5, 0, 0]
+field_of_view_deg = 90
+width = 16
+height = 4
+[[radiance]]
+name = "nadir"
+zenith_deg = 0
+width = 7
+height = 5)")));
+  ASSERT_EQ(scene.cameras.size(), 3u);
+  const Camera& eye = scene.cameras[0];
+  EXPECT_EQ(eye.projection, Camera::Projection::perspective);
+  EXPECT_EQ(eye.position_m, Eigen::Vector3d(10, 20, 30));
+  EXPECT_EQ(eye.forward, Direction(0, 1, 0));
+  EXPECT_EQ(eye.up, Direction(0, 0, 1));
+  EXPECT_NEAR(eye.field_of_view, std::acos(0.5), 1e-15);  // 60 degrees, rounding
+  EXPECT_EQ(eye.width, 40);
+  EXPECT_EQ(eye.height, 30);
+  EXPECT_EQ(eye.rays, 2);
+  const Camera& sky = scene.cameras[1];
+  EXPECT_EQ(sky.projection, Camera::Projection::fisheye);
+  EXPECT_EQ(sky.forward, Direction(0, 0, 1));  // straight up, north on top
+  EXPECT_EQ(sky.up, Direction(0, 1, 0));
+  EXPECT_NEAR(sky.field_of_view, std::acos(-1.), 1e-15);
+  EXPECT_EQ(sky.rays, 1);
+  EXPECT_EQ(scene.cameras[2].forward, Direction(-1, 0, 0));  // at the horizon
+  ASSERT_EQ(scene.radiances.size(), 1u);
+  EXPECT_EQ(scene.radiances[0].width, 7);
+  EXPECT_EQ(scene.radiances[0].height, 5);
+}
+
+TEST(Scene, CameraMistakes) {
+  const std::string good = "position_m = [0, 0, 0]\nlook_at_m = [1, 0, 0]";
+  EXPECT_EQ(message_of(with_camera(good)), "no error");
+  EXPECT_THAT(message_of(with_camera("look_at_m = [1, 0, 0]")),
+              AllOf(HasSubstr("camera.0.position_m"), HasSubstr("missing")));
+  EXPECT_THAT(message_of(with_camera("position_m = [1, 0, 0]")),
+              AllOf(HasSubstr("camera.0.look_at_m"), HasSubstr("missing")));
+  EXPECT_THAT(message_of(with_camera("position_m = [1, 0, 0]\nlook_at_m = [1, 0, 0]")),
+              HasSubstr("looks at where it stands"));
+  EXPECT_THAT(message_of(with_camera(good + "\nup = [2, 0, 0]")), AllOf(HasSubstr("parallel"), HasSubstr("[2, 0, 0]")));
+  EXPECT_THAT(message_of(with_camera(good + "\nup = [0, 0, 0]")), HasSubstr("without length"));
+  EXPECT_THAT(message_of(with_camera(good + "\ntype = \"wide\"")), HasSubstr("perspective, fisheye, panorama"));
+  EXPECT_THAT(message_of(with_camera(good + "\nfield_of_view_deg = 180")), AllOf(HasSubstr("180"), HasSubstr("170")));
+  EXPECT_THAT(message_of(with_camera(good + "\nrays = 0")), AllOf(HasSubstr("camera.0.rays"), HasSubstr("1 to 16")));
+  EXPECT_THAT(message_of(with_camera(good + "\nfocus = 2")), HasSubstr("unknown key"));
+  EXPECT_THAT(message_of(with_camera(good, "[[radiance]]\nname = \"eye\"\nzenith_deg = 0")),
+              AllOf(HasSubstr("camera.0.name"), HasSubstr("already in use")));
+  EXPECT_THAT(message_of(kLayers + "[[radiance]]\nname = \"a\"\nzenith_deg = 0\nwidth = 3"),
+              AllOf(HasSubstr("radiance.0.height"), HasSubstr("missing")));
+}
+
+std::string spectral(const std::string& part, const std::string& by) {
+  return replaced(part, by) + "[spectrum]\nwavelengths_um = [0.67, 0.55]\n";
+}
+
+TEST(Scene, ListsHaveOneNumberAWavelength) {
+  const TemporaryFolder folder;
+  const auto scenes = [&](const std::string& part, const std::string& by) {
+    auto read = read_scenes(folder.write("scene.toml", spectral(part, by)));
+    EXPECT_EQ(read.size(), 2u);
+    EXPECT_EQ(read.at(0).wavelength_um, 0.67);
+    EXPECT_EQ(read.at(1).wavelength_um, 0.55);
+    return read;
+  };
+  EXPECT_EQ(scenes("optical_depth = 10.0", "optical_depth = [10, 11.5]")[1].layers[0].optical_depth, 11.5);
+  EXPECT_EQ(scenes("optical_depth = 10.0", "optical_depth = 10")[1].layers[0].optical_depth, 10);
+  EXPECT_EQ(scenes("= 0.99", "= [0.9, 1]")[0].layers[0].single_scattering_albedo, 0.9);
+  EXPECT_EQ(scenes("albedo = 0.25", "albedo = [0.25, 0.5]")[1].surface.albedo, 0.5);
+  EXPECT_EQ(scenes("irradiance_w_m2 = 1361.0", "irradiance_w_m2 = [1.5, 1.9]")[1].sun->irradiance_w_m2, 1.9);
+  EXPECT_EQ(scenes("[sun]", "[sky]\nradiance_w_m2_sr = [1, 2]\n[sun]")[1].sky_radiance, 2);
+  EXPECT_DOUBLE_EQ(scenes("= 0.85", "= [0.8, 0.85]")[0].phase_functions[0].function.asymmetry_parameter(), 0.8);
+}
+
+TEST(Scene, AirFollowsRayleighsLaw) {
+  const TemporaryFolder folder;
+  const auto scenes = read_scenes(folder.write(
+      "scene.toml", spectral("optical_depth = 0.1\n", "optical_depth = 0.1\noptical_depth_wavelength_um = 0.55\n")));
+  EXPECT_DOUBLE_EQ(scenes[1].layers[1].optical_depth, 0.1);
+  // The fourth power, and 1 % for the dispersion of air.
+  EXPECT_NEAR(scenes[0].layers[1].optical_depth / (0.1 * std::pow(0.55 / 0.67, 4)), 1, 0.02);
+  EXPECT_LT(scenes[0].layers[1].optical_depth, 0.1 * std::pow(0.55 / 0.67, 4));
+}
+
+TEST(Scene, SpectrumMistakes) {
+  EXPECT_THAT(message_of(replaced("optical_depth = 10.0", "optical_depth = [1, 2]")),
+              AllOf(HasSubstr("layer.0.optical_depth"), HasSubstr("without [spectrum]")));
+  EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = [1, 2, 3]")),
+              AllOf(HasSubstr("an array of 3"), HasSubstr("a list of 2")));
+  EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = [1, -2]")), HasSubstr("-2"));
+  EXPECT_THAT(message_of(kLayers + "[spectrum]\n"), AllOf(HasSubstr("wavelengths_um"), HasSubstr("missing")));
+  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = []\n"), HasSubstr("empty"));
+  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"), HasSubstr("twice"));
+  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0]\n"), HasSubstr("> 0"));
+  EXPECT_THAT(
+      message_of(replaced("optical_depth = 0.1\n", "optical_depth = 0.1\noptical_depth_wavelength_um = 0.55\n")),
+      HasSubstr("needs [spectrum]"));
+  EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = 10.0\noptical_depth_wavelength_um = 0.55")),
+              AllOf(HasSubstr("air alone"), HasSubstr("droplets")));
+  EXPECT_THAT(
+      message_of(spectral("optical_depth = 0.1\n", "optical_depth = [0.1, 0.2]\noptical_depth_wavelength_um = 0.55\n")),
+      HasSubstr("one of the two"));
 }
 
 TEST(Scene, FilesThatAreNoScenes) {

@@ -213,6 +213,22 @@ TEST(OpticalGrid, EdgesThatCoincideBecomeOne) {
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{60, 90, 120, 150, 180, 210}));
 }
 
+TEST(OpticalGrid, FinestLevelsOfSeveral) {
+  EXPECT_EQ(finest_levels({{0, 10, 20}}), (std::vector<double>{0, 10, 20}));
+  EXPECT_EQ(finest_levels({{0, 5, 10, 20}, {0, 10, 13, 16, 20}, {0, 4, 10, 15, 20}}),
+            (std::vector<double>{0, 5, 10, 13, 16, 20}));
+}
+
+TEST(OpticalGrid, LevelsAsGiven) {
+  LevelOptions options;
+  options.levels_m = {0, 10, 100, 200, 300};
+  const OpticalGrid grid =
+      make_optical_grid(nullptr, {}, {{100, 200, 5, 1.0, 0}}, kOrigin, {1, 1, 300}, true, 1, {0}, options);
+  EXPECT_EQ(grid.box.z_edge_m, options.levels_m);
+  ASSERT_EQ(grid.active_cells(), 1u);
+  EXPECT_FLOAT_EQ(grid.scattering[0][0], 0.05f);
+}
+
 TEST(OpticalGrid, Errors) {
   const LevelOptions levels = LevelOptions::layers_only();
   EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1200, 1, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1, {0}, levels),

@@ -66,6 +66,27 @@ TEST_F(DropletTableFile, ReadsWhatItWrote) {
   EXPECT_THAT(message(file, 0.55), AllOf(HasSubstr("table.h5"), HasSubstr("found 0.55"), HasSubstr("0.67")));
 }
 
+TEST_F(DropletTableFile, HoldsSeveralWavelengths) {
+  const auto file = folder_ / "table.h5";
+  DropletTable blue = small_table();
+  blue.wavelength_um = 0.45;
+  blue.extinction_m2_per_g = {0.26, 0.125};
+  blue.moments = {{1, 0.5, 0.125, 0.01, 0.002}, {1, 0.375, 0.01}};
+  DropletTableInfo blue_info = some_info();
+  blue_info.refractive_index = {1.337, 1e-9};
+  write_droplet_tables(file, std::vector{small_table(), blue}, std::vector{some_info(), blue_info});
+  for (const DropletTable& expected : {small_table(), blue}) {
+    const DropletTable table = read_droplet_table(file, expected.wavelength_um);
+    EXPECT_EQ(table.wavelength_um, expected.wavelength_um);
+    EXPECT_EQ(table.effective_radius_um, expected.effective_radius_um);
+    EXPECT_EQ(table.extinction_m2_per_g, expected.extinction_m2_per_g);
+    EXPECT_EQ(table.single_scattering_albedo, expected.single_scattering_albedo);
+    EXPECT_EQ(table.moments, expected.moments);
+  }
+  EXPECT_THAT(message(file, 0.55), AllOf(HasSubstr("table.h5"), HasSubstr("found 0.55"), HasSubstr("nearest")));
+  EXPECT_THAT(message(file, {}), HasSubstr("2 wavelengths"));
+}
+
 TEST_F(DropletTableFile, IsNetcdf4) {
   const auto file = folder_ / "table.h5";
   write_droplet_table(file, small_table(), some_info());

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -111,6 +112,99 @@ TEST_F(ResultFile, HoldsEveryFieldAtItsPlace) {
   EXPECT_EQ(read_number(file, "solver", "active_voxels"), 5e9);
   EXPECT_EQ(read_number(file, "solver", "gather_rescaling"), 1.001);
   EXPECT_EQ(read_number(file, "solver", "seconds_gather"), 1.5);
+  H5Fclose(file);
+}
+
+Solution with_images(float factor) {
+  Solution solution = sample::solution(3, 2, 1);
+  solution.sun = Sun{Direction(0, 0.8, -0.6), 10};
+  solution.images.resize(2);
+  solution.images[0].view.name = "columns";
+  solution.images[0].view.travel = Direction(0, 0, 1);
+  solution.images[0].radiance = {0, 1, 2, 3, 4, 5};
+  solution.images[1].view.name = "pixels";
+  solution.images[1].view.travel = Direction(0, 0, -1);
+  solution.images[1].view.width = 2;
+  solution.images[1].view.height = 4;
+  solution.images[1].radiance = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Camera camera =
+      make_camera("eye", Camera::Projection::fisheye, {{1, 2, 3}, {1, 2, 9}, {0, 1, 0}}, std::acos(-1.), 2, 2);
+  solution.camera_images.push_back({camera, {0, 1, std::numeric_limits<float>::quiet_NaN(), 3}});
+  for (RadianceImage& image : solution.images) {
+    for (float& value : image.radiance) value *= factor;
+  }
+  return solution;
+}
+
+TEST_F(ResultFile, ImagesHaveTheirOwnPixels) {
+  write_result(folder_ / "r.h5", with_images(1), sample::info());
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  std::vector<hsize_t> shape;
+  EXPECT_THAT(read_values<float>(file, "radiance_columns", H5T_NATIVE_FLOAT, &shape), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(shape, ElementsAre(2, 3));
+  EXPECT_THAT(read_values<float>(file, "radiance_pixels", H5T_NATIVE_FLOAT, &shape),
+              ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_THAT(shape, ElementsAre(4, 2));
+  // The domain reaches from 100 to 175 m and from -50 to 50 m.
+  EXPECT_THAT(read_values<double>(file, "x_pixels", H5T_NATIVE_DOUBLE), ElementsAre(118.75, 156.25));
+  EXPECT_THAT(read_values<double>(file, "y_pixels", H5T_NATIVE_DOUBLE), ElementsAre(-37.5, -12.5, 12.5, 37.5));
+  EXPECT_EQ(H5Lexists(file, "x_columns", H5P_DEFAULT), 0);
+  const auto camera = read_values<float>(file, "camera_eye", H5T_NATIVE_FLOAT, &shape);
+  EXPECT_THAT(shape, ElementsAre(2, 2));
+  EXPECT_EQ(camera[3], 3);
+  EXPECT_TRUE(std::isnan(camera[2]));
+  EXPECT_THAT(read_values<double>(file, "row_eye", H5T_NATIVE_DOUBLE), ElementsAre(0.5, 1.5));
+  EXPECT_EQ(read_number(file, "camera_eye", "field_of_view_deg"), 180);
+  std::array<double, 3> position{};
+  EXPECT_GE(H5LTget_attribute_double(file, "camera_eye", "position_m", position.data()), 0);
+  EXPECT_THAT(position, ElementsAre(1, 2, 3));
+  // pi I over mu0 F0 = 0.6 * 10.
+  const auto factor = read_values<float>(file, "reflectance_factor_columns", H5T_NATIVE_FLOAT);
+  EXPECT_FLOAT_EQ(factor[5], static_cast<float>(std::acos(-1.) * 5 / 6));
+  EXPECT_FLOAT_EQ(read_values<float>(file, "reflectance_factor_eye", H5T_NATIVE_FLOAT)[3],
+                  static_cast<float>(std::acos(-1.) * 3 / 6));
+  H5Fclose(file);
+}
+
+TEST_F(ResultFile, NoReflectanceFactorWithoutASun) {
+  Solution solution = with_images(1);
+  solution.sun.reset();
+  write_result(folder_ / "r.h5", solution, sample::info());
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_EQ(H5Lexists(file, "reflectance_factor_columns", H5P_DEFAULT), 0);
+  EXPECT_EQ(H5Lexists(file, "radiance_columns", H5P_DEFAULT), 1);
+  H5Fclose(file);
+}
+
+TEST_F(ResultFile, ASpectrumIsADimensionMore) {
+  std::vector<Solution> solutions{with_images(1), with_images(2)};
+  solutions[1].ledger.reflectance = 0.25;
+  solutions[1].report.sweeps = 5;
+  for (float& flux : solutions[1].upwelling_flux) flux += 1;
+  ResultInfo info = sample::info();
+  info.wavelengths_um = {0.67, 0.55};
+  info.phase_classes = {3, 4};
+  info.phase_class_error = {1e-3, 2e-3};
+  write_result(folder_ / "r.h5", solutions, info);
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_THAT(read_values<double>(file, "wavelength", H5T_NATIVE_DOUBLE), ElementsAre(0.67, 0.55));
+  std::vector<hsize_t> shape;
+  const auto flux = read_values<float>(file, "upwelling_flux", H5T_NATIVE_FLOAT, &shape);
+  EXPECT_THAT(shape, ElementsAre(2, 2, 2, 3));
+  EXPECT_EQ(flux.front(), solutions[0].upwelling_flux.front());
+  EXPECT_EQ(flux.back(), solutions[1].upwelling_flux.back());
+  EXPECT_EQ(read_values<float>(file, "radiance_pixels", H5T_NATIVE_FLOAT, &shape).back(), 14);
+  EXPECT_THAT(shape, ElementsAre(2, 4, 2));
+  read_values<double>(file, "profile/upwelling_flux", H5T_NATIVE_DOUBLE, &shape);
+  EXPECT_THAT(shape, ElementsAre(2, 2));
+  std::array<double, 2> reflectance{};
+  EXPECT_GE(H5LTget_attribute_double(file, "summary", "reflectance", reflectance.data()), 0);
+  EXPECT_THAT(reflectance, ElementsAre(0.5, 0.25));
+  std::array<int, 2> sweeps{}, classes{};
+  EXPECT_GE(H5LTget_attribute_int(file, "solver", "sweeps", sweeps.data()), 0);
+  EXPECT_THAT(sweeps, ElementsAre(17, 5));
+  EXPECT_GE(H5LTget_attribute_int(file, "solver", "phase_classes", classes.data()), 0);
+  EXPECT_THAT(classes, ElementsAre(3, 4));
   H5Fclose(file);
 }
 

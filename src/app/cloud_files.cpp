@@ -1,0 +1,32 @@
+#include "cloudbow/app/cloud_files.hpp"
+
+#include <fmt/format.h>
+
+namespace cloudbow {
+namespace {
+
+/// What reading depends on and a scene can change from wavelength to wavelength; the rest is the same for one cloud.
+std::string key_of(const VdbReadOptions& options, double low, double high) {
+  return fmt::format("{} {} {} {}", options.grid, options.scale, low, high);
+}
+
+}  // namespace
+
+CloudField CloudFiles::field(const std::filesystem::path& file, const VdbReadOptions& options) {
+  const std::string key = key_of(options, 0, 0);
+  if (const auto kept = field_.find(key); kept != field_.end()) return kept->second;
+  CloudField field = read_cloud_vdb(file, options);
+  if (keep_) field_.emplace(key, field);
+  return field;
+}
+
+std::vector<float> CloudFiles::companion(const std::filesystem::path& file, const CloudField& field,
+                                         const VdbReadOptions& options, double low, double high) {
+  const std::string key = key_of(options, low, high);
+  if (const auto kept = companion_.find(key); kept != companion_.end()) return kept->second;
+  std::vector<float> value = read_companion_vdb(file, field, options, low, high);
+  if (keep_) companion_.emplace(key, value);
+  return value;
+}
+
+}  // namespace cloudbow
