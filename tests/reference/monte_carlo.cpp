@@ -229,18 +229,19 @@ class Batch {
   }
 
  private:
-  /// Places where the sun comes in follow an additive sequence in three dimensions (Roberts' R3, powers of the root of
-  /// x^4 = x + 1), shifted at random: no less random to the next scattering, but evenly spread over the columns.
-  Photon start(std::int64_t n) const {
-    constexpr double step[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-    double u[3];
-    for (int a = 0; a < 3; ++a) {
+  /// Places where the sun comes in follow an additive sequence in the plane (Roberts' R2, powers of the root of
+  /// x^3 = x + 1), shifted at random in each batch: evenly spread over the columns, which plain random places are not.
+  Photon start(std::int64_t n) {
+    constexpr double step[2] = {0.7548776662466927, 0.5698402909980532};
+    double u[2];
+    for (int a = 0; a < 2; ++a) {
       u[a] = shift_[a] + static_cast<double>(n) * step[a];
       u[a] -= std::floor(u[a]);
     }
     Photon p;
     p.direction = sun_;
-    const double at = u[2] * (lit_area_[0] + lit_area_[1] + lit_area_[2]), bottom = scene_.z_edge_m.front();
+    const double at = random_.uniform() * (lit_area_[0] + lit_area_[1] + lit_area_[2]);
+    const double bottom = scene_.z_edge_m.front();
     const auto entry = [&](int axis) { return sun_[axis] > 0 ? 0.0 : box_.width(axis); };
     if (at < lit_area_[2]) {
       p.position = {u[0] * box_.width(0), u[1] * box_.width(1), scene_.z_edge_m.back()};
@@ -338,7 +339,8 @@ class Batch {
   Vector sun_;              // direction of travel
   std::vector<Vector> view_;
   std::size_t first_down_ = 0, first_absorbed_ = 0, first_radiance_ = 0;
-  Vector lit_area_{}, shift_{};  // seen along the beam: sides across x, across y, top
+  Vector lit_area_{};  // seen along the beam: sides across x, across y, top
+  std::array<double, 2> shift_{};
   std::vector<double> tally_;
 };
 
