@@ -114,8 +114,8 @@ TABLES = {"fluxes": fluxes, "images": images}
 def main():
     parser = support.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("tables", nargs="*", metavar="TABLE", help="fluxes, images (default: both)")
-    parser.add_argument("--photons", type=float, default=2e6)
-    parser.add_argument("--reference-photons", type=float, default=3e7)
+    parser.add_argument("--photons", type=float, default=1e6)
+    parser.add_argument("--reference-photons", type=float, default=1.5e7)
     parser.add_argument("--document", type=Path, help="write the tables between the markers monte-carlo-fluxes and monte-carlo-images")
     monte_carlo.add_programs(parser)
     options = parser.parse_args()

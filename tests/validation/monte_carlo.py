@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-import support
 from support import ROOT, Failure
 
 
@@ -101,6 +100,3 @@ def table(angle_deg, value):
 def chi(difference, error):
     """RMS of a difference in its own standard errors: 1 where it is noise alone."""
     return math.sqrt(np.mean((difference / error) ** 2))
-
-
-__all__ = ["Job", "MonteCarlo", "Plane", "Solution", "add_programs", "chi", "cloud_cells", "henyey_greenstein", "support", "table"]
