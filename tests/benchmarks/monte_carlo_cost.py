@@ -19,19 +19,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "validation"))
 import intercomparison  # noqa: E402
 import monte_carlo  # noqa: E402
 import support  # noqa: E402
+from monte_carlo_references import job  # noqa: E402
 
 REPEATS = 3
 ACCURACIES = ("draft", "balanced", "fine")
 CASES = {"RICO, mu0 .5": intercomparison.CASES["rico"][0], "step cloud, mu0 1": intercomparison.CASES["step"][1]}
 NADIR = (0.0, 0.0)
-
-
-def job(case, references, options, views=()):
-    cells, size, bottom = monte_carlo.cloud_cells(options.cloud_cells, references / "fields" / case.cloud)
-    nz, ny, nx = cells.shape
-    media = [(case.single_scattering_albedo, monte_carlo.henyey_greenstein(0.85), cells)]
-    return monte_carlo.Job(bottom + size[2] * np.arange(nz + 1), (nx, ny), size[:2], media, (support.zenith_deg(case.mu0), 180.0), case.surface_albedo,
-                           levels=[0, nz], views=list(views))
 
 
 def scene(case, references, accuracy, image):
@@ -65,7 +58,8 @@ class Race:
         factor = (monte_carlo_error / error) ** 2 if error > 0 else math.inf
         seconds = factor * self.monte_carlo_seconds
         return [name, accuracy, f"{error:.3f}" if "mean" in name else f"{error:.2f}", f"{self.seconds(accuracy):.2f}",
-                f"{factor * self.solution.photons:.1e}", f"{seconds:.3g}", f"{seconds / self.seconds(accuracy):.3g}"]
+                f"{factor * self.solution.photons:.1e}", f"{seconds:.2g}" if seconds < 10 else f"{seconds:.0f}",
+                f"{float(f'{seconds / self.seconds(accuracy):.2g}'):g}"]
 
 
 def noise_percent(plane):
