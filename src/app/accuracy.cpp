@@ -32,7 +32,7 @@ constexpr std::array<Level, 4> kLadder{{
 // well, horizontal ones worse: for columns only.
 constexpr std::array<Level, 2> kColumnLadder{{
     {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 1e-4, 1e-3},
-    {"fine", 162, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 1e-5, 2e-4},
+    {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 1e-5, 2e-4},
 }};
 constexpr int kMeasuredBeamExcess = 2;
 

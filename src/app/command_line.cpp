@@ -17,6 +17,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/render.hpp"
 #include "command_checks.hpp"
+#include "export_command.hpp"
 #include "phase_command.hpp"
 
 namespace cloudbow {
@@ -154,6 +155,7 @@ int parse_and_act(int argc, const char* const* argv) {
   add_cloud(app, action);
   add_mie(app, action, command_text(argc, argv));
   add_render(app, action);
+  add_export(app, action);
   add_phase(app, action, command_text(argc, argv));
   try {
     app.parse(argc, argv);

@@ -355,6 +355,7 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
     box.dy_m = cloud->cell_size_m[1];
     cloud_i = offset(0);
     cloud_j = offset(1);
+    box.cloud = {planes.end - planes.first, planes.face_m(planes.first), cloud->cell_size_m[2]};
   }
   box.x_min_m = domain_min_m[0];
   box.y_min_m = domain_min_m[1];

@@ -60,4 +60,9 @@ void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field,
   vdb_module().write_cloud(path, field, options, companions);
 }
 
+void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
+                      const std::function<VdbField(std::size_t)>& field) {
+  vdb_module().write_fields(path, box, count, field);
+}
+
 }  // namespace cloudbow

@@ -15,6 +15,8 @@ struct VdbModule {
   std::vector<VdbGridInfo> (*list_grids)(const std::filesystem::path& path);
   void (*write_cloud)(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
                       const std::vector<VdbCompanion>& companions);
+  void (*write_fields)(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
+                       const std::function<VdbField(std::size_t)>& field);
 };
 
 }  // namespace cloudbow

@@ -476,4 +476,5 @@ std::vector<VdbGridInfo> list_grids_safely(const std::filesystem::path& path) {
 }  // namespace cloudbow
 
 const cloudbow::VdbModule cloudbow_vdb_module = {cloudbow::read_cloud_safely, cloudbow::read_companion_safely,
-                                                 cloudbow::list_grids_safely, cloudbow::vdb::write_cloud};
+                                                 cloudbow::list_grids_safely, cloudbow::vdb::write_cloud,
+                                                 cloudbow::vdb::write_fields};

@@ -2,13 +2,19 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/Stream.h>
+#include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
 #include <unistd.h>
 
 #include <cassert>
+#include <cerrno>
 #include <cmath>
 #include <fstream>
+#include <new>
+#include <optional>
 #include <system_error>
 
 #include "cloudbow/core/error.hpp"
@@ -28,6 +34,31 @@ struct GridContent {
   const std::vector<float>& value;
   bool half;
 };
+
+/// Box and centres of the voxels.
+void set_transform(openvdb::FloatGrid& grid, const VdbBox& box) {
+  openvdb::Vec3d size;
+  openvdb::Vec3d min;
+  openvdb::Vec3d max;
+  for (int a = 0; a < 3; ++a) {
+    size[a] = box.cell_size_m[a];
+    min[a] = box.min_m[a];
+    max[a] = box.min_m[a] + box.cells[a] * box.cell_size_m[a];
+  }
+  grid.setTransform(openvdb::math::Transform::Ptr(new openvdb::math::Transform(
+      openvdb::math::MapBase::Ptr(new openvdb::math::ScaleTranslateMap(size, min + 0.5 * size)))));
+  grid.insertMeta("domain_min_m", openvdb::Vec3DMetadata(min));
+  grid.insertMeta("domain_max_m", openvdb::Vec3DMetadata(max));
+}
+
+void set_metadata(openvdb::FloatGrid& grid, const std::string& name, const std::string& quantity,
+                  const std::string& units) {
+  grid.setName(name);
+  grid.setGridClass(openvdb::GRID_FOG_VOLUME);
+  grid.setCreator("cloudbow");
+  if (!quantity.empty()) grid.insertMeta("quantity", openvdb::StringMetadata(quantity));
+  if (!units.empty()) grid.insertMeta("units", openvdb::StringMetadata(units));
+}
 
 openvdb::FloatGrid::Ptr to_grid(const CloudField& field, const GridContent& content) {
   const auto grid = openvdb::FloatGrid::create(0.0F);
@@ -50,24 +81,26 @@ openvdb::FloatGrid::Ptr to_grid(const CloudField& field, const GridContent& cont
     }
   }
 
-  openvdb::Vec3d size;
-  openvdb::Vec3d min;
-  openvdb::Vec3d max;
-  for (int a = 0; a < 3; ++a) {
-    size[a] = field.cell_size_m[a];
-    min[a] = field.min_m[a];
-    max[a] = field.max_m(a);
-  }
-  grid->setTransform(openvdb::math::Transform::Ptr(new openvdb::math::Transform(
-      openvdb::math::MapBase::Ptr(new openvdb::math::ScaleTranslateMap(size, min + 0.5 * size)))));
-  grid->setName(content.name);
-  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  set_transform(*grid, {field.cells, field.cell_size_m, field.min_m});
+  set_metadata(*grid, content.name, content.quantity, content.units);
   grid->setSaveFloatAsHalf(content.half);
-  grid->setCreator("cloudbow");
-  grid->insertMeta("domain_min_m", openvdb::Vec3DMetadata(min));
-  grid->insertMeta("domain_max_m", openvdb::Vec3DMetadata(max));
-  if (!content.quantity.empty()) grid->insertMeta("quantity", openvdb::StringMetadata(content.quantity));
-  if (!content.units.empty()) grid->insertMeta("units", openvdb::StringMetadata(content.units));
+  return grid;
+}
+
+openvdb::FloatGrid::ConstPtr to_grid(const VdbField& field, const VdbBox& box) {
+  assert(field.voxel.size() == field.value.size());
+  const auto grid = openvdb::FloatGrid::create(0.0F);
+  auto accessor = grid->getAccessor();
+  for (std::size_t n = 0; n < field.voxel.size(); ++n) {
+    const auto& [i, j, k] = field.voxel[n];
+    accessor.setValue({i, j, k}, field.value[n]);
+  }
+  set_transform(*grid, box);
+  set_metadata(*grid, field.grid, field.quantity, field.units);
+  if (field.direction) {
+    const auto& [x, y, z] = *field.direction;
+    grid->insertMeta("direction", openvdb::Vec3DMetadata(openvdb::Vec3d(x, y, z)));
+  }
   return grid;
 }
 
@@ -77,15 +110,33 @@ std::string units_of(const std::string& quantity) {
   return "";
 }
 
-void write(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids) {
-  std::ofstream stream;
-  stream.exceptions(std::ios::failbit | std::ios::badbit);
-  stream.open(path, std::ios::binary | std::ios::trunc);
-  openvdb::io::Stream archive(stream);
-  archive.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
-  archive.write(grids);
-  stream.close();
-}
+constexpr std::uint32_t compression_flags = openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK;
+
+/// Grids one by one: openvdb::io::File and Stream want them all at once. The order of the writes is that of
+/// openvdb::io::Archive::write.
+class GridByGrid : private openvdb::io::Archive {
+ public:
+  GridByGrid(std::ostream& stream, std::size_t count) : stream_(stream) {
+    setCompression(compression_flags);
+    openvdb::io::setStreamMetadataPtr(stream_, stream_metadata_, /*transfer=*/false);
+    writeHeader(stream_, /*seekable=*/true);
+    openvdb::MetaMap().writeMeta(stream_);
+    const auto grids = static_cast<std::int32_t>(count);
+    stream_.write(reinterpret_cast<const char*>(&grids), sizeof grids);
+  }
+  ~GridByGrid() override { openvdb::io::clearStreamMetadataPtr(stream_); }
+  GridByGrid(const GridByGrid&) = delete;
+  GridByGrid& operator=(const GridByGrid&) = delete;
+
+  void add(const openvdb::FloatGrid::ConstPtr& grid) {
+    openvdb::io::GridDescriptor descriptor(grid->getName(), grid->type());
+    writeGrid(descriptor, grid, stream_, /*seekable=*/true);
+  }
+
+ private:
+  std::ostream& stream_;
+  openvdb::io::StreamMetadata::Ptr stream_metadata_{new openvdb::io::StreamMetadata};
+};
 
 /// Without this a crash of the machine after the rename can leave an empty file under the final name.
 void flush_to_disk(const std::filesystem::path& path) {
@@ -94,6 +145,57 @@ void flush_to_disk(const std::filesystem::path& path) {
   if (file >= 0) close(file);
   if (failed) throw std::ios_base::failure("fsync", std::error_code(errno, std::generic_category()));
 }
+
+/// A file under a temporary name until it is complete; without that it goes again.
+class PartFile {
+ public:
+  explicit PartFile(const std::filesystem::path& target) : target_(target), part_(target) {
+    part_ += fmt::format(".{}.part", getpid());
+    doing([&] {
+      stream_.exceptions(std::ios::failbit | std::ios::badbit);
+      stream_.open(part_, std::ios::binary | std::ios::trunc);
+    });
+  }
+  ~PartFile() {
+    std::error_code ignored;
+    if (!complete_) std::filesystem::remove(part_, ignored);
+  }
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+
+  std::ostream& stream() { return stream_; }
+
+  /// What a function that writes throws becomes the user's message.
+  template <class Function>
+  void doing(Function function) {
+    try {
+      errno = 0;
+      function();
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      const int reason = errno;
+      throw InputError(
+          fmt::format("{}: cannot be written ({}) name a file in a folder that exists, is writable and has room",
+                      target_.string(), reason != 0 ? std::generic_category().message(reason) : error.what()));
+    }
+  }
+
+  void commit() {
+    doing([&] {
+      stream_.close();
+      flush_to_disk(part_);
+      std::filesystem::rename(part_, target_);
+    });
+    complete_ = true;
+  }
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path part_;
+  std::ofstream stream_;
+  bool complete_ = false;
+};
 
 }  // namespace
 
@@ -106,20 +208,27 @@ void vdb::write_cloud(const std::filesystem::path& path, const CloudField& field
     assert(companion.value.size() == field.value.size());
     grids.push_back(to_grid(field, {companion.grid, companion.quantity, companion.units, companion.value, false}));
   }
-  auto part = path;
-  part += fmt::format(".{}.part", getpid());
-  try {
-    write(part, grids);
-    flush_to_disk(part);
-    std::filesystem::rename(part, path);
-  } catch (const std::exception&) {
-    const std::error_code reason(errno, std::generic_category());
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw InputError(
-        fmt::format("{}: cannot be written ({}) name a file in a folder that exists, is writable and has room",
-                    path.string(), reason.message()));
+  PartFile file(path);
+  file.doing([&] {
+    openvdb::io::Stream archive(file.stream());
+    archive.setCompression(compression_flags);
+    archive.write(grids);
+  });
+  file.commit();
+}
+
+void vdb::write_fields(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
+                       const std::function<VdbField(std::size_t)>& field) {
+  openvdb::initialize();
+  PartFile file(path);
+  std::optional<GridByGrid> archive;
+  file.doing([&] { archive.emplace(file.stream(), count); });
+  for (std::size_t n = 0; n < count; ++n) {
+    const auto grid = to_grid(field(n), box);
+    file.doing([&] { archive->add(grid); });
   }
+  archive.reset();
+  file.commit();
 }
 
 }  // namespace cloudbow

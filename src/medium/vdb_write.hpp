@@ -8,4 +8,8 @@ namespace cloudbow::vdb {
 void write_cloud(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
                  const std::vector<VdbCompanion>& companions);
 
+/// write_fields_vdb, within the module.
+void write_fields(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
+                  const std::function<VdbField(std::size_t)>& field);
+
 }  // namespace cloudbow::vdb

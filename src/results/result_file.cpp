@@ -46,12 +46,22 @@ Attributes flux_attributes(const FluxName& flux) {
           {"cell_methods", "area: mean"}};
 }
 
-Attributes horizontal_attributes(const char* long_name, const char* axis) {
-  return {{"units", "m"}, {"long_name", long_name}, {"axis", axis}};
+Attributes horizontal_attributes(const char* long_name, const char* axis, double spacing) {
+  return {{"units", "m"}, {"long_name", long_name}, {"axis", axis}, {"cell_size_m", spacing}};
 }
 
 Attributes vertical_attributes(const char* long_name) {
   return {{"units", "m"}, {"long_name", long_name}, {"axis", "Z"}, {"positive", "up"}};
+}
+
+Attributes height_attributes(const VoxelPlanes& cloud) {
+  Attributes attributes = vertical_attributes("height of the cell centre");
+  if (cloud.count > 0) {
+    attributes.insert(attributes.end(), {{"cloud_voxel_planes", std::int32_t{cloud.count}},
+                                         {"cloud_bottom_m", cloud.bottom_m},
+                                         {"cloud_voxel_height_m", cloud.height_m}});
+  }
+  return attributes;
 }
 
 std::vector<double> centres(int cells, double min, double spacing) {
@@ -89,6 +99,10 @@ std::vector<float> reflectance_factor(std::span<const float> radiance, const std
 }
 
 std::vector<double> components(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
+  return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
+}
 
 /// Writes one solution, or those of several wavelengths on the same grid with a dimension more.
 class ResultWriter {
@@ -169,10 +183,10 @@ class ResultWriter {
     const BoxGrid& box = first_.box;
     write_wavelength(file);
     netcdf4::write_coordinate(file, "x", centres(box.nx, box.x_min_m, box.dx_m),
-                              horizontal_attributes("cell centre, x", "X"));
+                              horizontal_attributes("cell centre, x", "X", box.dx_m));
     netcdf4::write_coordinate(file, "y", centres(box.ny, box.y_min_m, box.dy_m),
-                              horizontal_attributes("cell centre, y", "Y"));
-    netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), vertical_attributes("height of the cell centre"));
+                              horizontal_attributes("cell centre, y", "Y", box.dy_m));
+    netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
     write_z_edge(file);
 
     const bool all_levels = first_.flux_level.size() == box.z_edge_m.size();
@@ -225,10 +239,11 @@ class ResultWriter {
     if (view.width == 0) return {};
     const BoxGrid& box = first_.box;
     const ImagePlane plane{"y_" + view.name, "x_" + view.name};
-    netcdf4::write_coordinate(file, plane.x.c_str(), centres(view.width, box.x_min_m, box.nx * box.dx_m / view.width),
-                              horizontal_attributes("pixel centre, x", "X"));
-    netcdf4::write_coordinate(file, plane.y.c_str(), centres(view.height, box.y_min_m, box.ny * box.dy_m / view.height),
-                              horizontal_attributes("pixel centre, y", "Y"));
+    const double dx = box.nx * box.dx_m / view.width, dy = box.ny * box.dy_m / view.height;
+    netcdf4::write_coordinate(file, plane.x.c_str(), centres(view.width, box.x_min_m, dx),
+                              horizontal_attributes("pixel centre, x", "X", dx));
+    netcdf4::write_coordinate(file, plane.y.c_str(), centres(view.height, box.y_min_m, dy),
+                              horizontal_attributes("pixel centre, y", "Y", dy));
     return plane;
   }
 
@@ -356,10 +371,17 @@ class ResultWriter {
   void write_radiance_field(hid_t file) const {
     const RadianceField& field = *first_.radiance_field;
     hdf5::Handle group = netcdf4::create_group(file, "radiance_field");
-    netcdf4::write_attribute(group, {"frame", "axes of the domain: x, y horizontal, z up"});
+    netcdf4::write_attributes(
+        group, {{"frame", "axes of the domain: x, y horizontal, z up"},
+                {"interpolation",
+                 "the radiance along a direction of travel is the mean of the radiances at the corners of "
+                 "the triangle that holds it, weighted by the areas of the spherical triangles that it forms with the "
+                 "sides opposite to the corners"}});
     write_wavelength(group);
     netcdf4::write_dimension(group, "control_point", field.direction.size());
     netcdf4::write_dimension(group, "active_voxel", field.voxel.size());
+    netcdf4::write_dimension(group, "face", field.triangle.size());
+    netcdf4::write_dimension(group, "corner", 3);
     netcdf4::write_dimension(group, "axis", 3);
 
     std::vector<double> direction;
@@ -367,9 +389,13 @@ class ResultWriter {
     netcdf4::write_variable(
         group, "direction", {"control_point", "axis"}, std::span<const double>(direction),
         {{"units", "1"}, {"long_name", "unit vector in which light travels, at each control point"}});
-    const std::span<const std::int32_t> voxel(field.voxel.empty() ? nullptr : field.voxel.front().data(),
-                                              3 * field.voxel.size());
-    netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, voxel,
+    netcdf4::write_variable(
+        group, "triangle", {"face", "corner"}, flattened(field.triangle),
+        {{"units", "1"},
+         {"long_name",
+          "control points at the corners of each triangle of the sphere, counter-clockwise seen from "
+          "outside, from 0"}});
+    netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, flattened(field.voxel),
                             {{"units", "1"}, {"long_name", "cell indices i, j, k along x, y, z, from 0"}});
     write_variable(
         group, "radiance", {"active_voxel", "control_point"},

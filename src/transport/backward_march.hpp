@@ -36,14 +36,14 @@ struct GatherWorkspace {
 
 /// Rays leave the plane against the light's travel, as `pattern` says; what they meet, times `weight`, is added to
 /// `gathered`.
+/// @param source along `travel`.
 template <class Real>
 void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,
-                const Direction& travel, Real weight, const CellView<Real>& cells, GatherWorkspace<Real>& work,
-                Gathered<Real>& gathered) {
+                const Direction& travel, const SourceAlong<Real>& source, Real weight, const CellView<Real>& cells,
+                GatherWorkspace<Real>& work, Gathered<Real>& gathered) {
   const BoxGrid& box = scene.box;
   const ActiveRows& rows = scene.cells.rows;
   const std::size_t columns = box.columns();
-  const SourceAlong<Real> source = scene.source.along(travel);
   work.source.resize(rows.largest_level() + lane_padding);
   work.transmitted.assign(columns + lane_padding, weight);
   const std::vector<double> side =

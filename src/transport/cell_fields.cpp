@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "cloudbow/transport/radiance_march.hpp"
+
 namespace cloudbow {
 
 template <class Real>
@@ -32,6 +34,7 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;
   field.direction.assign(points.directions().begin(), points.directions().end());
+  field.triangle.assign(points.triangles().begin(), points.triangles().end());
   const std::size_t n = system.cells->size();
   const std::size_t m = field.direction.size();
   const std::size_t columns = system.box.columns();
@@ -47,33 +50,13 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
       system.ground.radiance(solved.fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
 #pragma omp parallel
   {
-    std::vector<Real> from_ground;
-    LinearSource<Real> emitted;
-    emitted.resize(n);
-    std::vector<Real> radiance(n + lane_padding);
+    RadianceMarch<Real> along;
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t d = 0; d < m; ++d) {
       const Direction& travel = field.direction[d];
-      const StartFraction start = start_for_centred_exit(system.box, travel, system.vertical, {0, system.box.nz()});
-      const PathPattern pattern =
-          make_path_pattern(system.box, travel, start.x, start.y, system.vertical, {0, system.box.nz()});
-      std::vector<Real> rays(columns + lane_padding, static_cast<Real>(problem.sky_radiance));
-      if (pattern.upward) {
-        const Real* const start_of_rays = ground.along(travel, from_ground);
-        rays.assign(start_of_rays, start_of_rays + columns);
-        rays.resize(columns + lane_padding);
-      }
-      std::vector<Real> side;
-      if (surroundings != nullptr) {
-        const auto by_height = surroundings->radiance(travel);
-        side.assign(by_height.begin(), by_height.end());
-        if (!pattern.upward) std::reverse(side.begin(), side.end());
-      }
-      source.query(travel, emitted.value.data());
-      emitted.make_gradient(*system.cells);
-      std::fill(radiance.begin(), radiance.end(), Real(0));
-      march<Real, true>(pattern, system.cells->rows, emitted.view(*system.cells), system.box.periodic, side,
-                        emitted.value.data(), rays.data(), radiance.data(), [](int, const Real*) {});
+      std::vector<Real> sent(n);
+      source.query(travel, sent.data());
+      const std::span<const Real> radiance = along.mean_radiance(problem, system, ground, surroundings, travel, sent);
       for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
     }
   }

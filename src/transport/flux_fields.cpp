@@ -100,8 +100,7 @@ class FluxFields {
   }
 
   GatherScene<Real> gather_scene() const {
-    return {system_.box,    *system_.cells,        *source_,
-            side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
+    return {system_.box, *system_.cells, source_, side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
   }
 
   void report_progress(double fraction) const {

@@ -11,11 +11,11 @@ constexpr int tile = static_cast<int>(AngularField<float>::tile);
 
 bool odd(unsigned bits) { return (std::popcount(bits) & 1) != 0; }
 
-// product[r] = sum_k matrix(r, k) * from[k] for `rows` rows and a tile of cells; matrix by columns of `size`.
+// product[r] = sum_k matrix(r, k) * from[k] for `rows` rows and n cells of a tile; matrix by columns of `size`.
 template <class Real, int rows>
-[[gnu::always_inline]] inline void multiply_rows(const Real* matrix, int size, const Real* from, Real* product) {
-  constexpr int vectors = 2;
-  for (int c = 0; c < tile; c += vectors * lanes) {
+[[gnu::always_inline]] inline void multiply_rows(const Real* matrix, int size, const Real* from, int n, Real* product) {
+  constexpr int vectors = sizeof(Real) == sizeof(float) ? 2 : 1;  // what the registers hold
+  for (int c = 0; c < n; c += vectors * lanes) {
     Lanes<Real> sum[rows][vectors] = {};
     for (int k = 0; k < size; ++k) {
       Lanes<Real> value[vectors];
@@ -31,10 +31,10 @@ template <class Real, int rows>
 }
 
 template <class Real>
-void multiply(const std::vector<Real>& matrix, int size, const Real* from, Real* product) {
+void multiply(const std::vector<Real>& matrix, int size, const Real* from, int n, Real* product) {
   int r = 0;
-  for (; r + 4 <= size; r += 4) multiply_rows<Real, 4>(matrix.data() + r, size, from, product + r * tile);
-  for (; r < size; ++r) multiply_rows<Real, 1>(matrix.data() + r, size, from, product + r * tile);
+  for (; r + 4 <= size; r += 4) multiply_rows<Real, 4>(matrix.data() + r, size, from, n, product + r * tile);
+  for (; r < size; ++r) multiply_rows<Real, 1>(matrix.data() + r, size, from, n, product + r * tile);
 }
 
 // Ordinates by octant; in each the same directions but for signs, in the same order. Empty where there is no such
@@ -221,7 +221,7 @@ void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
         const Real* const share = cells.scattered[p].data() + first;
         if (std::all_of(share, share + n, [](Real x) { return x == 0; })) continue;
         for (int s = 0; s < octants; ++s) {
-          multiply(matrix_[p][s], octant_size_, radiance.data() + s * sector_values, product.data());
+          multiply(matrix_[p][s], octant_size_, radiance.data() + s * sector_values, n, product.data());
           for (int b = 0; b < octant_size_; ++b) {
             Real* const to = source.data() + s * sector_values + b * tile;
             if (any) {

@@ -114,7 +114,7 @@ class SourceGradients {
   // For the directions that along() will be asked for next.
   void prepare(std::span<const GatherDirection> directions) {
     if (!scene_.cells.varied) return;
-    const DirectionalSource<Real>& source = scene_.source;
+    const DirectionalSource<Real>& source = *scene_.source;
     for (int q = 0; q < quadrants; ++q) {
       std::vector<double> of_point(source.points.size(), 0.);
       std::vector<double> of_beam(source.first_order.size(), 0.);
@@ -138,7 +138,7 @@ class SourceGradients {
       return {cells.extinction.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
     }
     own.resize(cells.size());
-    scene_.source.query(travel, own.value.data());
+    scene_.source->query(travel, own.value.data());
     own.make_gradient(cells);
     return own.view(cells);
   }
@@ -164,9 +164,9 @@ class SourceGradients {
         for (std::size_t c = 0; c < count; ++c) to[c] += scale * from[c];
       };
       for (std::size_t m = 0; m < of_point.size(); ++m) {
-        if (of_point[m] > 0) add(of_point[m], scene_.source.at_points.row(static_cast<int>(m)));
+        if (of_point[m] > 0) add(of_point[m], scene_.source->at_points.row(static_cast<int>(m)));
       }
-      for (std::size_t b = 0; b < of_beam.size(); ++b) add(of_beam[b], scene_.source.first_order[b].intensity.data());
+      for (std::size_t b = 0; b < of_beam.size(); ++b) add(of_beam[b], scene_.source->first_order[b].intensity.data());
     }
   }
 
@@ -252,7 +252,8 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
           const Direction& travel = sorted[q].travel;
           const LaunchPlace start = launch_place(q, filling);
           march_back(scene, make_path_pattern(box, -travel, start.x, start.y, false, levels), bands, travel,
-                     static_cast<Real>(power(sorted[q])), gradients.along(travel, own), work, sums[g]);
+                     scene.source->along(travel), static_cast<Real>(power(sorted[q])), gradients.along(travel, own),
+                     work, sums[g]);
         }
       }
 #pragma omp for schedule(dynamic, 1)
@@ -303,7 +304,7 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
       const Direction& travel = directions[q].travel;
       const LaunchPlace start = launch_place(q, upward);
       const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, false, {0, box.nz()});
-      const SourceAlong<Real> source = scene.source.along(travel, power(directions[q]));
+      const SourceAlong<Real> source = scene.source->along(travel, power(directions[q]));
       const Real weight = static_cast<Real>(power(directions[q]));
       if (upward) {
         const Real* const leaving = scene.ground->along(travel, from_ground);

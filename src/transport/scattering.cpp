@@ -42,12 +42,13 @@ void add_scaled(Real scale, const Real* __restrict from, std::size_t n, Tile<Rea
   for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
 }
 
-// Tile by tile in place: radiance [from_rows], changed by prepare(first, n, tile), scatters; the source [to_rows],
-// changed by finish(first, n, tile), takes its rows.
+// Tile by tile: radiance [from_rows], changed by prepare(first, n, tile), scatters; the source [to_rows], changed by
+// finish(first, n, tile), goes to `to`, which may be the radiance's own place.
 template <class Real, class Prepare, class Finish>
-void scatter_tiles(AngularField<Real>& field, int from_rows, int to_rows, std::span<const DenseMatrix<Real>> matrix,
-                   const Cells<Real>& cells, const Prepare& prepare, const Finish& finish) {
-  const std::size_t tiles = (field.cells + tile_cells - 1) / tile_cells;
+void scatter_tiles(const AngularField<Real>& from, int from_rows, AngularField<Real>& to, int to_rows,
+                   std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, const Prepare& prepare,
+                   const Finish& finish) {
+  const std::size_t tiles = (from.cells + tile_cells - 1) / tile_cells;
 #pragma omp parallel
   {
     Tile<Real> radiance = Tile<Real>::Zero(from_rows, tile_cells);
@@ -56,15 +57,18 @@ void scatter_tiles(AngularField<Real>& field, int from_rows, int to_rows, std::s
 #pragma omp for schedule(static)
     for (std::size_t tile = 0; tile < tiles; ++tile) {
       const std::size_t first = tile * tile_cells;
-      const std::size_t n = std::min(tile_cells, field.cells - first);
-      load(field, first, n, radiance);
+      const std::size_t n = std::min(tile_cells, from.cells - first);
+      load(from, first, n, radiance);
       prepare(first, n, radiance);
       scatter_tile(matrix, cells, first, n, radiance, product, source);
       finish(first, n, source);
-      for (int d = 0; d < to_rows; ++d) std::copy_n(source.data() + d * source.cols(), n, field.row(d) + first);
+      for (int d = 0; d < to_rows; ++d) std::copy_n(source.data() + d * source.cols(), n, to.row(d) + first);
     }
   }
 }
+
+template <class Real>
+void as_it_is(std::size_t, std::size_t, Tile<Real>&) {}
 
 }  // namespace
 
@@ -101,20 +105,28 @@ void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Rea
       for (int d = 0; d < field.rows; ++d) add_scaled(b.direction[d], b.intensity.data() + first, n, source, d);
     }
   };
-  scatter_tiles(field, field.rows, field.rows, matrix, cells, correct, add_sources);
+  scatter_tiles(field, field.rows, field, field.rows, matrix, cells, correct, add_sources);
 }
 
 template <class Real>
 AngularField<Real> scatter_to(int rows, AngularField<Real> radiance, std::span<const DenseMatrix<Real>> matrix,
                               const Cells<Real>& cells) {
-  const auto nothing = [](std::size_t, std::size_t, Tile<Real>&) {};
   const int from_rows = radiance.rows;
   radiance.data.resize(std::max(rows, from_rows));
   for (auto& row : radiance.data) row.resize(AngularField<Real>::padded(radiance.cells));
-  scatter_tiles(radiance, from_rows, rows, matrix, cells, nothing, nothing);
+  scatter_tiles(radiance, from_rows, radiance, rows, matrix, cells, as_it_is<Real>, as_it_is<Real>);
   radiance.data.resize(rows);
   radiance.rows = rows;
   return radiance;
+}
+
+template <class Real>
+AngularField<Real> scatter_towards(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix,
+                                   const Cells<Real>& cells) {
+  const int rows = matrix.empty() ? 0 : static_cast<int>(matrix.front().rows());
+  AngularField<Real> source(rows, radiance.cells);
+  scatter_tiles(radiance, radiance.rows, source, rows, matrix, cells, as_it_is<Real>, as_it_is<Real>);
+  return source;
 }
 
 template <class Real>
@@ -143,6 +155,8 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
                                        const ScatteringTerms<Real>&, const DenseMatrix<Real>&);                     \
   template AngularField<Real> scatter_to<Real>(int, AngularField<Real>, std::span<const DenseMatrix<Real>>,         \
                                                const Cells<Real>&);                                                 \
+  template AngularField<Real> scatter_towards<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>,  \
+                                                    const Cells<Real>&);                                            \
   template void moments_of<Real>(const AngularField<Real>&, const DenseMatrix<Real>&, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

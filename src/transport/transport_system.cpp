@@ -129,7 +129,7 @@ DirectionalSource<Real> scattered_source(const Discretisation& discretisation, c
 }
 
 template <class Real>
-void add_single_scattering(DirectionalSource<Real>& source, const PhaseFunction& phase,
+void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const PhaseFunction& phase,
                            std::span<const float> scattering, double share, std::span<const Real> extinction,
                            std::span<const Real> irradiance) {
   SingleScattering<Real> first{phase, std::vector<Real>(irradiance.size(), Real(0))};
@@ -140,7 +140,7 @@ void add_single_scattering(DirectionalSource<Real>& source, const PhaseFunction&
     first.intensity[c] = static_cast<Real>(share / (4 * std::numbers::pi) * static_cast<double>(scattering[c]) /
                                            static_cast<double>(extinction[c]) * static_cast<double>(irradiance[c]));
   }
-  if (any) source.first_order.push_back(std::move(first));
+  if (any) first_order.push_back(std::move(first));
 }
 
 template <class Real>
@@ -156,10 +156,10 @@ void set_first_order(const Problem& problem, const Discretisation& discretisatio
     const DeltaM& gather = discretisation.gather[p];
     const DeltaM& beam = discretisation.beam[p];
     const auto& scattering = problem.grid.scattering[p];
-    add_single_scattering<Real>(source, gather.truncated, scattering, 1 - gather.forward_fraction,
+    add_single_scattering<Real>(source.first_order, gather.truncated, scattering, 1 - gather.forward_fraction,
                                 system.cells->extinction, gather_beam->irradiance);
     if (beam.forward_fraction > gather.forward_fraction) {
-      add_single_scattering<Real>(source, beam.truncated, scattering, 1 - beam.forward_fraction,
+      add_single_scattering<Real>(source.first_order, beam.truncated, scattering, 1 - beam.forward_fraction,
                                   system.cells->extinction, unscattered);
     }
   }
@@ -219,16 +219,17 @@ bool runs_in_double(const Problem& problem, const SolverOptions& options) {
 
 template struct TransportSystem<float>;
 template struct TransportSystem<double>;
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
-  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,          \
-                                            const SolverOptions&, bool);                                            \
-  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);    \
-  template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,          \
-                                      const DirectBeam<Real>*, DirectionalSource<Real>&);                           \
-  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,      \
-                                                          AngularField<Real>);                                      \
-  template void add_single_scattering<Real>(DirectionalSource<Real>&, const PhaseFunction&, std::span<const float>, \
-                                            double, std::span<const Real>, std::span<const Real>)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                               \
+  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,       \
+                                            const SolverOptions&, bool);                                         \
+  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&); \
+  template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,       \
+                                      const DirectBeam<Real>*, DirectionalSource<Real>&);                        \
+  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,   \
+                                                          AngularField<Real>);                                   \
+  template void add_single_scattering<Real>(std::vector<SingleScattering<Real>>&, const PhaseFunction&,          \
+                                            std::span<const float>, double, std::span<const Real>,               \
+                                            std::span<const Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

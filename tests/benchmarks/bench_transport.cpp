@@ -159,7 +159,7 @@ void gather_plane(benchmark::State& state) {
       beam_with<float>(scene.problem, scene.system.cells->rows, scene.discretisation.gather_fraction(), scene.options);
   auto source = scattered_source<float>(scene.discretisation, scene.system, scene.field);
   set_first_order<float>(scene.problem, scene.discretisation, scene.system, &beam, source);
-  const GatherScene<float> gathered{scene.system.box, *scene.system.cells, source, {}, 0, nullptr};
+  const GatherScene<float> gathered{scene.system.box, *scene.system.cells, &source, {}, 0, nullptr};
   const auto directions = gather_directions(128, false, scene.problem.sun->travel);
   for (auto _ : state) benchmark::DoNotOptimize(gather_flux<float>(gathered, 0, false, directions).data());
   scene.report(state, static_cast<std::int64_t>(scene.system.cells->size() * directions.size()));

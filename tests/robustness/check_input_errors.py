@@ -134,6 +134,28 @@ def phase_commands(folder):
     yield "plot over its own input", ["legendre", "--file", folder / "moments.txt", "--plot", folder / "moments.txt"], ["moments.txt", "overwrite"]
 
 
+def export_commands(folder):
+    """(name, arguments, words of the message) of `cloudbow export` with a result that has actinic flux and absorption, and one with layers alone."""
+    result, up = folder / "result.h5", ["--direction", "0", "0", "1"]
+    (folder / "cut.h5").write_bytes(result.read_bytes()[:4000])
+    yield "nothing asked for", [result], ["--direction", "--actinic"]
+    yield "missing file", [folder / "none.h5", *up], ["none.h5", "no such file"]
+    yield "a directory as result", [folder / "folder", *up], ["folder", "not a file"]
+    yield "a cloud as result", [folder / "cloud.vdb", *up], ["cloud.vdb", "result file"]
+    yield "HDF5 that is no result", [folder / "bright.h5", *up], ["bright.h5", "not a result file"]
+    yield "a result cut off", [folder / "cut.h5", *up], ["cut.h5", "can't be read"]
+    yield "no radiance field", [result, *up], ["result.h5", "radiance_field", "output.fields"]
+    yield "no radiance field, all directions", [result, "--all-directions"], ["result.h5", "radiance_field", "output.fields"]
+    yield "uneven levels without a cloud", [folder / "layers.h5", "--actinic"], ["layers.h5", "uneven", "domain.vertical_cells"]
+    yield "no actinic flux", [folder / "even.h5", "--actinic"], ["even.h5", '"actinic"', "output.fields"]
+    yield "direction without length", [result, "--direction", "0", "0", "0"], ["direction", "0 0 0"]
+    yield "direction that is no number", [result, "--direction", "0", "nan", "0"], ["--direction", "nan"]
+    yield "direction of two numbers", [result, "--direction", "0", "1"], ["--direction", "3"]
+    yield "direction and zenith", [result, *up, "--zenith-deg", "0"], ["--direction", "--zenith-deg"]
+    yield "azimuth alone", [result, "--azimuth-deg", "0"], ["--azimuth-deg", "--zenith-deg"]
+    yield "zenith 181", [result, "--zenith-deg", "181"], ["--zenith-deg", "181", "0 to 180"]
+
+
 class Checker:
     def __init__(self, program, folder):
         self.program = program
@@ -199,6 +221,21 @@ def main():
             checker.expect_error(f"phase: {name}", ["phase", *arguments, "-o", output], words, output)
         checker.expect_error("phase: file in a missing folder", ["phase", "rayleigh", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)
         checker.expect_error("phase: file in a file", ["phase", "rayleigh", "-o", cloud / "output.h5"], ["cloud.vdb"], output)
+
+        even = ("[[layer]]\nbottom_m = 0\ntop_m = 100\noptical_depth = 1\nsingle_scattering_albedo = 1.0\nphase_function = 'rayleigh'\n[sun]\nzenith_deg = 0\nazimuth_deg = 0\n"
+                "[solver]\naccuracy = 'draft'\n[domain]\nvertical_cells = 4\n")
+        uneven = even.replace("[sun]", "[[layer]]\nbottom_m = 100\ntop_m = 900\noptical_depth = 1\nsingle_scattering_albedo = 1.0\nphase_function = 'rayleigh'\n[sun]")
+        for name, text, more in (("result", SCENE, []), ("even", even, ["--set", 'output.fields=["fluxes"]']), ("layers", uneven, [])):
+            scene.write_text(text)
+            subprocess.run([options.cloudbow, "run", str(scene), "--quiet", "-o", str(folder / f"{name}.h5"), "--set", 'output.fields=["fluxes","actinic"]', *more], check=True)
+        vdb = folder / "output.vdb"
+        for name, arguments, words in export_commands(folder):
+            checker.expect_error(f"export: {name}", ["export", *arguments, "--vdb", vdb], words, vdb)
+        done = ["export", folder / "result.h5", "--actinic", "--vdb"]
+        checker.expect_error("export: into a missing folder", [*done, folder / "nowhere/output.vdb"], ["nowhere"], vdb)
+        checker.expect_error("export: into a file", [*done, cloud / "output.vdb"], ["cloud.vdb"], vdb)
+        checker.expect_error("export: into a directory", [*done, folder / "folder"], ["folder", "directory"], vdb)
+        checker.expect_error("export: over its own input", [*done, folder / "result.h5"], ["result.h5", "itself"], vdb)
     print("\n" + "\n".join(checker.faults or ["every wrong input is told as such"]))
     return 1 if checker.faults else 0
 

@@ -39,7 +39,7 @@ def solve_case(case, options, cloudbow, folder):
                                        for name, _, _, _, zenith, azimuth in views()])
     scene = folder / f"{case['id']}.toml"
     scene.write_text(text)
-    result = cloudbow.run(scene, folder / f"{case['id']}.h5", accept=(0, 3))
+    result = cloudbow.run(scene, folder / f"{case['id']}.h5", *[word for key in options.set for word in ("--set", key)], accept=(0, 3))
     found = []
     for name, key, i, j, _, _ in views():
         reference = case["results"][key][i][j]
@@ -62,6 +62,7 @@ def main():
     parser.add_argument("--cases", default="*", help="shell pattern of case names, several separated by commas")
     parser.add_argument("--median-limit", type=float, default=0.5)
     parser.add_argument("--worst-limit", type=float, default=3.0)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a key of the scene for all cases")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"))
     options = parser.parse_args()

@@ -11,6 +11,13 @@
 
 namespace cloudbow {
 
+/// Planes of voxels, one above the other; the faces between them are levels of the box.
+struct VoxelPlanes {
+  int count = 0;
+  double bottom_m = 0;
+  double height_m = 0;  ///< of each
+};
+
 /// nx x ny columns of dx x dy metres, nz levels between ascending z_edge_m. Cell (i, j, k) has index (k*ny + j)*nx + i;
 /// k = 0 at the bottom.
 struct BoxGrid {
@@ -22,6 +29,7 @@ struct BoxGrid {
   double y_min_m = 0;
   std::vector<double> z_edge_m;
   bool periodic = true;  ///< horizontally; false: open sides
+  VoxelPlanes cloud;     ///< from the cloud's lowest voxel to its highest; none without a cloud
 
   int nz() const { return static_cast<int>(z_edge_m.size()) - 1; }
   std::size_t columns() const { return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny); }

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,6 +69,31 @@ struct VdbCompanion {
 /// @throws InputError where the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
                      const std::vector<VdbCompanion>& companions = {});
+
+/// Where the voxels of fields lie: nx, ny, nz cells of cell_size_m from the corner min_m on, z up.
+struct VdbBox {
+  std::array<int, 3> cells{};
+  std::array<double, 3> cell_size_m{};
+  std::array<double, 3> min_m{};
+};
+
+/// Any field on some of the voxels of a box.
+struct VdbField {
+  std::string grid;
+  std::string quantity;
+  std::string units;
+  std::optional<std::array<double, 3>> direction{};      ///< metadata of this name, a vec3d
+  std::span<const std::array<std::int32_t, 3>> voxel{};  ///< i, j, k in the box; the others are inactive, 0
+  std::vector<float> value{};                            ///< of each of these
+};
+
+/// Writes float grids one after the other, so that one at a time is in memory, with the metadata of write_cloud_vdb, of
+/// `direction` and with offsets, by which readers fetch single grids. Cell (0, 0, 0) is voxel (0, 0, 0). The file
+/// appears under its name when it is complete.
+/// @param field makes the fields 0 to count - 1, asked for in this order; what it throws passes through.
+/// @throws InputError where the file cannot be written.
+void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
+                      const std::function<VdbField(std::size_t)>& field);
 
 /// Smallest, mean and largest of a set of numbers.
 struct Spread {

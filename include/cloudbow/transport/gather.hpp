@@ -31,8 +31,8 @@ template <class Real>
 struct GatherScene {
   const BoxGrid& box;
   const Cells<Real>& cells;
-  const DirectionalSource<Real>& source;
-  SideRadiance side_radiance;  ///< asked only where the box is open; may be empty
+  const DirectionalSource<Real>* source;  ///< needed for fluxes
+  SideRadiance side_radiance;             ///< asked only where the box is open; may be empty
   double sky_radiance = 0;
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
 };

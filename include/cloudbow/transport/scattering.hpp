@@ -69,6 +69,12 @@ template <class Real>
 AngularField<Real> scatter_to(int rows, AngularField<Real> radiance, std::span<const DenseMatrix<Real>> matrix,
                               const Cells<Real>& cells);
 
+/// The same into memory of its own: the source towards any directions.
+/// @param matrix [p] rows x radiance.rows, all with the same number of rows
+template <class Real>
+AngularField<Real> scatter_towards(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix,
+                                   const Cells<Real>& cells);
+
 /// moments[m * n + c] = sum_d weights(m, d) J_d(c).
 template <class Real>
 void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& weights, std::span<Real> moments);

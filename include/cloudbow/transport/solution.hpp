@@ -109,7 +109,8 @@ struct SolverReport {
 };
 
 struct RadianceField {
-  std::vector<Direction> direction;                ///< M control points
+  std::vector<Direction> direction;                ///< M control points: where light travels to
+  std::vector<std::array<std::int32_t, 3>> triangle;  ///< of control points, counter-clockwise seen from outside
   std::vector<std::array<std::int32_t, 3>> voxel;  ///< n active voxels: i, j, k
   std::vector<float> radiance;                     ///< n x M, W m-2 sr-1, voxel mean, diffuse
 };

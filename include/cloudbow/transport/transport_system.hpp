@@ -29,7 +29,7 @@ DirectionalSource<Real> scattered_source(const Discretisation& discretisation, c
 /// Adds the first scattering of a beam by one phase function: source = P share scattering/extinction irradiance / (4
 /// pi).
 template <class Real>
-void add_single_scattering(DirectionalSource<Real>& source, const PhaseFunction& phase,
+void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const PhaseFunction& phase,
                            std::span<const float> scattering, double share, std::span<const Real> extinction,
                            std::span<const Real> irradiance);
 

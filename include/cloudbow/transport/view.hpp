@@ -1,6 +1,7 @@
 // Radiance along parallel lines of sight: what an instrument far above (or below) the scene sees.
 #pragma once
 
+#include "cloudbow/transport/seen_source.hpp"
 #include "cloudbow/transport/surroundings.hpp"
 
 namespace cloudbow {
@@ -9,11 +10,11 @@ namespace cloudbow {
 /// light scattered once comes from the phase function itself.
 /// @param surroundings what open sides show; may be null.
 /// @param solution whose fluxes at the ground, where it has them, light the surface.
-/// @param source of the scattered light; its first order is set here.
+/// @param source along the views' directions, a row a view (seen_source.hpp).
 template <class Real>
 std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
                                           const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                          DirectionalSource<Real>& source, const Surroundings* surroundings,
+                                          const AngularField<Real>& source, const Surroundings* surroundings,
                                           const Solution& solution);
 
 }  // namespace cloudbow

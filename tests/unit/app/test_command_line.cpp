@@ -50,7 +50,10 @@ Outcome cloudbow(std::vector<std::string> arguments) {
 }
 
 TEST(CommandLine, HelpAndVersion) {
-  EXPECT_THAT(cloudbow({"--help"}).output, AllOf(HasSubstr("run"), HasSubstr("cloud"), HasSubstr("render")));
+  EXPECT_THAT(cloudbow({"--help"}).output,
+              AllOf(HasSubstr("run"), HasSubstr("cloud"), HasSubstr("render"), HasSubstr("export")));
+  EXPECT_THAT(cloudbow({"export", "--help"}).output,
+              AllOf(HasSubstr("from the scene to the sensor"), HasSubstr("--zenith-deg"), HasSubstr("--actinic")));
   EXPECT_THAT(cloudbow({"run", "--help"}).output,
               AllOf(HasSubstr("--set"), HasSubstr("--dry-run"), HasSubstr("--threads")));
   EXPECT_THAT(cloudbow({"cloud", "make", "--help"}).output, AllOf(HasSubstr("--cells"), HasSubstr("stratocumulus")));
@@ -76,6 +79,10 @@ TEST(CommandLine, UsageErrors) {
             "x.vdb"},
            {"cloud", "make", "cirrus", "--cells", "4", "4", "4", "--voxel-size-m", "1", "1", "1", "-o", "x.vdb"},
            {"render"},
+           {"export"},
+           {"export", "result.h5", "--vdb", "x.vdb"},
+           {"export", "result.h5", "--vdb", "x.vdb", "--direction", "0", "1"},
+           {"export", "result.h5", "--direction", "0", "0", "1"},
            {"mie", "--wavelength-um", "1"},
            {"mie", "--wavelength-um", "0", "--effective-radius-um", "5", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "1:2:0.5", "--effective-radius-um", "5", "-o", "x.h5"},

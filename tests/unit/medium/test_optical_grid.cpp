@@ -60,6 +60,9 @@ TEST(OpticalGrid, VoxelFacesJoinLayerEdgesAndEmptyPlanesStayWhole) {
   const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, kOrigin, {40, 60, 300}, true, 2,
                                              {0, 0}, LevelOptions{});
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 40, 90, 120, 130, 150, 180, 300}));
+  EXPECT_EQ(grid.box.cloud.count, 3);
+  EXPECT_EQ(grid.box.cloud.bottom_m, 90);
+  EXPECT_EQ(grid.box.cloud.height_m, 30);
   EXPECT_EQ(grid.box.nx, 4);
   EXPECT_EQ(grid.box.ny, 3);
   EXPECT_DOUBLE_EQ(grid.box.dx_m, 10);

@@ -93,6 +93,7 @@ def check_xarray(folder, engine):
         print(field)
         assert field.radiance.dims == ("active_voxel", "control_point") and field.radiance.attrs["units"] == "W m-2 sr-1"
         np.testing.assert_array_equal(field.radiance, [[0, 1, 2], [10, 11, 12]])
+        np.testing.assert_array_equal(field.triangle, [[0, 1, 2]])
         np.testing.assert_array_equal(field.voxel, [[1, 2, 3], [4, 5, 6]])
         np.testing.assert_array_equal(field.direction, [[0, 0, -1], [1, 0, 0], [0, 0.6, 0.8]])
         assert not field.coords
@@ -111,6 +112,15 @@ def check_xarray(folder, engine):
     with xarray.open_dataset(folder / "column.h5", engine=engine) as column:
         check_coordinates(column, 1, 1, 3)
         assert column.upwelling_flux.shape == (4, 1, 1)
+    with xarray.open_dataset(folder / "spectrum.h5", engine=engine) as spectrum:
+        check_coordinates(spectrum, 4, 3, 2)
+        assert spectrum.upwelling_flux.dims == ("wavelength", "z_edge", "y", "x")
+        assert spectrum.absorbed_power.sel(wavelength=0.55, y=75, x=162.5)[1] == field_value(4, 1, 2, 2)
+        assert spectrum.wavelength.attrs["units"] == "um"
+    with xarray.open_dataset(folder / "spectrum.h5", engine=engine, group="profile") as profile:
+        assert profile.direct_flux.sel(wavelength=0.67, method="nearest").shape == (3,)
+    with xarray.open_dataset(folder / "spectrum.h5", engine=engine, group="summary") as summary:
+        np.testing.assert_array_equal(summary.attrs["reflectance"], [0.5, 0.5])
 
 
 def check_h5py(folder):
@@ -126,6 +136,25 @@ def check_h5py(folder):
         assert full.attrs["title"].decode() == "Wolken über Köln"
     with h5py.File(folder / "column.h5") as column:
         assert column["upwelling_flux"].compression is None
+    check_queries(folder)
+
+
+def check_queries(folder):
+    """The example that users copy against the library's own interpolation; both work in double on the same float32 radiances."""
+    sys.path.insert(0, str(pathlib.Path(__file__).parents[3] / "docs/examples"))
+    import h5py
+    import numpy as np
+    import query_radiance
+
+    queries = np.loadtxt(folder / "sphere_queries.txt")
+    with h5py.File(folder / "sphere.h5") as result:
+        for query in queries:
+            radiance = query_radiance.query(result["radiance_field"], 3 * query[:3])
+            np.testing.assert_allclose(radiance, query[3:], rtol=1e-12)
+        direction = result["radiance_field/direction"][...]
+        for point, travel in enumerate(direction):  # a corner of five or six triangles: whichever is taken has its value
+            np.testing.assert_allclose(query_radiance.query(result["radiance_field"], travel), result["radiance_field/radiance"][:, point], rtol=1e-7)
+    print(f"{len(queries)} directions and {len(direction)} control points agree")
 
 
 def check_command(folder, *command):

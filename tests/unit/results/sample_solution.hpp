@@ -1,6 +1,7 @@
 // Solutions filled by hand: every number tells its own place, so that a swapped axis or a wrong offset shows.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numeric>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "cloudbow/results/result_file.hpp"
+#include "cloudbow/sphere/control_points.hpp"
 
 namespace cloudbow::sample {
 
@@ -83,10 +85,51 @@ inline Solution solution(int nx, int ny, int nz, std::vector<int> flux_level = {
   return s;
 }
 
-/// Two voxels, three control points.
+/// Two voxels, three control points, which are no more than one triangle.
 inline RadianceField radiance_field() {
-  return {
-      {Direction(0, 0, -1), Direction(1, 0, 0), Direction(0, 0.6, 0.8)}, {{1, 2, 3}, {4, 5, 6}}, {0, 1, 2, 10, 11, 12}};
+  return {{Direction(0, 0, -1), Direction(1, 0, 0), Direction(0, 0.6, 0.8)},
+          {{0, 1, 2}},
+          {{1, 2, 3}, {4, 5, 6}},
+          {0, 1, 2, 10, 11, 12}};
+}
+
+/// Smooth radiances > 0 with the sum of the cell's indices in them, at the control points.
+inline RadianceField radiance_field(const ControlPoints& points, std::vector<std::array<std::int32_t, 3>> cells) {
+  RadianceField field;
+  field.direction.assign(points.directions().begin(), points.directions().end());
+  field.triangle.assign(points.triangles().begin(), points.triangles().end());
+  field.voxel = std::move(cells);
+  for (const auto& [i, j, k] : field.voxel) {
+    for (const Direction& d : field.direction) {
+      field.radiance.push_back(static_cast<float>(2 + i + 10 * j + 100 * k + d.x() - 0.5 * d.y() * d.z()));
+    }
+  }
+  return field;
+}
+
+/// Directions that lie all over the sphere: a spiral.
+inline std::vector<Direction> directions() {
+  std::vector<Direction> direction;
+  for (int n = 0; n < 100; ++n) {
+    const double z = -0.99 + 0.0198 * n;
+    const double azimuth = 2.4 * n;
+    const double across = std::sqrt(1 - z * z);
+    direction.emplace_back(across * std::cos(azimuth), across * std::sin(azimuth), z);
+  }
+  return direction;
+}
+
+/// What the library interpolates for a cell.
+inline double queried(const ControlPoints& points, const RadianceField& field, std::size_t cell,
+                      const Direction& travel) {
+  const Stencil stencil = points.stencil(travel);
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    sum +=
+        stencil.weight[c] *
+        static_cast<double>(field.radiance[cell * field.direction.size() + static_cast<std::size_t>(stencil.index[c])]);
+  }
+  return sum;
 }
 
 inline ResultInfo info() {

@@ -2,7 +2,10 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iomanip>
 
+#include "cloudbow/sphere/ordinate_set.hpp"
 #include "sample_solution.hpp"
 
 int main(int argc, char** argv) try {
@@ -25,7 +28,26 @@ int main(int argc, char** argv) try {
   boundaries.radiance_field->direction = sample::radiance_field().direction;
   write_result(folder / "boundaries.h5", boundaries, long_scene);
 
+  // A field that queries in Python and by the library are compared on.
+  Solution sphere = sample::solution(3, 2, 2);
+  const ControlPoints points(42, control_point_frame_rotation());
+  sphere.radiance_field = sample::radiance_field(points, {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {0, 1, 1}});
+  write_result(folder / "sphere.h5", sphere, sample::info());
+  std::ofstream queries(folder / "sphere_queries.txt");
+  queries << std::setprecision(17);
+  for (const Direction& travel : sample::directions()) {
+    queries << travel.x() << ' ' << travel.y() << ' ' << travel.z();
+    for (std::size_t c = 0; c < sphere.radiance_field->voxel.size(); ++c) {
+      queries << ' ' << sample::queried(points, *sphere.radiance_field, c, travel);
+    }
+    queries << '\n';
+  }
+
   write_result(folder / "column.h5", sample::solution(1, 1, 3), sample::info());
+
+  ResultInfo spectrum = sample::info();
+  spectrum.wavelengths_um = {0.67, 0.55};
+  write_result(folder / "spectrum.h5", std::vector{sample::solution(4, 3, 2), sample::solution(4, 3, 2)}, spectrum);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -86,7 +86,7 @@ struct Scene {
         cells(make_cells<double>(make_grid(box, extinction, 1.), untruncated, false)),
         source{ControlPoints(12), AngularField<double>(12, cells.size()), -Direction::UnitZ(), {}},
         ground{{}, AngularField<double>(1, box.columns()), {}},
-        gather{box, cells, source, {}, sky, &ground} {
+        gather{box, cells, &source, {}, sky, &ground} {
     std::fill_n(ground.at_points.row(0), box.columns(), surface);
     const auto dense = dense_indices(cells.rows);
     for (int m = 0; m < 12; ++m) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cloudbow/sphere/interpolation_weights.hpp"
 #include "cloudbow/transport/solution.hpp"
 #include "transport_test_tools.hpp"
 
@@ -599,6 +600,13 @@ TEST(Solve, ActinicFluxAndRadianceFieldTellOfTheSameLight) {
   ASSERT_EQ(field.direction.size(), 42U);
   ASSERT_EQ(field.voxel.size(), n);  // empty cells were made active
   ASSERT_EQ(field.radiance.size(), 42 * n);
+  double sphere = 0;  // the triangles cover it once, all counter-clockwise
+  for (const auto& [a, b, c] : field.triangle) {
+    const double area = spherical_triangle_area(field.direction[a], field.direction[b], field.direction[c]);
+    EXPECT_GT(area, 0);
+    sphere += area;
+  }
+  EXPECT_NEAR(sphere, 4 * std::numbers::pi, 1e-10);
   const OrdinateSet quadrature = make_ordinate_set("control-points-42");
   double worst = 0, sum = 0, total = 0;
   for (std::size_t c = 0; c < n; ++c) {

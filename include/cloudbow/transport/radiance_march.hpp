@@ -1,0 +1,28 @@
+// Voxel-mean diffuse radiance of all cells along any one direction.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "cloudbow/transport/surroundings.hpp"
+#include "cloudbow/transport/transport_system.hpp"
+
+namespace cloudbow {
+
+/// One march through the box; its memory lasts from call to call.
+template <class Real>
+class RadianceMarch {
+ public:
+  /// @param surroundings what open sides show; may be null.
+  /// @param source [n] towards `travel`
+  /// @return [n] valid until the next call
+  std::span<const Real> mean_radiance(const Problem& problem, const TransportSystem<Real>& system,
+                                      const GroundRadiance<Real>& ground, const Surroundings* surroundings,
+                                      const Direction& travel, std::span<const Real> source);
+
+ private:
+  LinearSource<Real> linear_;
+  std::vector<Real> radiance_, rays_, side_, from_ground_;
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,12 @@
+// `cloudbow export`: fields of a result for other programs.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace cloudbow {
+
+/// Adds the subcommand; where the user named it, `action` becomes what it does.
+void add_export(CLI::App& app, std::function<int()>& action);
+
+}  // namespace cloudbow

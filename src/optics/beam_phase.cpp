@@ -1,0 +1,60 @@
+#include "cloudbow/optics/beam_phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cloudbow {
+namespace {
+
+// Nodes crowd towards 0, where most light is: lambda = scale (exp(step node) - 1), the last at 60.
+constexpr double scale = .05;
+constexpr double deepest = 60;
+const double step = std::log1p(deepest / scale) / (BeamPhase::nodes - 1);
+
+constexpr std::size_t most_moments = 4096;
+constexpr double least_moment = 1e-9;
+
+}  // namespace
+
+BeamPhase::BeamPhase(const PhaseFunction& phase, const DeltaM& truncation) : phase_(phase) {
+  const double f = truncation.forward_fraction;
+  if (f == 0) return;
+  order_ = static_cast<int>(truncation.truncated.moments().size());
+  const std::span<const double> moments = phase.moments();
+  std::size_t last = std::min(moments.size(), most_moments);
+  while (last > static_cast<std::size_t>(order_) && std::abs(moments[last - 1]) < least_moment) --last;
+  beyond_ = last > static_cast<std::size_t>(order_) ? last - order_ : 0;
+  left_.reserve(nodes * beyond_);
+  for (int n = 0; n < nodes; ++n) {
+    const double lambda = scale * std::expm1(step * n);
+    for (std::size_t l = order_; l < order_ + beyond_; ++l) {
+      const double r = moments[l] / f;
+      left_.push_back(f * static_cast<double>(2 * l + 1) * r * std::expm1(-lambda * (1 - r)));
+    }
+  }
+}
+
+double BeamPhase::place(double lambda) {
+  return std::clamp(std::log1p(std::max(0., lambda) / scale) / step, 0., nodes - 1.);
+}
+
+std::vector<double> BeamPhase::at(double cos_angle) const {
+  const double x = std::clamp(cos_angle, -1., 1.);
+  std::vector<double> value(nodes, phase_(x));
+  std::vector<double> legendre(beyond_);  // P_l, l >= N
+  double before = 1, current = x;         // P_0, P_1
+  for (std::size_t l = 0; l < order_ + beyond_; ++l) {
+    if (l >= static_cast<std::size_t>(order_)) legendre[l - order_] = before;
+    const double degree = static_cast<double>(l + 1);
+    const double next = ((2 * degree + 1) * x * current - degree * before) / (degree + 1);
+    before = current;
+    current = next;
+  }
+  for (int n = 0; n < nodes; ++n) {
+    const double* const left = left_.data() + n * beyond_;
+    for (std::size_t l = 0; l < beyond_; ++l) value[n] += left[l] * legendre[l];
+  }
+  return value;
+}
+
+}  // namespace cloudbow
