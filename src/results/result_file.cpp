@@ -82,10 +82,6 @@ std::vector<double> flux_heights(const Solution& solution) {
   return height;
 }
 
-std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
-  return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
-}
-
 /// Names of the dimensions of an image.
 struct ImagePlane {
   std::string y = "y";
@@ -103,6 +99,10 @@ std::vector<float> reflectance_factor(std::span<const float> radiance, const std
 }
 
 std::vector<double> components(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
+  return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
+}
 
 /// Writes one solution, or those of several wavelengths on the same grid with a dimension more.
 class ResultWriter {
@@ -239,10 +239,11 @@ class ResultWriter {
     if (view.width == 0) return {};
     const BoxGrid& box = first_.box;
     const ImagePlane plane{"y_" + view.name, "x_" + view.name};
-    netcdf4::write_coordinate(file, plane.x.c_str(), centres(view.width, box.x_min_m, box.nx * box.dx_m / view.width),
-                              horizontal_attributes("pixel centre, x", "X", box.nx * box.dx_m / view.width));
-    netcdf4::write_coordinate(file, plane.y.c_str(), centres(view.height, box.y_min_m, box.ny * box.dy_m / view.height),
-                              horizontal_attributes("pixel centre, y", "Y", box.ny * box.dy_m / view.height));
+    const double dx = box.nx * box.dx_m / view.width, dy = box.ny * box.dy_m / view.height;
+    netcdf4::write_coordinate(file, plane.x.c_str(), centres(view.width, box.x_min_m, dx),
+                              horizontal_attributes("pixel centre, x", "X", dx));
+    netcdf4::write_coordinate(file, plane.y.c_str(), centres(view.height, box.y_min_m, dy),
+                              horizontal_attributes("pixel centre, y", "Y", dy));
     return plane;
   }
 

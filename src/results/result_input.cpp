@@ -63,6 +63,8 @@ void read_all(hid_t dataset, hid_t memory_type, void* values) {
 }  // namespace
 
 ResultInput::ResultInput(const std::filesystem::path& path) : path_(path.string()), file_(open_result(path)) {
+  if (exists(file_, "wavelength"))
+    fail("it holds a spectrum (found the dimension wavelength, allowed the result of a scene without [spectrum])");
   read_box();
 }
 

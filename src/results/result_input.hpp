@@ -21,7 +21,7 @@ using CellIndex = std::array<std::int32_t, 3>;
 /// damaged.
 class ResultInput {
  public:
-  /// @throws InputError where the file is missing, or is not one of cloudbow run.
+  /// @throws InputError where the file is missing, is not one of cloudbow run, or holds several wavelengths.
   explicit ResultInput(const std::filesystem::path& path);
 
   const BoxGrid& box() const { return box_; }

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Every scene in configs/ runs as it is (at accuracy draft, to be quick), closes its ledger, and its result opens and can be drawn."""
+"""Every scene in configs/ runs as it is (at accuracy draft, to be quick), closes its ledger, and its result opens, and every image in it can be drawn."""
 import sys
 from pathlib import Path
 
+import numpy as np
 import xarray
 
 import support
@@ -11,10 +12,10 @@ from support import ROOT, Failure
 
 def main():
     parser = support.argument_parser(__doc__)
-    parser.add_argument("scenes", nargs="*", type=Path, help="default: configs/*.toml")
+    parser.add_argument("scenes", nargs="*", type=Path, help="default: all of configs/")
     options = parser.parse_args()
     cloudbow = support.Cloudbow(options.cloudbow, options.threads)
-    scenes = options.scenes or sorted((ROOT / "configs").glob("*.toml"))
+    scenes = options.scenes or sorted((ROOT / "configs").rglob("*.toml"))
     if not scenes:
         sys.exit("no scene in configs/")
     faults = []
@@ -24,13 +25,15 @@ def main():
             try:
                 result = cloudbow.run(scene, output, "--set", "solver.accuracy=draft")
                 with xarray.open_dataset(output) as data:
+                    images = [name for name in data if name.startswith(("radiance_", "camera_"))]
                     finite = all(bool(data[name].notnull().all()) for name in ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux"))
                 if not finite:
                     raise Failure(f"{scene}: fluxes that are not numbers")
-                cloudbow.call("render", output, "-o", picture)
-                if not picture.read_bytes().startswith(b"\x89PNG"):
-                    raise Failure(f"{scene}: render made no PNG")
-                print(f"{scene.stem}: R {result.summary['reflectance']:.4f}, T {result.summary['transmittance']:.4f}, "
+                for field in ["upwelling_flux", *images]:
+                    cloudbow.call("render", output, "--field", field, "-o", picture)
+                    if not picture.read_bytes().startswith(b"\x89PNG"):
+                        raise Failure(f"{scene}: render made no PNG of {field}")
+                print(f"{scene.stem}: R {np.mean(result.summary['reflectance']):.4f}, T {np.mean(result.summary['transmittance']):.4f}, "
                       f"{result.cpu_seconds:.1f} CPU s, {result.peak_memory_bytes / 1e6:.0f} MB", flush=True)
             except Failure as failure:
                 faults.append(str(failure))

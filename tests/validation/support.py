@@ -29,11 +29,12 @@ class Result:
         with h5py.File(path, "r") as file:
             self.fields = {name: node[...] for name, node in file.items() if isinstance(node, h5py.Dataset)}
             self.profile = {name: node[...] for name, node in file["profile"].items()} if "profile" in file else {}
-            self.summary = {name: float(value) for name, value in file["summary"].attrs.items()}
+            self.summary = {name: plain(value) for name, value in file["summary"].attrs.items()}
             self.solver = {name: plain(value) for name, value in file["solver"].attrs.items()}
-        self.cpu_seconds = float(self.solver.get("cpu_seconds", cpu_seconds))
-        self.wall_seconds = float(self.solver["seconds_total"])
-        self.peak_memory_bytes = float(self.solver.get("peak_memory_bytes", peak_memory_bytes))
+        # Of a spectrum there is one number a wavelength.
+        self.cpu_seconds = float(np.sum(self.solver.get("cpu_seconds", cpu_seconds)))
+        self.wall_seconds = float(np.sum(self.solver["seconds_total"]))
+        self.peak_memory_bytes = float(np.max(self.solver.get("peak_memory_bytes", peak_memory_bytes)))
 
     def __getitem__(self, name):
         return self.fields[name].astype(float)

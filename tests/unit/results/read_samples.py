@@ -112,6 +112,15 @@ def check_xarray(folder, engine):
     with xarray.open_dataset(folder / "column.h5", engine=engine) as column:
         check_coordinates(column, 1, 1, 3)
         assert column.upwelling_flux.shape == (4, 1, 1)
+    with xarray.open_dataset(folder / "spectrum.h5", engine=engine) as spectrum:
+        check_coordinates(spectrum, 4, 3, 2)
+        assert spectrum.upwelling_flux.dims == ("wavelength", "z_edge", "y", "x")
+        assert spectrum.absorbed_power.sel(wavelength=0.55, y=75, x=162.5)[1] == field_value(4, 1, 2, 2)
+        assert spectrum.wavelength.attrs["units"] == "um"
+    with xarray.open_dataset(folder / "spectrum.h5", engine=engine, group="profile") as profile:
+        assert profile.direct_flux.sel(wavelength=0.67, method="nearest").shape == (3,)
+    with xarray.open_dataset(folder / "spectrum.h5", engine=engine, group="summary") as summary:
+        np.testing.assert_array_equal(summary.attrs["reflectance"], [0.5, 0.5])
 
 
 def check_h5py(folder):

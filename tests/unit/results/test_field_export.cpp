@@ -222,6 +222,10 @@ TEST_F(FieldExport, WhatIsMissingOrWrongIsNamedAndLeavesNothing) {
   EXPECT_THAT(exporting(), ThrowsMessage<InputError>(HasSubstr("not a result file of cloudbow run")));
 
   Solution solution = even_solution();
+  ResultInfo spectrum = sample::info();
+  spectrum.wavelengths_um = {0.67, 0.55};
+  write_result(options_.result_file, std::vector{solution, solution}, spectrum);
+  EXPECT_THAT(exporting(), ThrowsMessage<InputError>(AllOf(HasSubstr("result.h5"), HasSubstr("[spectrum]"))));
   solution.actinic_flux.clear();
   write_result(options_.result_file, solution, sample::info());
   EXPECT_THAT(exporting(), ThrowsMessage<InputError>(HasSubstr("\"radiance_field\" among output.fields")));

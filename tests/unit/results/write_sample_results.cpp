@@ -44,6 +44,10 @@ int main(int argc, char** argv) try {
   }
 
   write_result(folder / "column.h5", sample::solution(1, 1, 3), sample::info());
+
+  ResultInfo spectrum = sample::info();
+  spectrum.wavelengths_um = {0.67, 0.55};
+  write_result(folder / "spectrum.h5", std::vector{sample::solution(4, 3, 2), sample::solution(4, 3, 2)}, spectrum);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
