@@ -39,6 +39,16 @@ const Real* GroundRadiance<Real>::along(const Direction& travel, std::vector<Rea
 }
 
 template <class Real>
+Real GroundRadiance<Real>::at(const Direction& travel, std::size_t column) const {
+  if (!points) return at_points.row(0)[column];
+  const Stencil stencil = points->stencil(travel);
+  Real radiance = 0;
+  for (int k = 0; k < 3; ++k)
+    radiance += static_cast<Real>(stencil.weight[k]) * at_points.row(stencil.index[k])[column];
+  return beam ? radiance + static_cast<Real>((*beam)(travel)) * direct_flux[column] : radiance;
+}
+
+template <class Real>
 Ground<Real>::Ground(const Surface& surface, const OrdinateSet& ordinates, const std::optional<Direction>& sun_travel)
     : albedo_(surface.albedo), albedo_map_(surface.albedo_map) {
   if (!surface.brdf) return;

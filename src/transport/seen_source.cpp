@@ -53,6 +53,14 @@ AngularField<Real> scattered_by(const std::vector<PhaseFunction>& phase, const s
   return scatter_towards<Real>(radiance, towards, cells);
 }
 
+// A line along the horizon never ends; the radiance just above or below it stands for it.
+Direction off_the_horizon(const Direction& travel) {
+  constexpr double least = .02;
+  if (std::abs(travel.z()) >= least) return travel;
+  const double stretch = std::sqrt((1 - least * least) / (1 - travel.z() * travel.z()));
+  return {stretch * travel.x(), stretch * travel.y(), travel.z() < 0 ? -least : least};
+}
+
 }  // namespace
 
 template <class Real>
@@ -93,7 +101,7 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
               system.beam_irradiance[c];
         }
       }
-      const auto along = march.mean_radiance(problem, system, ground, surroundings, travel[i], sent);
+      const auto along = march.mean_radiance(problem, system, ground, surroundings, off_the_horizon(travel[i]), sent);
       std::copy(along.begin(), along.end(), row);
     }
   }

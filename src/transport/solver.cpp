@@ -8,8 +8,8 @@
 
 #include "cloudbow/transport/cell_fields.hpp"
 #include "cloudbow/transport/flux_fields.hpp"
+#include "cloudbow/transport/images.hpp"
 #include "cloudbow/transport/threads.hpp"
-#include "cloudbow/transport/view.hpp"
 
 namespace cloudbow {
 namespace {
@@ -99,25 +99,13 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   const Surroundings* const outside = surroundings ? &*surroundings : nullptr;
   // Columns that exchange no light have their fluxes from the iteration.
   const bool by_ordinates = !solved.fluxes.column_up.empty();
-  std::vector<Direction> looked_along;
-  for (const View& view : options.views) looked_along.push_back(view.travel);
-  AngularField<Real> seen;
-  if (!looked_along.empty()) {
-    seen = higher_orders_seen(problem, discretisation, system, solved, outside, looked_along);
-    for (const SeenBeam<Real>& beam : seen_beams(problem, discretisation, options, system)) {
-      for (std::size_t v = 0; v < looked_along.size(); ++v)
-        add_first_order<Real>(beam, looked_along[v].dot(problem.sun->travel),
-                              {seen.row(static_cast<int>(v)), seen.cells});
-    }
-  }
+  const Images<Real> images(problem, discretisation, options, system, solved, outside);
   std::optional<DirectionalSource<Real>> source;
   if (!by_ordinates || options.radiance_field)
     source.emplace(scattered_source(discretisation, system, std::move(solved.radiance)));
   fill_flux_fields(problem, discretisation, options, system, solved, by_ordinates ? nullptr : &*source, outside,
                    progress, solution);
-  if (!options.views.empty()) {
-    solution.images = view_radiances(problem, options, system, solved, seen, outside, solution);
-  }
+  images.fill(solved, solution);
   fill_cell_fields(problem, options, system, solved, solution);
   if (options.radiance_field) {
     solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, *source, outside);

@@ -3,37 +3,42 @@
 #include <cmath>
 
 #include "backward_march.hpp"
+#include "cloudbow/transport/sight_line.hpp"
 
 namespace cloudbow {
 namespace {
 
-// Light at the ground: the last gather's where the solution holds it, else the ordinates'.
+// Means over pixels of a grid of the view's own, each line of sight through the cells exactly.
 template <class Real>
-GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes,
-                                const Solution& solution) {
-  const bool gathered = !solution.flux_level.empty() && solution.flux_level.front() == 0;
-  std::vector<double> diffuse = fluxes.surface_flux;
-  if (gathered) {
-    for (std::size_t c = 0; c < diffuse.size(); ++c)
-      diffuse[c] = static_cast<double>(solution.downwelling_diffuse_flux[c]) + solution.direct_flux[c];
+void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* source, int rays,
+                 std::vector<float>& radiance) {
+  const BoxGrid& box = scene.box;
+  radiance.resize(static_cast<std::size_t>(view.width) * view.height);
+  const double across = (scene.x_max_m - box.x_min_m) / view.width;
+  const double along = (scene.y_max_m - box.y_min_m) / view.height;
+  const double plane = view.travel.z() > 0 ? box.z_edge_m.back() : box.z_edge_m.front();
+#pragma omp parallel for schedule(dynamic, 1)
+  for (int row = 0; row < view.height; ++row) {
+    for (int column = 0; column < view.width; ++column) {
+      double sum = 0;
+      for (int r = 0; r < rays * rays; ++r) {
+        const Eigen::Vector3d eye(box.x_min_m + (column + (r % rays + .5) / rays) * across,
+                                  box.y_min_m + (row + (r / rays + .5) / rays) * along, plane);
+        sum += seen_along<Real>(scene, eye, -view.travel,
+                                [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
+      }
+      radiance[static_cast<std::size_t>(row) * view.width + column] = static_cast<float>(sum / (rays * rays));
+    }
   }
-  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c)
-    diffuse[c] = std::max(0., diffuse[c] - system.beam_surface_flux[c]);
-  return system.ground.radiance_seen(fluxes.surface_arriving, diffuse, system.beam_surface_flux, system.ordinates);
 }
 
 }  // namespace
 
 template <class Real>
 std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
-                                          const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                          const AngularField<Real>& source, const Surroundings* surroundings,
-                                          const Solution& solution) {
+                                          const TransportSystem<Real>& system, const AngularField<Real>& source,
+                                          const GroundRadiance<Real>& ground, const SideRadiance& side) {
   const BoxGrid& box = system.box;
-  const GroundRadiance<Real> ground = lit_ground(system, solved.fluxes, solution);
-  SideRadiance side;
-  if (surroundings != nullptr)
-    side = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
   const GatherScene<Real> scene{box, *system.cells, nullptr, side, problem.sky_radiance, &ground};
   const LevelRange levels{0, box.nz()};
   const std::vector<Band> all{{0, box.nz(), 0., false}};
@@ -49,6 +54,14 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
     linear.resize(system.cells->size());
     std::copy_n(row, system.cells->size(), linear.value.begin());
     linear.make_gradient(*system.cells);
+    if (view.width > 0) {
+      const SightScene<Real> exact(box, *system.cells,
+                                   {linear.gradient[0].data(), linear.gradient[1].data(), linear.gradient[2].data()},
+                                   ground, problem.sky_radiance, side);
+      images.push_back({view, {}});
+      fill_pixels(exact, view, row, rays, images.back().radiance);
+      continue;
+    }
     std::vector<std::vector<double>> of_ray(static_cast<std::size_t>(rays) * rays);
 #pragma omp parallel
     {
@@ -76,10 +89,10 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                      \
-  template std::vector<RadianceImage> view_radiances<Real>(                                             \
-      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const IterationResult<Real>&, \
-      const AngularField<Real>&, const Surroundings*, const Solution&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
+  template std::vector<RadianceImage> view_radiances<Real>(const Problem&, const SolverOptions&,                    \
+                                                           const TransportSystem<Real>&, const AngularField<Real>&, \
+                                                           const GroundRadiance<Real>&, const SideRadiance&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -21,6 +21,8 @@ struct GroundRadiance {
 
   /// Radiance [columns] along a direction of travel. @param scratch holds it where it has to be worked out.
   const Real* along(const Direction& travel, std::vector<Real>& scratch) const;
+  /// The same for one column.
+  Real at(const Direction& travel, std::size_t column) const;
 };
 
 template <class Real>

@@ -1,0 +1,182 @@
+// One line of sight through the cells: the formal solution from an eye at any place in any direction, with a source
+// that is linear within each cell (docs/theory.md, "Radiance").
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "cloudbow/transport/exponential_functions.hpp"
+#include "cloudbow/transport/gather.hpp"
+
+namespace cloudbow {
+
+/// What lines of sight cross. Cells are looked up by place: index [(k*ny + j)*nx + i], no_cell where none is active.
+template <class Real>
+struct SightScene {
+  static constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
+
+  const BoxGrid& box;
+  const Cells<Real>& cells;
+  std::array<const Real*, 3> gradient;  ///< [n] relative, of the source, along x, y, z
+  const GroundRadiance<Real>& ground;
+  double sky_radiance = 0;
+  SideRadiance side_radiance;  ///< what open sides show, by interface; may be empty
+  std::vector<std::uint32_t> cell_at;
+  double x_max_m, y_max_m;
+
+  SightScene(const BoxGrid& box_of, const Cells<Real>& cells_of, std::array<const Real*, 3> gradient_of,
+             const GroundRadiance<Real>& ground_of, double sky, SideRadiance side)
+      : box(box_of),
+        cells(cells_of),
+        gradient(gradient_of),
+        ground(ground_of),
+        sky_radiance(sky),
+        side_radiance(std::move(side)),
+        cell_at(box.columns() * static_cast<std::size_t>(box.nz()), no_cell),
+        x_max_m(box.x_min_m + box.nx * box.dx_m),
+        y_max_m(box.y_min_m + box.ny * box.dy_m) {
+    const std::vector<std::uint32_t> dense = dense_indices(cells.rows);
+    for (std::size_t c = 0; c < dense.size(); ++c) cell_at[dense[c]] = static_cast<std::uint32_t>(c);
+  }
+};
+
+namespace sight {
+
+constexpr double seen_through = 1e-6;  // what is transmitted after this is not looked at
+/// Lines that never leave periodic air end after so many domains; they see what is behind as sky or ground.
+constexpr int most_domains = 200;
+
+/// What an open side shows at a height, for light that travels along `travel`.
+template <class Real>
+double beside(const SightScene<Real>& scene, const Eigen::Vector3d& place, const Direction& travel) {
+  if (!scene.side_radiance) return travel.z() < 0 ? scene.sky_radiance : 0.;
+  const std::vector<double> by_edge = scene.side_radiance(travel);
+  const auto& edge = scene.box.z_edge_m;
+  const auto upper = std::upper_bound(edge.begin() + 1, edge.end() - 1, place.z());
+  const std::size_t k = static_cast<std::size_t>(upper - edge.begin()) - 1;
+  const double share = std::clamp((place.z() - edge[k]) / (edge[k + 1] - edge[k]), 0., 1.);
+  return (1 - share) * by_edge[k] + share * by_edge[k + 1];
+}
+
+/// Distance along the line to where it enters [low, high] on one axis, and to where it leaves it.
+inline void clip(double from, double along, double low, double high, double& enter, double& leave) {
+  if (along == 0) {
+    if (from < low || from > high) leave = -1;
+    return;
+  }
+  const double a = (low - from) / along;
+  const double b = (high - from) / along;
+  enter = std::max(enter, std::min(a, b));
+  leave = std::min(leave, std::max(a, b));
+}
+
+}  // namespace sight
+
+/// Radiance seen from `eye` looking along the unit vector `sight`, W m-2 sr-1.
+/// @param source (cell) -> source of that cell towards the eye.
+template <class Real, class Source>
+double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, const Direction& sight,
+                  const Source& source) {
+  const BoxGrid& box = scene.box;
+  const Direction travel = -sight;
+  double enter = 0;
+  double leave = std::numeric_limits<double>::infinity();
+  sight::clip(eye.z(), sight.z(), box.z_edge_m.front(), box.z_edge_m.back(), enter, leave);
+  if (!box.periodic) {
+    sight::clip(eye.x(), sight.x(), box.x_min_m, scene.x_max_m, enter, leave);
+    sight::clip(eye.y(), sight.y(), box.y_min_m, scene.y_max_m, enter, leave);
+  }
+  if (leave <= enter) {  // past the domain: between it and the eye nothing is seen
+    if (box.periodic || sight.z() >= 0) return scene.sky_radiance;
+    return sight::beside(scene, {eye.x(), eye.y(), box.z_edge_m.front()}, travel);
+  }
+
+  // Cells along the line: place and step on each axis, distance from the eye to the next wall.
+  const Eigen::Vector3d start = eye + enter * sight;
+  const double x = (start.x() - box.x_min_m) / box.dx_m;
+  const double y = (start.y() - box.y_min_m) / box.dy_m;
+  const auto cell_of = [](double place, double along, int n, bool periodic) {
+    double cell = std::floor(place);
+    if (cell == place && along < 0) --cell;
+    return periodic ? cell : std::clamp(cell, 0., n - 1.);
+  };
+  double ix = cell_of(x, sight.x(), box.nx, box.periodic);
+  double iy = cell_of(y, sight.y(), box.ny, box.periodic);
+  const auto wrapped = [](double cell, int n) {
+    const double m = std::fmod(cell, n);
+    return static_cast<int>(m < 0 ? m + n : m);
+  };
+  int i = wrapped(ix, box.nx);
+  int j = wrapped(iy, box.ny);
+  const auto above = std::upper_bound(box.z_edge_m.begin() + 1, box.z_edge_m.end() - 1, start.z());
+  int k = static_cast<int>(above - box.z_edge_m.begin()) - 1;
+  if (sight.z() < 0 && k > 0 && start.z() == box.z_edge_m[k]) --k;
+
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const auto wall = [&](double from, double along, double low, double spacing, double cell) {
+    return along == 0 ? never : (low + (cell + (along > 0 ? 1 : 0)) * spacing - from) / along;
+  };
+  const auto level_wall = [&](int level) {
+    return sight.z() == 0 ? never : (box.z_edge_m[level + (sight.z() > 0 ? 1 : 0)] - eye.z()) / sight.z();
+  };
+  double next_x = wall(eye.x(), sight.x(), box.x_min_m, box.dx_m, ix);
+  double next_y = wall(eye.y(), sight.y(), box.y_min_m, box.dy_m, iy);
+  double next_z = level_wall(k);
+  double at = enter;
+  double transmitted = 1;
+  double radiance = 0;
+  for (int domains = 0;;) {
+    const double next = std::min({next_x, next_y, next_z});
+    const std::uint32_t cell = scene.cell_at[(static_cast<std::size_t>(k) * box.ny + j) * box.nx + i];
+    if (cell != SightScene<Real>::no_cell && next > at) {
+      const double t = std::min<double>(static_cast<double>(scene.cells.extinction[cell]) * (next - at), 700.);
+      const auto phi = exponential_functions(t);
+      // Where the segment begins and ends, in cells from the centre of this one.
+      const auto offsets = [&](double distance) {
+        const Eigen::Vector3d place = eye + distance * sight;
+        return 1 + static_cast<double>(scene.gradient[0][cell]) * ((place.x() - box.x_min_m) / box.dx_m - ix - .5) +
+               static_cast<double>(scene.gradient[1][cell]) * ((place.y() - box.y_min_m) / box.dy_m - iy - .5) +
+               static_cast<double>(scene.gradient[2][cell]) * ((place.z() - box.z_edge_m[k]) / box.thickness_m(k) - .5);
+      };
+      const double near = std::max(0., offsets(at));
+      const double far = std::max(0., offsets(next));
+      radiance += transmitted * t * static_cast<double>(source(cell)) * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
+      transmitted -= transmitted * t * phi.phi1;
+      if (transmitted < sight::seen_through) return radiance;
+    }
+    at = std::max(at, next);
+    if (next == next_z) {
+      k += sight.z() > 0 ? 1 : -1;
+      if (k < 0) {
+        return radiance +
+               transmitted * static_cast<double>(scene.ground.at(travel, static_cast<std::size_t>(j) * box.nx + i));
+      }
+      if (k == box.nz()) return radiance + transmitted * scene.sky_radiance;
+      next_z = level_wall(k);
+      continue;
+    }
+    const bool along_x = next == next_x;
+    int& column = along_x ? i : j;
+    const int n = along_x ? box.nx : box.ny;
+    const int way = (along_x ? sight.x() : sight.y()) > 0 ? 1 : -1;
+    column += way;
+    if (column < 0 || column == n) {
+      if (!box.periodic) return radiance + transmitted * sight::beside(scene, eye + at * sight, travel);
+      column = column < 0 ? n - 1 : 0;
+      if (++domains == sight::most_domains) return radiance + transmitted * scene.sky_radiance;
+    }
+    if (along_x) {
+      ix += way;
+      next_x = wall(eye.x(), sight.x(), box.x_min_m, box.dx_m, ix);
+    } else {
+      iy += way;
+      next_y = wall(eye.y(), sight.y(), box.y_min_m, box.dy_m, iy);
+    }
+  }
+}
+
+}  // namespace cloudbow

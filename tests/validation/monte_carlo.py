@@ -1,0 +1,102 @@
+"""Runs the Monte Carlo of tests/reference on a field of cells, as support.Cloudbow runs the program."""
+import json
+import math
+import os
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from support import ROOT, Failure
+
+
+@dataclass
+class Plane:
+    """A quantity over the columns, [y, x], with standard errors; means over the domain with theirs."""
+    value: np.ndarray
+    error: np.ndarray
+    mean: float
+    mean_error: float
+
+
+@dataclass
+class Job:
+    """A scene in the terms of tests/reference/monte_carlo.hpp. Media: (albedo, scatterer text, extinction [z, y, x] or [z])."""
+    z_edge: np.ndarray
+    columns: tuple  # nx, ny
+    column_size: tuple  # dx, dy
+    media: list
+    sun: tuple  # zenith, azimuth
+    surface_albedo: float = 0.0
+    open_sides: bool = False
+    levels: list = field(default_factory=list)  # indices of z_edge
+    views: list = field(default_factory=list)  # (zenith, azimuth)
+
+    def text(self):
+        lines = [f"columns {self.columns[0]} {self.columns[1]} {self.column_size[0]!r} {self.column_size[1]!r}",
+                 f"z_edges {len(self.z_edge) - 1} " + " ".join(repr(float(z)) for z in self.z_edge),
+                 f"sun {self.sun[0]!r} {self.sun[1]!r}", f"surface_albedo {self.surface_albedo!r}", f"open_sides {int(self.open_sides)}",
+                 f"levels {len(self.levels)} " + " ".join(map(str, self.levels))]
+        lines += [f"view {zenith!r} {azimuth!r}" for zenith, azimuth in self.views]
+        for albedo, scatterer, extinction in self.media:
+            form = "profile" if np.ndim(extinction) == 1 else "cells"
+            lines.append(f"medium {albedo!r} {scatterer} {form} " + " ".join(f"{e:.9g}" for e in np.ravel(extinction)))
+        return "\n".join(lines) + "\n"
+
+
+class Solution:
+    """Of unit irradiance through the horizontal: `up`, `down` by level, `radiance` by view, each a Plane."""
+
+    def __init__(self, text, columns):
+        answer = json.loads(text)
+        self.cpu_seconds = answer["cpu_seconds"]
+        self.photons = answer["photons"]
+        for name in ("up", "down", "radiance"):
+            setattr(self, name, [Plane(np.reshape(p["value"], columns[::-1]), np.reshape(p["standard_error"], columns[::-1]), p["mean"],
+                                       p["mean_standard_error"]) for p in answer[name]])
+
+
+class MonteCarlo:
+    def __init__(self, program, threads=1):
+        self.program = str(program)
+        self.threads = threads
+
+    def run(self, job, photons, seed=1, batches=50):
+        with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
+            file.write(job.text() + f"photons {int(photons)}\nbatches {batches}\nseed {seed}\nthreads {self.threads}\n")
+            file.flush()
+            done = subprocess.run([self.program, file.name], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise Failure(f"monte_carlo: exit code {done.returncode}\n{done.stderr}")
+        return Solution(done.stdout, job.columns)
+
+
+def cloud_cells(program, path):
+    """Extinction [z, y, x], the size of a cell and the height of the lowest, of a VDB file."""
+    done = subprocess.run([str(program), str(path)], capture_output=True, text=True, check=True)
+    head, *rows = done.stdout.splitlines()
+    head = head.split()
+    nx, ny, nz = map(int, head[:3])
+    return np.array([row.split() for row in rows], float).reshape(nz, ny, nx), tuple(map(float, head[3:6])), float(head[6])
+
+
+def add_programs(parser):
+    """Options for the programs of tests/reference: beside cloudbow's own build unless said otherwise."""
+    folder = Path(os.environ.get("CLOUDBOW_TEST_PROGRAMS", ROOT / "build/release/tests/reference"))
+    parser.add_argument("--monte-carlo", type=Path, default=folder / "monte_carlo", metavar="PROGRAM")
+    parser.add_argument("--cloud-cells", type=Path, default=folder / "cloud_cells", metavar="PROGRAM")
+
+
+def henyey_greenstein(g):
+    return f"henyey-greenstein {g!r}"
+
+
+def table(angle_deg, value):
+    return f"table {len(angle_deg)} " + " ".join(f"{a:.9g} {v:.9g}" for a, v in zip(angle_deg, value))
+
+
+def chi(difference, error):
+    """RMS of a difference in its own standard errors: 1 where it is noise alone."""
+    return math.sqrt(np.mean((difference / error) ** 2))

@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Radiances of the I3RC step cloud at its top against Monte Carlo: straight up, and at cosine .5 ahead of the sun and behind it.
+
+Truth: local estimates of an independent photon-by-photon model on the same cells. Its noise is known (standard errors) and is taken out of the RMS
+over columns: RMS^2 minus the mean of se^2. Needs CLOUDBOW_REFERENCE_DIR; skipped without.
+
+usage: step_radiance.py [--accuracy fine] [--limits 1.5 2] [--table FILE NAME]
+"""
+import csv
+import math
+import sys
+
+import numpy as np
+
+import support
+
+# column of the reference, zenith of the sensor, its azimuth: light travels towards +x, so what travels on at azimuth 0 is seen from azimuth 0.
+VIEWS = [("I_mu1_phi0", 0.0, 0.0), ("I_mu0.5_phi0", 60.0, 0.0), ("I_mu0.5_phi180", 60.0, 180.0)]
+CASES = [("1.0", "0.5"), ("1.0", "1.0"), ("0.99", "0.5"), ("0.99", "1.0")]
+
+
+def scene(field, albedo, mu0, accuracy):
+    return support.scene_text([
+        ("cloud", {"file": str(field), "single_scattering_albedo": float(albedo), "phase_function": "droplets"}),
+        ("phase_function.droplets", {"type": "henyey-greenstein", "asymmetry_parameter": 0.85}),
+        ("sun", {"zenith_deg": support.zenith_deg(float(mu0)), "azimuth_deg": 180.0, "irradiance_w_m2": 1 / float(mu0)}),
+        ("solver", {"accuracy": accuracy}),
+        *[("[radiance]", {"name": f"view{n}", "zenith_deg": zenith, "azimuth_deg": azimuth}) for n, (_, zenith, azimuth) in enumerate(VIEWS)],
+    ])
+
+
+def reference(path):
+    with open(path) as file:
+        rows = list(csv.reader(file))
+    head, values = rows[0], np.array([[float(x) for x in row] for row in rows[1:]])
+    return {name: (values[:, head.index(name)], values[:, head.index(name) + 1]) for name, _, _ in VIEWS}
+
+
+def main():
+    parser = support.argument_parser(__doc__.splitlines()[0])
+    parser.add_argument("--accuracy", default="fine")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a key of the scene for all cases")
+    parser.add_argument("--limits", nargs=2, type=float, default=(1.5, 2.0), help="RMS over columns in %%: straight up, slanted")
+    parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"))
+    options = parser.parse_args()
+    folder = support.reference_folder()
+    if folder is None:
+        support.skip("CLOUDBOW_REFERENCE_DIR is not set; it names the folder with i3rc/step_radiance_*.csv")
+    cloudbow = support.Cloudbow(options.cloudbow, options.threads or 1)
+    rows, failed = [], False
+    with support.Workspace(options.keep) as workspace:
+        for albedo, mu0 in CASES:
+            path = workspace / f"step_{albedo}_{mu0}.toml"
+            path.write_text(scene(folder / "fields/step_cloud.vdb", albedo, mu0, options.accuracy))
+            result = cloudbow.run(path, path.with_suffix(".h5"), *[word for key in options.set for word in ("--set", key)])
+            truth = reference(folder / f"i3rc/step_radiance_ssa{albedo}_mu{mu0}.csv")
+            for n, (name, zenith, azimuth) in enumerate(VIEWS):
+                found = np.asarray(result[f"radiance_view{n}"]).mean(axis=0)
+                wanted, error = truth[name]
+                square = np.mean((found - wanted) ** 2) - np.mean(error**2)
+                rms = 100 * math.copysign(math.sqrt(abs(square)), square) / wanted.mean()
+                noise = 100 * math.sqrt(np.mean(error**2)) / wanted.mean()
+                mean = 100 * (found.mean() / wanted.mean() - 1)
+                limit = options.limits[0 if zenith == 0 else 1]
+                failed = failed or rms > limit
+                rows.append([f"mu0 {mu0}, ssa {albedo}", f"zenith {zenith:.0f}, azimuth {azimuth:.0f}", f"{mean:+.2f}", f"{rms:.2f}", f"{noise:.2f}",
+                             f"{limit:g}"])
+    text = support.markdown_table(["step cloud", "sensor", "mean %", "RMS over columns %, noise taken out", "noise %", "allowed"], rows)
+    print(text)
+    if options.table:
+        support.write_between_markers(*options.table, text)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
