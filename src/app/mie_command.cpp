@@ -38,6 +38,7 @@ std::vector<double> parse_wavelengths(const std::vector<std::string>& texts) {
       all.push_back(wavelength);
     }
   }
+  std::sort(all.begin(), all.end());
   return all;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "cloudbow/app/accuracy.hpp"
@@ -38,9 +39,14 @@ std::vector<double> read_wavelengths(const ConfigReader& root) {
     spectrum->fail("wavelengths_um", "empty or too long", fmt::format("{} wavelengths", wavelengths->size()),
                    fmt::format("1 to {}", kMaxWavelengths));
   }
-  for (auto w = wavelengths->begin(); w != wavelengths->end(); ++w) {
-    if (std::find(wavelengths->begin(), w, *w) != w)
-      spectrum->fail("wavelengths_um", "a wavelength twice", fmt::format("{}", *w), "each once");
+  // As a coordinate of the result, which readers search, must be.
+  const bool ascend =
+      std::adjacent_find(wavelengths->begin(), wavelengths->end(), std::greater_equal<>()) == wavelengths->end();
+  const bool descend =
+      std::adjacent_find(wavelengths->begin(), wavelengths->end(), std::less_equal<>()) == wavelengths->end();
+  if (!ascend && !descend) {
+    spectrum->fail("wavelengths_um", "neither ascending nor descending", describe(*spectrum->find("wavelengths_um")),
+                   "each wavelength once, in one of the two orders");
   }
   return *wavelengths;
 }

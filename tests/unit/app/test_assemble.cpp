@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "cloudbow/app/accuracy.hpp"
@@ -207,6 +208,34 @@ TEST_F(MieSceneTest, DropletsOfTheVoxelsRadius) {
   write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({2, 1, 1}, {25, 25, 25}, {0, 0, 0}, {5.0f, 11.0f}, ""),
                   {"reff", false});
   EXPECT_THAT(mie_message(cloud), AllOf(HasSubstr("11"), HasSubstr("10")));
+}
+
+// A table at each of two wavelengths, as two files and as one.
+TEST_F(MieSceneTest, SpectraTakeTheTableOfTheWavelength) {
+  DropletTable red = read_droplet_table(folder_ / "drops.h5"), blue = red;
+  blue.wavelength_um = 0.45;
+  blue.single_scattering_albedo = {0.75, 1};
+  write_droplet_table(folder_ / "blue.h5", blue, {});
+  write_droplet_tables(folder_ / "both.h5", std::vector{blue, red}, std::vector<DropletTableInfo>(2));
+  const auto absorption = [&](const std::string& keys) {
+    const std::string text =
+        "[spectrum]\nwavelengths_um = [0.67, 0.45]\n[cloud]\nfile = \"cloud.vdb\"\neffective_radius_um = 5\n"
+        "phase_function = \"d\"\n[phase_function.d]\ntype = \"mie\"\n" +
+        keys + "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n";
+    const auto scenes = read_scenes(folder_.write("scene.toml", text));
+    EXPECT_EQ(scenes.size(), 2U);
+    return std::array{assemble(scenes[0], kMemory).problem.grid.absorption[0],
+                      assemble(scenes[1], kMemory).problem.grid.absorption[0]};
+  };
+  EXPECT_THAT(absorption("file = \"both.h5\""), testing::ElementsAre(0.01F, 0.005F));
+  EXPECT_THAT(absorption("file = [\"drops.h5\", \"blue.h5\"]"), testing::ElementsAre(0.01F, 0.005F));
+  EXPECT_THAT(absorption("file = \"drops.h5\"\nwavelength_um = 0.67"), testing::ElementsAre(0.01F, 0.01F));
+  try {
+    absorption("file = \"drops.h5\"");
+    ADD_FAILURE() << "a table of another wavelength was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("drops.h5"), HasSubstr("0.45"), HasSubstr("0.67")));
+  }
 }
 
 TEST_F(MieSceneTest, SaysWhatIsWrong) {

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 
 #include <chrono>
+#include <sstream>
 #include <thread>
 
 #include "cloudbow/app/command_line.hpp"
@@ -79,6 +80,9 @@ TEST(CommandLine, UsageErrors) {
             "x.vdb"},
            {"cloud", "make", "cirrus", "--cells", "4", "4", "4", "--voxel-size-m", "1", "1", "1", "-o", "x.vdb"},
            {"render"},
+           {"render", "x.h5", "-o", "x.png", "--exposure", "0"},
+           {"render", "x.h5", "-o", "x.png", "--exposure", "bright"},
+           {"render", "x.h5", "-o", "x.png", "--tone", "soft"},
            {"export"},
            {"export", "result.h5", "--vdb", "x.vdb"},
            {"export", "result.h5", "--vdb", "x.vdb", "--direction", "0", "1"},
@@ -134,6 +138,46 @@ TEST(CommandLine, ImportsACloudWithItsPhaseFunctions) {
     EXPECT_EQ(std::count(error.errors.begin(), error.errors.end(), '\n'), 1) << error.errors;
     EXPECT_FALSE(std::filesystem::exists(folder / "x.vdb"));
   }
+}
+
+/// What a run printed on lines that begin with a word.
+std::vector<std::string> lines_of(const std::string& text, const std::string& word) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with(word)) lines.push_back(line);
+  }
+  return lines;
+}
+
+// Truth: the same scene with the numbers of one wavelength in it.
+TEST(CommandLine, ASpectrumIsItsWavelengths) {
+  const TemporaryFolder folder;
+  const std::string rest =
+      "[[layer]]\nbottom_m = 0\ntop_m = 100\noptical_depth = 2\nsingle_scattering_albedo = 0.9\n"
+      "phase_function = \"isotropic\"\n[sun]\nzenith_deg = 30\nazimuth_deg = 0\n[solver]\naccuracy = \"draft\"\n";
+  const auto run = [&](const std::string& more) {
+    const Outcome outcome = cloudbow({"run", folder.write("scene.toml", rest + more), "-o", folder / "r.h5"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return lines_of(outcome.output, "reflectance");
+  };
+  const auto both = run("[spectrum]\nwavelengths_um = [0.67, 0.55]\n[surface]\nalbedo = [0.1, 0.6]\n");
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[0], run("[surface]\nalbedo = 0.1\n").at(0));
+  EXPECT_EQ(both[1], run("[surface]\nalbedo = 0.6\n").at(0));
+  EXPECT_NE(both[0], both[1]);
+}
+
+TEST(CommandLine, RadianceFieldsOfASpectrumNeedTheSameCells) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write(
+      "scene.toml",
+      "[spectrum]\nwavelengths_um = [0.67, 0.55]\n[[layer]]\nbottom_m = 0\ntop_m = 100\noptical_depth = [1, 0]\n"
+      "single_scattering_albedo = 0.9\nphase_function = \"isotropic\"\n[sun]\nzenith_deg = 30\nazimuth_deg = 0\n"
+      "[output]\nfields = [\"radiance_field\"]\n");
+  const Outcome outcome = cloudbow({"run", scene, "--dry-run"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.errors, AllOf(HasSubstr("same cells"), HasSubstr("0.55 um")));
 }
 
 TEST(CommandLine, MakesAMieTableThatAppearsWhole) {

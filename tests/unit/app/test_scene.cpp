@@ -493,7 +493,7 @@ TEST(Scene, SpectrumMistakes) {
   EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = [1, -2]")), HasSubstr("-2"));
   EXPECT_THAT(message_of(kLayers + "[spectrum]\n"), AllOf(HasSubstr("wavelengths_um"), HasSubstr("missing")));
   EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = []\n"), HasSubstr("empty"));
-  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"), HasSubstr("twice"));
+  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"), HasSubstr("neither ascending nor descending"));
   EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0]\n"), HasSubstr("> 0"));
   EXPECT_THAT(
       message_of(replaced("optical_depth = 0.1\n", "optical_depth = 0.1\noptical_depth_wavelength_um = 0.55\n")),
