@@ -138,12 +138,12 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
               emitted +=
                   ((1 - share) * scattered[b][node] + share * scattered[b][node + 1]) * static_cast<double>(intensity);
             }
-            return std::max(0., emitted);
+            return emitted;
           });
           ++rays;
         });
         image.radiance[static_cast<std::size_t>(row) * camera.width + column] =
-            rays > 0 ? static_cast<float>(sum / rays) : std::numeric_limits<float>::quiet_NaN();
+            rays > 0 ? static_cast<float>(std::max(0., sum / rays)) : std::numeric_limits<float>::quiet_NaN();
       }
     }
     images.push_back(std::move(image));

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "cloudbow/optics/beam_phase.hpp"
-#include "cloudbow/sphere/gauss_legendre.hpp"
 
 namespace cloudbow {
 namespace {
@@ -55,18 +54,23 @@ TEST(BeamPhase, IsThePoissonSumOfPeaksScatteredOneByOne) {
   }
 }
 
-TEST(BeamPhase, MomentsBelowTheOrderStay) {
-  const PhaseFunction phase = PhaseFunction::henyey_greenstein(.9);
+TEST(BeamPhase, StraightOnItAddsUpToSmallAngleTransfer) {
+  // What all depths up to lambda send straight on, over (2l+1): exp(-lambda (1 - r)) - exp(-lambda) for each l >= N,
+  // and lambda times what is below.
+  const double g = .85, lambda = 3;
+  const PhaseFunction phase = PhaseFunction::henyey_greenstein(g);
+  const double f = std::pow(g, kOrder);
   const BeamPhase beam(phase, delta_m(phase, kOrder));
-  const GaussLegendre rule = make_gauss_legendre(400);
-  for (const double lambda : {.3, 5.}) {
-    for (const int l : {0, 1, kOrder - 1}) {
-      double moment = 0;
-      for (std::size_t i = 0; i < rule.node.size(); ++i)
-        moment += .5 * rule.weight[i] * at_depth(beam, rule.node[i], lambda) * std::legendre(l, rule.node[i]);
-      EXPECT_NEAR(moment, std::pow(.9, l), 1e-7);  // the quadrature's, for a peak of some 6 degrees
-    }
+  double sum = 0;
+  constexpr int steps = 3000;
+  for (int s = 0; s < steps; ++s) sum += at_depth(beam, 1, lambda * (s + .5) / steps) * lambda / steps;
+  double truth = 0;
+  for (int l = 0; l < 300; ++l) {
+    const double r = std::pow(g, l) / f;
+    truth += l < kOrder ? (2 * l + 1) * std::pow(g, l) * lambda
+                        : (2 * l + 1) * f * (std::exp(-lambda * (1 - r)) - std::exp(-lambda));
   }
+  EXPECT_NEAR(sum / truth, 1, 3e-3);  // linear between nodes
 }
 
 }  // namespace
