@@ -25,15 +25,13 @@ BeamPhase::BeamPhase(const PhaseFunction& phase, const DeltaM& truncation) : pha
   std::size_t last = std::min(moments.size(), most_moments);
   while (last > static_cast<std::size_t>(order_) && std::abs(moments[last - 1]) < least_moment) --last;
   beyond_ = last > static_cast<std::size_t>(order_) ? last - order_ : 0;
-  aside_.reserve(nodes * beyond_);
-  straight_.reserve(nodes * beyond_);
+  change_.reserve(nodes * beyond_);
   for (int n = 0; n < nodes; ++n) {
     const double lambda = scale * std::expm1(step * n);
     for (std::size_t l = order_; l < order_ + beyond_; ++l) {
       const double r = moments[l] / f;
       const double share = f * static_cast<double>(2 * l + 1);
-      aside_.push_back(share * r * std::expm1(-lambda * (1 - r)));
-      straight_.push_back(share * (std::exp(-lambda) - (1 - r) * std::exp(-lambda * (1 - r)) - r));
+      change_.push_back(share * (std::exp(-lambda) - (1 - r) * std::exp(-lambda * (1 - r)) - r));
     }
   }
 }
@@ -45,6 +43,10 @@ double BeamPhase::place(double lambda) {
 std::vector<double> BeamPhase::at(double cos_angle) const {
   const double x = std::clamp(cos_angle, -1., 1.);
   std::vector<double> value(nodes, phase_(x));
+  const double resolved = std::numbers::pi / std::max(order_, 1);
+  const double fade = std::clamp(2 - 2 * std::acos(x) / resolved, 0., 1.);
+  const double straight_on = fade * fade * (3 - 2 * fade);
+  if (straight_on == 0) return value;
   std::vector<double> legendre(beyond_);  // P_l, l >= N
   double before = 1, current = x;         // P_0, P_1
   for (std::size_t l = 0; l < order_ + beyond_; ++l) {
@@ -54,14 +56,9 @@ std::vector<double> BeamPhase::at(double cos_angle) const {
     before = current;
     current = next;
   }
-  const double resolved = std::numbers::pi / std::max(order_, 1);
-  const double fade = std::clamp(2 - 2 * std::acos(x) / resolved, 0., 1.);
-  const double straight_on = fade * fade * (3 - 2 * fade);
   for (int n = 0; n < nodes; ++n) {
-    const double* const aside = aside_.data() + n * beyond_;
-    const double* const straight = straight_.data() + n * beyond_;
-    for (std::size_t l = 0; l < beyond_; ++l)
-      value[n] += ((1 - straight_on) * aside[l] + straight_on * straight[l]) * legendre[l];
+    const double* const change = change_.data() + n * beyond_;
+    for (std::size_t l = 0; l < beyond_; ++l) value[n] += straight_on * change[l] * legendre[l];
   }
   return value;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloudbow/transport/camera_view.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 
 namespace cloudbow {
@@ -35,12 +36,16 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   // Libraries and tables; reading a cloud takes another library.
   const std::size_t program = 20'000'000 + (box.columns() > 1 ? 33'000'000 : 0);
   std::size_t pixels = 0;
+  std::size_t looked_along = options.views.size();
   for (const Camera& camera : options.cameras) pixels += static_cast<std::size_t>(camera.width) * camera.height;
+  if (!options.cameras.empty()) looked_along += sight_points(options.cameras, active).travel.size();
   for (const View& view : options.views) {
     pixels += view.width > 0 ? static_cast<std::size_t>(view.width) * view.height : box.columns();
   }
-  return program + active * (grid + cell + system + std::max(iteration, gather) + radiance_field) + dense * place +
-         pixels * sizeof(float);
+  // While their source is made there is a second array; images follow gradients and a copy of what lines read.
+  const std::size_t images = looked_along > 0 ? real * (2 * looked_along + 12) : 0;
+  return program + active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) +
+         dense * place + pixels * sizeof(float);
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {

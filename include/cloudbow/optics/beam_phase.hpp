@@ -1,18 +1,12 @@
-// First scattering of a beam that carries the light of its truncated forward peak (delta-M), as it is seen: the whole
-// phase function for light that never scattered, and for light that went through the peak already, the peak's own
-// width.
-//
-// With r_l = chi_l / f, f = chi_N, light scattered k times within the peak has the moments r_l^k for l >= N (and 1
-// below: that is what truncation means). After an optical depth lambda of scattering into the peak, k is distributed as
-// Poisson's law says, so that the beam scatters by
-//     P(cos) + f sum_{l >= N} (2l+1) r_l (exp(-lambda (1 - r_l)) - 1) P_l(cos).
-// lambda = 0 is the correction of Nakajima & Tanaka (1988) called TMS; their IMS is the first order in lambda.
+// First scattering of a beam that carries the light of its truncated forward peak (delta-M), as it is seen: by the
+// whole phase function (Nakajima & Tanaka 1988, "TMS"), but for the sun's aureole.
 //
 // Seen straight on, within half a resolved angle of the beam (pi / 2N, fading until pi / N), light scatters on in the
-// peak after it was sent towards the eye, and must not be seen twice. What is seen after lambda in all is known there:
-// the small-angle solution exp(-lambda (1 - r_l)) - exp(-lambda). Each place sends what that gains there,
-//     r_l exp(-lambda (1 - r_l))  ->  exp(-lambda) - (1 - r_l) exp(-lambda (1 - r_l)),
-// which may be negative: the peak widens.
+// peak after it was sent towards the eye, and must not be seen twice. What is seen after an optical depth lambda of
+// scattering into the peak is known there: with r_l = chi_l / f, f = chi_N, the small-angle solution exp(-lambda (1 -
+// r_l)) - exp(-lambda) of the moments l >= N. Each place sends what that gains there,
+//     f sum_{l >= N} (2l+1) [exp(-lambda) - (1 - r_l) exp(-lambda (1 - r_l))] P_l(cos)
+// in the place of f sum (2l+1) r_l P_l(cos); it may be negative: the peak widens.
 #pragma once
 
 #include <span>
@@ -38,10 +32,9 @@ class BeamPhase {
 
  private:
   PhaseFunction phase_;
-  int order_ = 0;  // N
-  // [nodes][moments beyond N]: what is added to f (2l+1) r_l, seen aside and straight on
-  std::vector<double> aside_, straight_;
-  std::size_t beyond_ = 0;  // moments from N on
+  int order_ = 0;               // N
+  std::vector<double> change_;  // [nodes][moments beyond N]: what is added to f (2l+1) r_l straight on
+  std::size_t beyond_ = 0;      // moments from N on
 };
 
 }  // namespace cloudbow
