@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace cloudbow {
 namespace {
@@ -24,12 +25,15 @@ BeamPhase::BeamPhase(const PhaseFunction& phase, const DeltaM& truncation) : pha
   std::size_t last = std::min(moments.size(), most_moments);
   while (last > static_cast<std::size_t>(order_) && std::abs(moments[last - 1]) < least_moment) --last;
   beyond_ = last > static_cast<std::size_t>(order_) ? last - order_ : 0;
-  left_.reserve(nodes * beyond_);
+  aside_.reserve(nodes * beyond_);
+  straight_.reserve(nodes * beyond_);
   for (int n = 0; n < nodes; ++n) {
     const double lambda = scale * std::expm1(step * n);
     for (std::size_t l = order_; l < order_ + beyond_; ++l) {
       const double r = moments[l] / f;
-      left_.push_back(f * static_cast<double>(2 * l + 1) * r * std::expm1(-lambda * (1 - r)));
+      const double share = f * static_cast<double>(2 * l + 1);
+      aside_.push_back(share * r * std::expm1(-lambda * (1 - r)));
+      straight_.push_back(share * (std::exp(-lambda) - (1 - r) * std::exp(-lambda * (1 - r)) - r));
     }
   }
 }
@@ -50,9 +54,14 @@ std::vector<double> BeamPhase::at(double cos_angle) const {
     before = current;
     current = next;
   }
+  const double resolved = std::numbers::pi / std::max(order_, 1);
+  const double fade = std::clamp(2 - 2 * std::acos(x) / resolved, 0., 1.);
+  const double straight_on = fade * fade * (3 - 2 * fade);
   for (int n = 0; n < nodes; ++n) {
-    const double* const left = left_.data() + n * beyond_;
-    for (std::size_t l = 0; l < beyond_; ++l) value[n] += left[l] * legendre[l];
+    const double* const aside = aside_.data() + n * beyond_;
+    const double* const straight = straight_.data() + n * beyond_;
+    for (std::size_t l = 0; l < beyond_; ++l)
+      value[n] += ((1 - straight_on) * aside[l] + straight_on * straight[l]) * legendre[l];
   }
   return value;
 }

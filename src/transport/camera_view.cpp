@@ -103,6 +103,13 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
   const SightScene<Real> scene(system.box, *system.cells,
                                {mean.gradient[0].data(), mean.gradient[1].data(), mean.gradient[2].data()}, ground,
                                problem.sky_radiance, side);
+  // A beam's intensity and depth, side by side in memory.
+  std::vector<std::vector<std::array<float, 2>>> lit(beams.size());
+  for (std::size_t b = 0; b < beams.size(); ++b) {
+    lit[b].resize(source.cells);
+    for (std::size_t c = 0; c < source.cells; ++c)
+      lit[b][c] = {static_cast<float>(beams[b].intensity[c]), beams[b].place[c]};
+  }
   std::vector<AngleTable> phase;
   for (const SeenBeam<Real>& beam : beams) phase.emplace_back(beam.phase);
 
@@ -124,18 +131,19 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
             double emitted = 0;
             for (std::size_t n = 0; n < 3; ++n) emitted += stencil.weight[n] * static_cast<double>(at[n][cell]);
             for (std::size_t b = 0; b < beams.size(); ++b) {
-              const double place = static_cast<double>(beams[b].place[cell]);
+              const auto& [intensity, depth] = lit[b][cell];
+              const double place = static_cast<double>(depth);
               const auto node = static_cast<std::size_t>(std::min(place, BeamPhase::nodes - 2.));
               const double share = place - static_cast<double>(node);
-              emitted += ((1 - share) * scattered[b][node] + share * scattered[b][node + 1]) *
-                         static_cast<double>(beams[b].intensity[cell]);
+              emitted +=
+                  ((1 - share) * scattered[b][node] + share * scattered[b][node + 1]) * static_cast<double>(intensity);
             }
-            return std::max(0., emitted);
+            return emitted;
           });
           ++rays;
         });
         image.radiance[static_cast<std::size_t>(row) * camera.width + column] =
-            rays > 0 ? static_cast<float>(sum / rays) : std::numeric_limits<float>::quiet_NaN();
+            rays > 0 ? static_cast<float>(std::max(0., sum / rays)) : std::numeric_limits<float>::quiet_NaN();
       }
     }
     images.push_back(std::move(image));

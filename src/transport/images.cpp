@@ -40,7 +40,6 @@ Images<Real>::Images(const Problem& problem, const Discretisation& discretisatio
     Real* const row = source_.row(static_cast<int>(v));
     for (const SeenBeam<Real>& beam : beams_)
       add_first_order<Real>(beam, travel[v].dot(problem.sun->travel), {row, source_.cells});
-    std::transform(row, row + source_.cells, row, [](Real s) { return std::max(Real(0), s); });
   }
 }
 

@@ -1,5 +1,6 @@
 #include "cloudbow/transport/seen_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -118,6 +119,8 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
       Real* __restrict const to = source.row(static_cast<int>(i));
       for (std::size_t c = 0; c < cells.size(); ++c) to[c] += forward * scattered[c] * along[c];
     }
+    Real* const row = source.row(static_cast<int>(i));
+    std::transform(row, row + cells.size(), row, [](Real s) { return std::max(Real(0), s); });
   }
   return source;
 }

@@ -27,7 +27,8 @@ void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* so
         sum += seen_along<Real>(scene, eye, -view.travel,
                                 [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
       }
-      radiance[static_cast<std::size_t>(row) * view.width + column] = static_cast<float>(sum / (rays * rays));
+      radiance[static_cast<std::size_t>(row) * view.width + column] =
+          static_cast<float>(std::max(0., sum / (rays * rays)));
     }
   }
 }
@@ -82,7 +83,7 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
     for (std::size_t c = 0; c < box.columns(); ++c) {
       double sum = 0;
       for (const auto& radiance : of_ray) sum += radiance[c];
-      image.radiance[c] = static_cast<float>(sum / static_cast<double>(of_ray.size()));
+      image.radiance[c] = static_cast<float>(std::max(0., sum / static_cast<double>(of_ray.size())));
     }
     images.push_back(std::move(image));
   }

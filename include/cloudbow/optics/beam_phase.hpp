@@ -7,6 +7,12 @@
 // Poisson's law says, so that the beam scatters by
 //     P(cos) + f sum_{l >= N} (2l+1) r_l (exp(-lambda (1 - r_l)) - 1) P_l(cos).
 // lambda = 0 is the correction of Nakajima & Tanaka (1988) called TMS; their IMS is the first order in lambda.
+//
+// Seen straight on, within half a resolved angle of the beam (pi / 2N, fading until pi / N), light scatters on in the
+// peak after it was sent towards the eye, and must not be seen twice. What is seen after lambda in all is known there:
+// the small-angle solution exp(-lambda (1 - r_l)) - exp(-lambda). Each place sends what that gains there,
+//     r_l exp(-lambda (1 - r_l))  ->  exp(-lambda) - (1 - r_l) exp(-lambda (1 - r_l)),
+// which may be negative: the peak widens.
 #pragma once
 
 #include <span>
@@ -26,15 +32,16 @@ class BeamPhase {
   /// Place of a depth among the nodes, 0 to nodes - 1; beyond the last it stays there.
   static double place(double lambda);
 
-  /// Mean-1 phase function at the nodes, for one cosine of the scattering angle. Linear between nodes to some 1e-3 of
-  /// the correction.
+  /// Mean-1 phase function at the nodes, for one cosine of the scattering angle. Linear between nodes to 1 % of the
+  /// correction.
   std::vector<double> at(double cos_angle) const;
 
  private:
   PhaseFunction phase_;
-  int order_ = 0;             // N
-  std::vector<double> left_;  // [nodes][moments beyond N]: f (2l+1) r_l (exp(-lambda (1 - r_l)) - 1)
-  std::size_t beyond_ = 0;    // moments from N on
+  int order_ = 0;  // N
+  // [nodes][moments beyond N]: what is added to f (2l+1) r_l, seen aside and straight on
+  std::vector<double> aside_, straight_;
+  std::size_t beyond_ = 0;  // moments from N on
 };
 
 }  // namespace cloudbow

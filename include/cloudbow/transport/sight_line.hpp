@@ -19,36 +19,44 @@ template <class Real>
 struct SightScene {
   static constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
+  /// What a line reads of a cell, side by side in memory.
+  struct Cell {
+    Real extinction;
+    std::array<Real, 3> gradient;  ///< relative, of the source, along x, y, z
+  };
+
   const BoxGrid& box;
-  const Cells<Real>& cells;
-  std::array<const Real*, 3> gradient;  ///< [n] relative, of the source, along x, y, z
   const GroundRadiance<Real>& ground;
   double sky_radiance = 0;
   SideRadiance side_radiance;  ///< what open sides show, by interface; may be empty
+  std::vector<Cell> cells;     ///< [n]
   std::vector<std::uint32_t> cell_at;
   double x_max_m, y_max_m;
 
-  SightScene(const BoxGrid& box_of, const Cells<Real>& cells_of, std::array<const Real*, 3> gradient_of,
+  /// @param gradient [n] relative, of the source, along x, y, z
+  SightScene(const BoxGrid& box_of, const Cells<Real>& cells_of, const std::array<const Real*, 3>& gradient,
              const GroundRadiance<Real>& ground_of, double sky, SideRadiance side)
       : box(box_of),
-        cells(cells_of),
-        gradient(gradient_of),
         ground(ground_of),
         sky_radiance(sky),
         side_radiance(std::move(side)),
+        cells(cells_of.size()),
         cell_at(box.columns() * static_cast<std::size_t>(box.nz()), no_cell),
         x_max_m(box.x_min_m + box.nx * box.dx_m),
         y_max_m(box.y_min_m + box.ny * box.dy_m) {
-    const std::vector<std::uint32_t> dense = dense_indices(cells.rows);
-    for (std::size_t c = 0; c < dense.size(); ++c) cell_at[dense[c]] = static_cast<std::uint32_t>(c);
+    const std::vector<std::uint32_t> dense = dense_indices(cells_of.rows);
+    for (std::size_t c = 0; c < dense.size(); ++c) {
+      cell_at[dense[c]] = static_cast<std::uint32_t>(c);
+      cells[c] = {cells_of.extinction[c], {gradient[0][c], gradient[1][c], gradient[2][c]}};
+    }
   }
 };
 
 namespace sight {
 
 constexpr double seen_through = 1e-6;  // what is transmitted after this is not looked at
-/// Lines that never leave periodic air end after so many domains; they see what is behind as sky or ground.
-constexpr int most_domains = 200;
+/// Level lines never leave periodic air: they end after so many domains, with the sky.
+constexpr int most_domains = 2000;
 
 /// What an open side shows at a height, for light that travels along `travel`.
 template <class Real>
@@ -123,8 +131,11 @@ double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, con
   const auto level_wall = [&](int level) {
     return sight.z() == 0 ? never : (box.z_edge_m[level + (sight.z() > 0 ? 1 : 0)] - eye.z()) / sight.z();
   };
-  double next_x = wall(eye.x(), sight.x(), box.x_min_m, box.dx_m, ix);
-  double next_y = wall(eye.y(), sight.y(), box.y_min_m, box.dy_m, iy);
+  // A single periodic column has no walls.
+  const double along_x = box.periodic && box.nx == 1 ? 0. : sight.x();
+  const double along_y = box.periodic && box.ny == 1 ? 0. : sight.y();
+  double next_x = wall(eye.x(), along_x, box.x_min_m, box.dx_m, ix);
+  double next_y = wall(eye.y(), along_y, box.y_min_m, box.dy_m, iy);
   double next_z = level_wall(k);
   double at = enter;
   double transmitted = 1;
@@ -133,19 +144,21 @@ double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, con
     const double next = std::min({next_x, next_y, next_z});
     const std::uint32_t cell = scene.cell_at[(static_cast<std::size_t>(k) * box.ny + j) * box.nx + i];
     if (cell != SightScene<Real>::no_cell && next > at) {
-      const double t = std::min<double>(static_cast<double>(scene.cells.extinction[cell]) * (next - at), 700.);
+      const auto& [extinction, gradient] = scene.cells[cell];
+      const Real t = std::min(extinction * static_cast<Real>(next - at), static_cast<Real>(largest_optical_path));
       const auto phi = exponential_functions(t);
       // Where the segment begins and ends, in cells from the centre of this one.
       const auto offsets = [&](double distance) {
         const Eigen::Vector3d place = eye + distance * sight;
-        return 1 + static_cast<double>(scene.gradient[0][cell]) * ((place.x() - box.x_min_m) / box.dx_m - ix - .5) +
-               static_cast<double>(scene.gradient[1][cell]) * ((place.y() - box.y_min_m) / box.dy_m - iy - .5) +
-               static_cast<double>(scene.gradient[2][cell]) * ((place.z() - box.z_edge_m[k]) / box.thickness_m(k) - .5);
+        return static_cast<Real>(
+            1 + static_cast<double>(gradient[0]) * ((place.x() - box.x_min_m) / box.dx_m - ix - .5) +
+            static_cast<double>(gradient[1]) * ((place.y() - box.y_min_m) / box.dy_m - iy - .5) +
+            static_cast<double>(gradient[2]) * ((place.z() - box.z_edge_m[k]) / box.thickness_m(k) - .5));
       };
-      const double near = std::max(0., offsets(at));
-      const double far = std::max(0., offsets(next));
-      radiance += transmitted * t * static_cast<double>(source(cell)) * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
-      transmitted -= transmitted * t * phi.phi1;
+      const Real near = std::max(Real(0), offsets(at));
+      const Real far = std::max(Real(0), offsets(next));
+      radiance += transmitted * static_cast<double>(t * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far)) * source(cell);
+      transmitted -= transmitted * static_cast<double>(t * phi.phi1);
       if (transmitted < sight::seen_through) return radiance;
     }
     at = std::max(at, next);
@@ -159,17 +172,17 @@ double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, con
       next_z = level_wall(k);
       continue;
     }
-    const bool along_x = next == next_x;
-    int& column = along_x ? i : j;
-    const int n = along_x ? box.nx : box.ny;
-    const int way = (along_x ? sight.x() : sight.y()) > 0 ? 1 : -1;
+    const bool through_x = next == next_x;
+    int& column = through_x ? i : j;
+    const int n = through_x ? box.nx : box.ny;
+    const int way = (through_x ? sight.x() : sight.y()) > 0 ? 1 : -1;
     column += way;
     if (column < 0 || column == n) {
       if (!box.periodic) return radiance + transmitted * sight::beside(scene, eye + at * sight, travel);
       column = column < 0 ? n - 1 : 0;
       if (++domains == sight::most_domains) return radiance + transmitted * scene.sky_radiance;
     }
-    if (along_x) {
+    if (through_x) {
       ix += way;
       next_x = wall(eye.x(), sight.x(), box.x_min_m, box.dx_m, ix);
     } else {
