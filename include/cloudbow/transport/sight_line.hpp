@@ -54,7 +54,7 @@ struct SightScene {
 
 namespace sight {
 
-constexpr double seen_through = 1e-6;  // what is transmitted after this is not looked at
+constexpr double seen_through = 1e-4;  // what is transmitted after this is taken to be as bright as what is before it
 /// Level lines never leave periodic air: they end after so many domains, with the sky.
 constexpr int most_domains = 2000;
 
@@ -159,7 +159,7 @@ double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, con
       const Real far = std::max(Real(0), offsets(next));
       radiance += transmitted * static_cast<double>(t * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far)) * source(cell);
       transmitted -= transmitted * static_cast<double>(t * phi.phi1);
-      if (transmitted < sight::seen_through) return radiance;
+      if (transmitted < sight::seen_through) return radiance / (1 - transmitted);
     }
     at = std::max(at, next);
     if (next == next_z) {
