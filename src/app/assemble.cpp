@@ -331,6 +331,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
   options.independent_columns = solver.mode == SolveMode::independent_columns;
+  options.leave_out_uniform_axes = solver.mode != SolveMode::three_dimensional;
   options.flux_levels = scene.output.flux_levels;
   options.absorption = scene.output.absorption;
   options.actinic = scene.output.actinic;

@@ -345,6 +345,7 @@ class ResultWriter {
                                {"control_points", whole(&R::control_points)},
                                {"directions", first_.report.directions},
                                {"mode", first_.report.mode},
+                               {"left_out_axes", first_.report.left_out_axes},
                                {"active_voxels", size(&R::active_voxels)},
                                {"threads", whole(&R::threads)},
                                {"seconds_total", real(&R::seconds_total)},

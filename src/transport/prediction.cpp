@@ -6,10 +6,32 @@
 
 #include "cloudbow/transport/camera_view.hpp"
 #include "cloudbow/transport/transport_system.hpp"
+#include "cloudbow/transport/uniform_axes.hpp"
 
 namespace cloudbow {
 
+namespace {
+
+// What is solved, where axes are left out.
+std::optional<std::pair<Problem, SolverOptions>> without_uniform_axes(const Problem& problem,
+                                                                      const SolverOptions& options) {
+  if (!options.leave_out_uniform_axes) return std::nullopt;
+  const UniformAxes uniform = uniform_axes(problem);
+  if (!uniform.any()) return std::nullopt;
+  SolverOptions less = options;
+  less.leave_out_uniform_axes = false;
+  return std::pair(without_axes(problem, uniform), less);
+}
+
+}  // namespace
+
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options) {
+  if (const auto less = without_uniform_axes(problem, options)) {
+    const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
+    const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
+    // Fluxes and absorption of the whole, and on their way into the file.
+    return predict_memory(less->first, less->second) + grid + 8 * cells * sizeof(float);
+  }
   const BoxGrid& box = problem.grid.box;
   const std::size_t dense = box.columns() * static_cast<std::size_t>(box.nz());
   const std::size_t active = options.actinic ? dense : problem.grid.active_cells();
@@ -49,6 +71,7 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
+  if (const auto less = without_uniform_axes(problem, options)) return predict_seconds(less->first, less->second);
   // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest
   // segments; elsewhere segments grow with the slant of the ordinates.
   constexpr double seconds_a_segment = 2.5e-9;

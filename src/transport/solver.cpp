@@ -10,6 +10,7 @@
 #include "cloudbow/transport/flux_fields.hpp"
 #include "cloudbow/transport/images.hpp"
 #include "cloudbow/transport/threads.hpp"
+#include "cloudbow/transport/uniform_axes.hpp"
 
 namespace cloudbow {
 namespace {
@@ -134,6 +135,17 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
 }  // namespace
 
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
+  if (const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
+      uniform.any()) {
+    SolverOptions less = options;
+    less.leave_out_uniform_axes = false;
+    const Problem small = without_axes(problem, uniform);
+    less.double_precision = options.double_precision || one_column(small.grid.box);  // costs nothing there
+    Solution solution = solve(small, less, progress);
+    spread(problem, uniform, solution);
+    solution.report.left_out_axes = uniform.x && uniform.y ? "x, y" : uniform.x ? "x" : "y";
+    return solution;
+  }
   const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
   const std::size_t solved = options.actinic ? cells : problem.grid.active_cells();

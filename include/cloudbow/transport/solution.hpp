@@ -57,7 +57,9 @@ struct SolverOptions {
   double energy_tolerance = 1e-5;
   int max_sweeps = 200;
   bool independent_columns = false;  ///< no light crosses from column to column
-  bool double_precision = false;     ///< 1D scenes cost nothing in double; very thick cells take it by themselves
+  /// Horizontal axes along which nothing varies are left out (uniform_axes.hpp): the same answer for less.
+  bool leave_out_uniform_axes = false;
+  bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells take it by themselves
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed
   bool absorption = true;
@@ -89,7 +91,8 @@ struct SolverReport {
       1;  ///< factor that brought the gathered diffuse flux to the solver's mean (the one farthest from 1)
   int control_points = 0;
   std::string directions;
-  std::string mode;  ///< "1d", "2d", "3d" or "independent-columns"
+  std::string mode;           ///< "1d", "2d", "3d" or "independent-columns"
+  std::string left_out_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
   std::size_t active_voxels = 0;
   int threads = 1;
   double seconds_total = 0;
@@ -109,10 +112,10 @@ struct SolverReport {
 };
 
 struct RadianceField {
-  std::vector<Direction> direction;                ///< M control points: where light travels to
+  std::vector<Direction> direction;                   ///< M control points: where light travels to
   std::vector<std::array<std::int32_t, 3>> triangle;  ///< of control points, counter-clockwise seen from outside
-  std::vector<std::array<std::int32_t, 3>> voxel;  ///< n active voxels: i, j, k
-  std::vector<float> radiance;                     ///< n x M, W m-2 sr-1, voxel mean, diffuse
+  std::vector<std::array<std::int32_t, 3>> voxel;     ///< n active voxels: i, j, k
+  std::vector<float> radiance;                        ///< n x M, W m-2 sr-1, voxel mean, diffuse
 };
 
 struct Solution {

@@ -540,10 +540,77 @@ TEST(Solve, CamerasInThinAirSeeSingleScatteringAndTheGround) {
   const double cosine = -travel_along(.8, 80).dot(problem.sun->travel);
   const double path = (std::exp(-tau / .8) - std::exp(-tau / mu0)) * mu0 / (.8 - mu0) / (4 * pi);
   const double sky = phase(cosine) * path;
-  // Light from the ground scatters too: some .2 mu0 of the sun's, by the phase function's values about its mean, not its 3 % here.
+  // Light from the ground scatters too: some .2 mu0 of the sun's, by the phase function's values about its mean, not
+  // its 3 % here.
   EXPECT_NEAR(solution.camera_images[0].radiance[0] / sky, 1, .3);
   EXPECT_GT(solution.camera_images[0].radiance[0], sky);
   EXPECT_NEAR(solution.camera_images[1].radiance[0] / (.2 * mu0 / pi), 1, 1e-3);
+}
+
+// ---- axes along which nothing varies --------------------------------------------------------------------------------
+
+// A field that varies along z and, unless they are left out, along x and y; some cells are empty.
+Problem layered(bool along_x, bool along_y) {
+  BoxGrid box = make_box(4, 3, 5);
+  std::vector<float> extinction;
+  for (int k = 0; k < 5; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 4; ++i) {
+        const int place = 1 + (along_x ? i : 0) + (along_y ? 2 * j : 0) + k;
+        extinction.push_back(place % 4 == 0 ? 0.F : .1F * static_cast<float>(place));
+      }
+    }
+  }
+  Problem problem = problem_of(make_grid(box, extinction, .99), PhaseFunction::henyey_greenstein(.85));
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 4; ++i)
+      problem.surface.albedo_map.push_back(.1F + (along_x ? .05F : 0.F) * static_cast<float>(i) +
+                                           (along_y ? .1F : 0.F) * static_cast<float>(j));
+  }
+  return problem;
+}
+
+TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
+  for (const bool along_x : {false, true}) {
+    for (const bool along_y : {false, true}) {
+      const Problem problem = layered(along_x, along_y);
+      SolverOptions options = coarse();
+      options.tolerance = 1e-7;
+      options.double_precision = true;
+      options.flux_levels = FluxLevels::all;
+      options.radiance_field = true;
+      options.views = {{"up", travel_along(.7, 100)}, {"pixels", travel_along(-.5, 30), 3, 2}};
+      const Solution whole = solve(problem, options);
+      options.leave_out_uniform_axes = true;
+      const Solution less = solve(problem, options);
+      EXPECT_EQ(less.report.left_out_axes, along_x ? (along_y ? "" : "y") : (along_y ? "x" : "x, y"));
+      // The last gather's own places of launch differ where there are fewer columns; it is scaled to the same means, so
+      // that of columns alone, which need none, the fluxes are the same. Elsewhere: its spread with 64 directions.
+      const double tolerance = along_x || along_y ? .02 : 1e-5;
+      const auto expect_same = [&](const std::vector<float>& a, const std::vector<float>& b, double relative) {
+        ASSERT_EQ(a.size(), b.size());
+        const double largest = *std::max_element(b.begin(), b.end());
+        for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(a[n], b[n], relative * largest);
+      };
+      expect_same(less.upwelling_flux, whole.upwelling_flux, tolerance);
+      expect_same(less.downwelling_diffuse_flux, whole.downwelling_diffuse_flux, tolerance);
+      expect_same(less.direct_flux, whole.direct_flux, 1e-6);
+      expect_same(less.absorbed_power, whole.absorbed_power, 1e-5);
+      expect_same(less.images[0].radiance, whole.images[0].radiance, 1e-2 * tolerance + 1e-5);
+      expect_same(less.images[1].radiance, whole.images[1].radiance, 1e-2 * tolerance + 1e-5);
+      EXPECT_EQ(less.radiance_field->voxel, whole.radiance_field->voxel);
+      expect_same(less.radiance_field->radiance, whole.radiance_field->radiance, 1e-5);
+      EXPECT_NEAR(less.ledger.reflectance, whole.ledger.reflectance, 1e-6);
+    }
+  }
+}
+
+TEST(Solve, OpenSidesLeaveNoAxisOut) {
+  Problem problem = layered(false, false);
+  problem.grid.box.periodic = false;
+  SolverOptions options = coarse();
+  options.leave_out_uniform_axes = true;
+  EXPECT_EQ(solve(problem, options).report.left_out_axes, "");
 }
 
 TEST(Solve, BitsDoNotDependOnThreads) {
