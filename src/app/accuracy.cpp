@@ -25,7 +25,7 @@ struct Level {
 constexpr std::array<Level, 4> kLadder{{
     {"draft", 42, "double-gauss-6x8", 6, 8, 2, 2, true, 128, 4, 1e-3, 3e-3},
     {"balanced", 162, "double-gauss-8x16", 8, 12, 3, 3, true, 512, 16, 1e-4, 1e-3},
-    {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 16, 1e-5, 2e-4},
+    {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 64, 1e-5, 2e-4},
     {"reference", 642, "double-gauss-18x36", 16, 20, 5, 3, false, 4096, 64, 1e-6, 2e-5},
 }};
 // A single column costs next to nothing, so it gets more directions. Fewer azimuths near the pole serve vertical fluxes

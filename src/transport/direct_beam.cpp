@@ -66,13 +66,17 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
           make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
                             options.vertical, {0, box.nz()});
       std::fill(path.begin(), path.end(), Real(0));
+      double landed = 0;  // at the interface recorded last
       const auto record = [&](int step) {
+        landed = 0;
         double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
         spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
                           [&](std::size_t column, std::size_t from, int n, double weight) {
                             double* __restrict const to = flux + column;
                             const double share = mu0 * sun.irradiance / rays * weight;
                             for (int i = 0; i < n; ++i) to[i] += share * static_cast<double>(light[from + i]);
+                            if (box.periodic) return;
+                            for (int i = 0; i < n; ++i) landed += weight * static_cast<double>(light[from + i]);
                           });
       };
       std::fill(light.begin(), light.end(), Real(1));
@@ -120,6 +124,10 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
           for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);
         }
         record(step + 1);
+      }
+      if (!box.periodic) {  // rays that stand across a side let in and out what lands beyond what they carry
+        for (const Real rest : light) landed -= static_cast<double>(rest);
+        (landed > 0 ? sum.gain : sum.loss) += std::abs(landed);
       }
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace cloudbow {
 namespace {
@@ -24,7 +25,8 @@ double mean(const std::vector<double>& field) {
 // Fluxes of one interface, column by column.
 struct LevelFlux {
   std::vector<double> up;
-  std::vector<double> down;  // diffuse beside gather_direct
+  std::vector<double> down;     // diffuse beside what the iteration's direct beam carries
+  std::vector<double> carried;  // of that, what is not direct
 };
 
 template <class Real>
@@ -42,17 +44,17 @@ class FluxFields {
         columns_(system.box.columns()) {
     const bool by_ordinates = source == nullptr;
     if (problem.sun) {
+      const bool peaked = !by_ordinates && std::any_of(discretisation.peak.begin(), discretisation.peak.end(),
+                                                       [](const ForwardPeak& peak) { return peak.share() > 0; });
       true_beam_ =
           beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options, false);
-      // Columns by themselves keep the iteration's own beam: their fluxes are the iteration's.
-      flux_beam_ = beam_with<Real>(problem, system.cells->rows,
-                                   by_ordinates ? discretisation.beam_fraction() : discretisation.gather_fraction(),
-                                   options, !by_ordinates);
+      carried_beam_ = beam_with<Real>(problem, system.cells->rows, discretisation.beam_fraction(), options, false);
+      if (peaked) set_peak(discretisation);
     }
     if (!by_ordinates) {
-      set_first_order(problem, discretisation, system, problem.sun ? &*flux_beam_ : nullptr, *source_);
+      set_first_order_beside_peak(problem, discretisation, system, *source_);
       if (surroundings != nullptr)
-        side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance(travel); };
+        side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance_beside_peak(travel); };
     }
   }
 
@@ -76,18 +78,20 @@ class FluxFields {
     }
     for (const int edge : solution.flux_level) {
       LevelFlux flux;
+      if (problem_.sun) {
+        flux.carried = slice(carried_beam_->level_flux, edge);
+        for (std::size_t c = 0; c < columns_; ++c) flux.carried[c] -= true_beam_->level_flux[edge * columns_ + c];
+      }
       if (!source_) {
         flux.up = slice(solved_.fluxes.column_up, edge);
         flux.down = slice(solved_.fluxes.column_down, edge);
       } else if (inner && edge > 0 && edge < system_.box.nz()) {
-        flux.up.assign(inner_up.begin() + static_cast<std::ptrdiff_t>(edge * columns_),
-                       inner_up.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
-        flux.down.assign(inner_down.begin() + static_cast<std::ptrdiff_t>(edge * columns_),
-                         inner_down.begin() + static_cast<std::ptrdiff_t>((edge + 1) * columns_));
+        flux.up = slice(inner_up, edge);
+        flux.down = slice(inner_down, edge);
         rescale(flux.up, profile_up(edge));
         rescale(flux.down, profile_down(edge));
       } else {
-        flux = plane(edge, solution);
+        set_plane(edge, solution, flux);
       }
       append(solution, edge, flux);
     }
@@ -99,6 +103,40 @@ class FluxFields {
     return problem_.sun->travel;
   }
 
+  // Light that the iteration's direct beam carries and the sharp one does not has been scattered within the forward
+  // peak: once, as it is taken here, after which it goes as far as the iteration's beam.
+  void set_peak(const Discretisation& discretisation) {
+    sharp_beam_ = beam_with<Real>(problem_, system_.cells->rows, discretisation.gather_fraction(), options_);
+    carried_extinction_ = scaled_extinction<Real>(problem_.grid, discretisation.beam_fraction());
+    carried_extinction_.resize(carried_extinction_.size() + lane_padding);
+    peak_source_.emplace(DirectionalSource<Real>{discretisation.points, {}, problem_.sun->travel, {}});
+    std::vector<double> scattering;
+    for (std::size_t p = 0; p < problem_.phase.size(); ++p) {
+      const ForwardPeak& peak = discretisation.peak[p];
+      scattering.push_back(std::accumulate(problem_.grid.scattering[p].begin(), problem_.grid.scattering[p].end(), 0.));
+      if (peak.share() == 0) continue;
+      add_single_scattering<Real>(
+          peak_source_->first_order, [peak](double cos_angle) { return peak.peak(cos_angle); },
+          problem_.grid.scattering[p], 1., carried_extinction_, sharp_beam_->irradiance);
+    }
+    if (peak_source_->first_order.empty()) return;
+    peak_directions_ =
+        peak_directions(peak_angles(discretisation.peak, scattering, std::max(128, options_.gather_directions / 4)),
+                        problem_.sun->travel);
+  }
+
+  // The beam's light that is not direct, at a plane; `flux` holds that on the sun's own line.
+  void spread_peak(int edge, std::vector<double>& flux) const {
+    if (peak_directions_.empty()) return;
+    const GatherScene<Real> scene{system_.box, *system_.cells, &*peak_source_,      {},
+                                  0.,          nullptr,        carried_extinction_, true};
+    std::vector<double> peak = gather_flux<Real>(scene, edge, false, peak_directions_);
+    const std::vector<double> sharp = slice(sharp_beam_->level_flux, edge);
+    const std::vector<double> direct = slice(true_beam_->level_flux, edge);
+    rescale(peak, mean(flux) + mean(direct) - mean(sharp));
+    for (std::size_t c = 0; c < columns_; ++c) flux[c] = peak[c] + sharp[c] - direct[c];
+  }
+
   GatherScene<Real> gather_scene() const {
     return {system_.box, *system_.cells, source_, side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
   }
@@ -108,18 +146,14 @@ class FluxFields {
       progress_({"gather", solved_.report.sweeps, solved_.report.estimated_error, solved_.ledger.residual, fraction});
   }
 
-  std::vector<double> slice(const std::vector<double>& levels, int edge) const {
+  template <class Value>
+  std::vector<double> slice(const std::vector<Value>& levels, int edge) const {
     const auto first = levels.begin() + static_cast<std::ptrdiff_t>(edge * columns_);
-    return {first, first + static_cast<std::ptrdiff_t>(columns_)};
+    return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(columns_));
   }
 
   double profile_up(int edge) const { return solved_.fluxes.profile_up[edge]; }
-  // Diffuse as the gather counts it: what its own beam does not carry.
-  double profile_down(int edge) const {
-    double total = solved_.fluxes.profile_down[edge];
-    if (problem_.sun) total += system_.beam_profile[edge] - mean(slice(flux_beam_->level_flux, edge));
-    return total;
-  }
+  double profile_down(int edge) const { return solved_.fluxes.profile_down[edge]; }
 
   // Scales a gathered field to the mean that the conservative iteration found; returns the factor.
   static double rescale(std::vector<double>& field, double wanted) {
@@ -139,7 +173,14 @@ class FluxFields {
     bottom_down_ = gather_flux<Real>(gather_scene(), 0, false,
                                      gather_directions(options_.gather_directions, false, sun_direction()));
     note_factor(solution, rescale(bottom_down_, profile_down(0)));
-    const std::vector<double> direct = problem_.sun ? slice(flux_beam_->level_flux, 0) : std::vector<double>{};
+    std::vector<double> direct;
+    if (problem_.sun) {
+      direct = slice(true_beam_->level_flux, 0);
+      bottom_carried_ = slice(carried_beam_->level_flux, 0);
+      for (std::size_t c = 0; c < columns_; ++c) bottom_carried_[c] -= direct[c];
+      spread_peak(0, bottom_carried_);
+      for (std::size_t c = 0; c < columns_; ++c) direct[c] += bottom_carried_[c];
+    }
     ground_ = system_.ground.radiance(solved_.fluxes.surface_arriving, bottom_down_, direct, system_.ordinates);
     const double factor = rescale(ground_->flux, profile_up(0));
     for (auto& row : ground_->at_points.data) {
@@ -149,15 +190,25 @@ class FluxFields {
     report_progress(.25);
     top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,
                                 gather_directions(options_.gather_directions, true, std::nullopt));
-    note_factor(solution, rescale(top_up_, profile_up(system_.box.nz())));
+    const double by_ordinates = profile_up(system_.box.nz());
+    if (system_.box.periodic) {
+      note_factor(solution, rescale(top_up_, by_ordinates));
+    } else {
+      // Through sides and top together ordinates let out the right amount of light; how it is shared out between these
+      // the many directions here know better.
+      const double more = mean(top_up_) - by_ordinates;
+      solution.profile_upwelling_flux.back() += more;
+      solution.ledger.reflectance += more / system_.power_in;
+      solution.ledger.side_loss -= more / system_.power_in;
+    }
     report_progress(.5);
   }
 
-  LevelFlux plane(int edge, Solution& solution) const {
-    LevelFlux flux;
+  void set_plane(int edge, Solution& solution, LevelFlux& flux) const {
     const int top = system_.box.nz();
     if (edge == 0) {
       flux.down = bottom_down_;
+      if (problem_.sun) flux.carried = bottom_carried_;
       flux.up = ground_->flux;
     } else if (edge == top) {
       flux.up = top_up_;
@@ -169,8 +220,8 @@ class FluxFields {
                                     gather_directions(options_.gather_directions, false, sun_direction()));
       note_factor(solution, rescale(flux.up, profile_up(edge)));
       note_factor(solution, rescale(flux.down, profile_down(edge)));
+      if (problem_.sun) spread_peak(edge, flux.carried);
     }
-    return flux;
   }
 
   void append(Solution& solution, int edge, const LevelFlux& flux) const {
@@ -180,7 +231,7 @@ class FluxFields {
       double diffuse = std::max(0., flux.down[c]);
       if (problem_.sun) {
         direct = true_beam_->level_flux[edge * columns_ + c];
-        diffuse += std::max(0., flux_beam_->level_flux[edge * columns_ + c] - direct);
+        diffuse = std::max(0., diffuse + flux.carried[c]);
       }
       solution.upwelling_flux.push_back(static_cast<float>(std::max(0., flux.up[c])));
       solution.downwelling_diffuse_flux.push_back(static_cast<float>(diffuse));
@@ -213,8 +264,13 @@ class FluxFields {
   DirectionalSource<Real>* source_;
   std::size_t columns_;
   SideRadiance side_radiance_;
-  std::optional<DirectBeam<Real>> true_beam_;  // true extinction: what is reported as direct
-  std::optional<DirectBeam<Real>> flux_beam_;  // what the fluxes here count as direct
+  std::optional<DirectBeam<Real>> true_beam_;     // true extinction: what is reported as direct
+  std::optional<DirectBeam<Real>> carried_beam_;  // what the iteration counts as direct
+  std::vector<Real> carried_extinction_;          // of that
+  std::optional<DirectionalSource<Real>> peak_source_;
+  std::vector<GatherDirection> peak_directions_;  // none: no peak
+  std::optional<DirectBeam<Real>> sharp_beam_;    // what still counts as direct beside these
+  std::vector<double> bottom_carried_;
   std::optional<GroundRadiance<Real>> ground_;
   std::vector<double> bottom_down_;
   std::vector<double> top_up_;

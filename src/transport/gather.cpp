@@ -11,6 +11,8 @@ namespace cloudbow {
 namespace {
 
 constexpr double golden = .6180339887498949;
+// Nothing arrives through a plane from below it, and grazing rays cross endless cells.
+constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;  // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;    // each distance band ends this many times as far as the last
 constexpr double class_growth = 1.4;   // directions of one class differ in spread by at most this factor
@@ -120,10 +122,12 @@ class SourceGradients {
       std::vector<double> of_beam(source.first_order.size(), 0.);
       for (const GatherDirection& d : directions) {
         if (quadrant(d.travel) != q) continue;
-        const Stencil stencil = source.points.stencil(d.travel);
-        for (int k = 0; k < 3; ++k) of_point[stencil.index[k]] += power(d) * stencil.weight[k];
+        if (source.at_points.rows > 0) {
+          const Stencil stencil = source.points.stencil(d.travel);
+          for (int k = 0; k < 3; ++k) of_point[stencil.index[k]] += power(d) * stencil.weight[k];
+        }
         for (std::size_t b = 0; b < of_beam.size(); ++b)
-          of_beam[b] += power(d) * source.first_order[b].phase(d.travel.dot(source.sun_travel));
+          of_beam[b] += power(d) * std::abs(source.first_order[b].phase(d.travel.dot(source.sun_travel)));
       }
       make_mean(of_point, of_beam);
       make_gradient(gradient_[q]);
@@ -135,12 +139,16 @@ class SourceGradients {
     const Cells<Real>& cells = scene_.cells;
     if (cells.varied) {
       const Gradient& gradient = gradient_[quadrant(travel)];
-      return {cells.extinction.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+      return {scene_.extinction(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
     }
     own.resize(cells.size());
     scene_.source->query(travel, own.value.data());
+    // A forward peak sends less than nothing in some directions; what is relative to it is the same.
+    for (Real& value : own.value) value = std::abs(value);
     own.make_gradient(cells);
-    return own.view(cells);
+    CellView<Real> view = own.view(cells);
+    view.extinction = scene_.extinction();
+    return view;
   }
 
  private:
@@ -201,8 +209,6 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
   const Direction a = sun_travel->unitOrthogonal();
   const Direction b = sun_travel->cross(a);
   const double g = sun_asymmetry;
-  constexpr double grazing =
-      1e-4;  // nothing arrives through a plane from below it, and grazing rays cross endless cells
   for (int i = 0; i < extra; ++i) {
     const double q = (1 - g * g) / (1 - g + 2 * g * (i + .5) / extra);
     const double cosine = (1 + g * g - q * q) / (2 * g);
@@ -214,6 +220,20 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
   for (GatherDirection& d : set) {
     d.weight = 1 / (count * std::abs(d.travel.z()) / std::numbers::pi +
                     extra * henyey_greenstein_density(d.travel.dot(*sun_travel)));
+  }
+  return set;
+}
+
+std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, const Direction& sun_travel) {
+  std::vector<GatherDirection> set;
+  const Direction a = sun_travel.unitOrthogonal();
+  const Direction b = sun_travel.cross(a);
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double cosine = angles[i].cos_angle;
+    const double sine = std::sqrt(std::max(0., 1 - cosine * cosine));
+    const double azimuth = 2 * std::numbers::pi * fraction(golden * static_cast<double>(i));
+    const Direction travel = cosine * sun_travel + sine * (std::cos(azimuth) * a + std::sin(azimuth) * b);
+    if (travel.z() < -grazing) set.push_back({travel, 1 / (static_cast<double>(angles.size()) * angles[i].density)});
   }
   return set;
 }
@@ -230,7 +250,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
 
   // Downward, a few directions about the sun's carry too much of the light to be put anywhere but at the centre.
-  const bool filling = upward && !bands.empty() && !bands.front().empty;
+  const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);
 
   std::vector<double> flux(columns, 0.);
   std::vector<Gathered<Real>> sums(groups);
@@ -302,7 +322,7 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
     std::vector<Real> from_ground, side;
     for (std::size_t q = g; q < directions.size(); q += level_groups) {
       const Direction& travel = directions[q].travel;
-      const LaunchPlace start = launch_place(q, upward);
+      const LaunchPlace start = launch_place(q, upward || scene.fill_columns);
       const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, false, {0, box.nz()});
       const SourceAlong<Real> source = scene.source->along(travel, power(directions[q]));
       const Real weight = static_cast<Real>(power(directions[q]));

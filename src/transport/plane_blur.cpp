@@ -16,9 +16,8 @@ template <class Real>
 struct Kernel {
   int reach = 0;
   std::vector<Real> weight{Real(1)};  // [2 reach + 1]
-  std::vector<Real> kept;             // [n] one over the part of the kernel that is inside; empty: all is
 
-  Kernel(double sigma, int n, bool periodic) {
+  Kernel(double sigma, int n) {
     if (sigma < least_blur) return;
     reach = std::min(static_cast<int>(std::ceil(3 * sigma)), n / 2);
     std::vector<double> integral;
@@ -26,12 +25,6 @@ struct Kernel {
     const double all = integral.back() - integral.front();
     weight.clear();
     for (int d = 0; d <= 2 * reach; ++d) weight.push_back(static_cast<Real>((integral[d + 1] - integral[d]) / all));
-    if (periodic) return;
-    for (int i = 0; i < n; ++i) {
-      const int low = std::max(-reach, -i);
-      const int high = std::min(reach, n - 1 - i);
-      kept.push_back(static_cast<Real>(all / (integral[high + 1 + reach] - integral[low + reach])));
-    }
   }
 };
 
@@ -45,40 +38,39 @@ bool is_zero(const Real* row, int n) {
   return std::all_of(row, row + n, [](Real value) { return value == 0; });
 }
 
+int mirrored(int i, int n) { return i < 0 ? -1 - i : i < n ? i : 2 * n - 1 - i; }
+
 template <class Real>
-void blur_along_x(std::vector<Real>& field, int nx, int ny, const Kernel<Real>& kernel) {
+void blur_along_x(std::vector<Real>& field, int nx, int ny, bool periodic, const Kernel<Real>& kernel) {
   const int reach = kernel.reach;
   std::vector<Real> wide(nx + 2 * static_cast<std::size_t>(reach));
   for (int j = 0; j < ny; ++j) {
     Real* const row = field.data() + static_cast<std::size_t>(j) * nx;
     if (is_zero(row, nx)) continue;
-    if (!kernel.kept.empty()) {
-      for (int i = 0; i < nx; ++i) row[i] *= kernel.kept[i];
-    }
     std::fill(wide.begin(), wide.end(), Real(0));
     for (int d = 0; d <= 2 * reach; ++d) add_scaled(kernel.weight[d], row, nx, wide.data() + d);
     std::copy_n(wide.data() + reach, nx, row);
-    if (kernel.kept.empty()) {  // what went over a side comes in at the other
+    if (periodic) {
       add_scaled(Real(1), wide.data(), reach, row + nx - reach);
       add_scaled(Real(1), wide.data() + nx + reach, reach, row);
+    } else {
+      for (int d = 0; d < reach; ++d) {
+        row[d] += wide[reach - 1 - d];
+        row[nx - 1 - d] += wide[nx + reach + d];
+      }
     }
   }
 }
 
 template <class Real>
-void blur_along_y(std::vector<Real>& field, int nx, int ny, const Kernel<Real>& kernel) {
+void blur_along_y(std::vector<Real>& field, int nx, int ny, bool periodic, const Kernel<Real>& kernel) {
   std::vector<Real> result(field.size(), Real(0));
   for (int j = 0; j < ny; ++j) {
     const Real* const row = field.data() + static_cast<std::size_t>(j) * nx;
     if (is_zero(row, nx)) continue;
     for (int d = -kernel.reach; d <= kernel.reach; ++d) {
-      const int to = j + d;
-      Real weight = kernel.weight[d + kernel.reach];
-      if (!kernel.kept.empty()) {
-        if (to < 0 || to >= ny) continue;
-        weight *= kernel.kept[j];
-      }
-      add_scaled(weight, row, nx, result.data() + static_cast<std::size_t>(wrapped(to, ny)) * nx);
+      const int to = periodic ? wrapped(j + d, ny) : mirrored(j + d, ny);
+      add_scaled(kernel.weight[d + kernel.reach], row, nx, result.data() + static_cast<std::size_t>(to) * nx);
     }
   }
   field.swap(result);
@@ -88,10 +80,10 @@ void blur_along_y(std::vector<Real>& field, int nx, int ny, const Kernel<Real>& 
 
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m) {
-  const Kernel<Real> along_x(sigma_m / box.dx_m, box.nx, box.periodic);
-  const Kernel<Real> along_y(sigma_m / box.dy_m, box.ny, box.periodic);
-  if (along_x.reach > 0) blur_along_x(field, box.nx, box.ny, along_x);
-  if (along_y.reach > 0) blur_along_y(field, box.nx, box.ny, along_y);
+  const Kernel<Real> along_x(sigma_m / box.dx_m, box.nx);
+  const Kernel<Real> along_y(sigma_m / box.dy_m, box.ny);
+  if (along_x.reach > 0) blur_along_x(field, box.nx, box.ny, box.periodic, along_x);
+  if (along_y.reach > 0) blur_along_y(field, box.nx, box.ny, box.periodic, along_y);
 }
 
 template void blur_plane<float>(std::vector<float>&, const BoxGrid&, double);

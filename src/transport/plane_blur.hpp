@@ -8,8 +8,7 @@
 namespace cloudbow {
 
 /// Spreads each value of `field` [columns] over its neighbours by a Gaussian of width `sigma_m`, cut at three sigma and
-/// at half the box; what would fall out of an open side stays in the part of the kernel that is inside. The sum is
-/// kept.
+/// at half the box. At an open side it is mirrored back, which keeps the sum and leaves an even field as it is.
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 

@@ -14,15 +14,23 @@ Surroundings::Surroundings(const Problem& problem, const Discretisation& discret
   std::optional<DirectBeam<double>> beam;
   if (problem_.sun) beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), column);
   source_.emplace(scattered_source(discretisation, system_, std::move(solved.radiance)));
+  beside_peak_ = source_;
   set_first_order(problem_, discretisation, system_, beam ? &*beam : nullptr, *source_);
+  set_first_order_beside_peak(problem_, discretisation, system_, *beside_peak_);
 }
 
-std::vector<double> Surroundings::radiance(const Direction& travel) const {
+std::vector<double> Surroundings::radiance(const Direction& travel) const { return march_in(*source_, travel); }
+
+std::vector<double> Surroundings::radiance_beside_peak(const Direction& travel) const {
+  return march_in(*beside_peak_, travel);
+}
+
+std::vector<double> Surroundings::march_in(const DirectionalSource<double>& from, const Direction& travel) const {
   const PathPattern pattern = make_path_pattern(system_.box, travel, .5, .5, true, {0, system_.box.nz()});
   std::vector<double> at_edge(system_.box.nz() + 1, 0.);
   LinearSource<double> source;
   source.resize(system_.cells->size());
-  source_->query(travel, source.value.data());
+  from.query(travel, source.value.data());
   source.make_gradient(*system_.cells);
   std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
   march<double, false>(

@@ -8,18 +8,6 @@
 namespace cloudbow {
 namespace {
 
-// Extinction of the active cells when the fraction f_p of what phase function p scatters counts as unscattered.
-template <class Real>
-std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction) {
-  std::vector<Real> extinction(grid.active_cells());
-  for (std::size_t c = 0; c < extinction.size(); ++c) {
-    double sum = grid.absorption[c];
-    for (std::size_t p = 0; p < grid.scattering.size(); ++p) sum += (1 - forward_fraction[p]) * grid.scattering[p][c];
-    extinction[c] = static_cast<Real>(sum);
-  }
-  return extinction;
-}
-
 std::vector<double> scaled_layer_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction) {
   std::vector<double> extinction = grid.layer_absorption;
   for (std::size_t p = 0; p < grid.layer_scattering.size(); ++p) {
@@ -30,6 +18,17 @@ std::vector<double> scaled_layer_extinction(const OpticalGrid& grid, const std::
 }
 
 }  // namespace
+
+template <class Real>
+std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction) {
+  std::vector<Real> extinction(grid.active_cells());
+  for (std::size_t c = 0; c < extinction.size(); ++c) {
+    double sum = grid.absorption[c];
+    for (std::size_t p = 0; p < grid.scattering.size(); ++p) sum += (1 - forward_fraction[p]) * grid.scattering[p][c];
+    extinction[c] = static_cast<Real>(sum);
+  }
+  return extinction;
+}
 
 template <class Real>
 void TransportSystem<Real>::fold_scattering() {
@@ -129,7 +128,7 @@ DirectionalSource<Real> scattered_source(const Discretisation& discretisation, c
 }
 
 template <class Real>
-void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const PhaseFunction& phase,
+void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const std::function<double(double)>& phase,
                            std::span<const float> scattering, double share, std::span<const Real> extinction,
                            std::span<const Real> irradiance) {
   SingleScattering<Real> first{phase, std::vector<Real>(irradiance.size(), Real(0))};
@@ -162,6 +161,19 @@ void set_first_order(const Problem& problem, const Discretisation& discretisatio
       add_single_scattering<Real>(source.first_order, beam.truncated, scattering, 1 - beam.forward_fraction,
                                   system.cells->extinction, unscattered);
     }
+  }
+}
+
+template <class Real>
+void set_first_order_beside_peak(const Problem& problem, const Discretisation& discretisation,
+                                 const TransportSystem<Real>& system, DirectionalSource<Real>& source) {
+  source.first_order.clear();
+  if (!problem.sun) return;
+  source.sun_travel = problem.sun->travel;
+  for (std::size_t p = 0; p < problem.phase.size(); ++p) {
+    add_single_scattering<Real>(
+        source.first_order, [peak = discretisation.peak[p]](double cos_angle) { return peak.rest(cos_angle); },
+        problem.grid.scattering[p], 1., system.cells->extinction, system.beam_irradiance);
   }
 }
 
@@ -219,17 +231,20 @@ bool runs_in_double(const Problem& problem, const SolverOptions& options) {
 
 template struct TransportSystem<float>;
 template struct TransportSystem<double>;
-#define CLOUDBOW_INSTANTIATE(Real)                                                                               \
-  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,       \
-                                            const SolverOptions&, bool);                                         \
-  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&); \
-  template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,       \
-                                      const DirectBeam<Real>*, DirectionalSource<Real>&);                        \
-  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,   \
-                                                          AngularField<Real>);                                   \
-  template void add_single_scattering<Real>(std::vector<SingleScattering<Real>>&, const PhaseFunction&,          \
-                                            std::span<const float>, double, std::span<const Real>,               \
-                                            std::span<const Real>)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
+  template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,             \
+                                            const SolverOptions&, bool);                                               \
+  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);       \
+  template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,             \
+                                      const DirectBeam<Real>*, DirectionalSource<Real>&);                              \
+  template std::vector<Real> scaled_extinction<Real>(const OpticalGrid&, const std::vector<double>&);                  \
+  template void set_first_order_beside_peak<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&, \
+                                                  DirectionalSource<Real>&);                                           \
+  template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,         \
+                                                          AngularField<Real>);                                         \
+  template void add_single_scattering<Real>(std::vector<SingleScattering<Real>>&,                                      \
+                                            const std::function<double(double)>&, std::span<const float>, double,      \
+                                            std::span<const Real>, std::span<const Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -64,16 +64,16 @@ CASES = [
     Case("low sun", sun_zenith_deg=75.0),
     Case("floating high", base=40, top=100),
     # Up to sixteen optical depths across a cell: the spatial error rules (half as wide cells bring it to a third), and more directions do not help.
-    Case("flat cells, dz/dx .2", cell_m=(100.0, 100.0, 20.0), limits={"balanced": (2.0, 1.8), "fine": (1.3, 1.5)}),
+    Case("flat cells, dz/dx .2", cell_m=(100.0, 100.0, 20.0), limits={"balanced": (2.0, 1.6), "fine": (1.1, 1.0)}),
     Case("tall cells, dz/dx 3", cell_m=(20.0, 20.0, 60.0)),
-    # Peaks narrower than the truncated function resolves: what is smeared on the ground some hundred metres below falls with the order kept.
-    Case("HG .95", phase=(("type", "henyey-greenstein"), ("asymmetry_parameter", 0.95)), limits={"balanced": (1.0, 2.3), "fine": (0.7, 1.7)}),
-    Case("C.1 droplets", phase=(("type", "legendre"), ("file", str(C1_MOMENTS))), limits={"balanced": (1.0, 1.0), "fine": (0.7, 0.9)}),
+    # Peaks narrower than the truncated function resolves: light scattered several times within them is spread as if it were once.
+    Case("HG .95", phase=(("type", "henyey-greenstein"), ("asymmetry_parameter", 0.95)), limits={"balanced": (1.0, 1.5), "fine": (0.7, 0.9)}),
+    Case("C.1 droplets", phase=(("type", "legendre"), ("file", str(C1_MOMENTS))), limits={"balanced": (1.0, 1.0), "fine": (0.7, 0.7)}),
     # Nothing between the cloud and the plane where its light is received spreads what single cells and directions err.
-    Case("from surface to top", base=0, top=LAYERS, whole_height=True, limits={"balanced": (2.1, 2.0), "fine": (1.1, 1.7)}),
+    Case("from surface to top", base=0, top=LAYERS, whole_height=True, limits={"balanced": (2.1, 1.8), "fine": (1.0, 1.4)}),
     Case("Rayleigh .2 all through", rayleigh_optical_depth=0.2),
-    # The beam's rays at the far side share their shadow with the first column, which must be in full sun; columns at the sides lack light at the top.
-    Case("open sides", boundary="open", effort=6, limits={"balanced": (2.1, 1.0), "fine": (0.7, 0.9)}),
+    # Mean up at the top +.7 % at fine: no energy balance holds what leaves through the top alone.
+    Case("open sides", boundary="open", effort=6, limits={"balanced": (0.8, 0.6), "fine": (0.8, 0.4)}),
 ]
 QUANTITIES = ("up_top", "down_bottom", "up_middle", "down_middle")
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
-#include "cloudbow/optics/phase_function.hpp"
 #include "cloudbow/sphere/control_points.hpp"
 #include "cloudbow/transport/scattering.hpp"
 
@@ -14,7 +14,7 @@ namespace cloudbow {
 /// First scattering of a beam: source = phase(Omega . sun) * intensity[n].
 template <class Real>
 struct SingleScattering {
-  PhaseFunction phase;
+  std::function<double(double)> phase;
   std::vector<Real> intensity;
 };
 
@@ -25,7 +25,7 @@ struct SourceAlong {
     Real weight;
     const Real* at_cells;  ///< [n]
   };
-  std::array<Term, 3> points;
+  std::array<Term, 3> points;  ///< of weight 0: none
   std::vector<Term> first_order;
 
   /// Source of the cells [first, first + n).
@@ -35,7 +35,7 @@ struct SourceAlong {
 template <class Real>
 struct DirectionalSource {
   ControlPoints points;
-  AngularField<Real> at_points;  ///< orders of scattering >= 2 (and the first of sky and surface light)
+  AngularField<Real> at_points;  ///< orders >= 2 (and the first of sky and surface light); no rows: none
   Direction sun_travel = -Direction::UnitZ();
   std::vector<SingleScattering<Real>> first_order;
 

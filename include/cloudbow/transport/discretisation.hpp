@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cloudbow/optics/delta_m.hpp"
+#include "cloudbow/optics/forward_peak.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -16,7 +17,8 @@ struct Discretisation {
   std::vector<ScatteringTable> table;  ///< [p]
   std::vector<DeltaM> diffuse;         ///< [p] truncated at N: what the iteration scatters
   std::vector<DeltaM> beam;            ///< [p] truncated at N_b: how the iteration's direct beam scatters
-  std::vector<DeltaM> gather;  ///< [p] truncated at gather_order: what the gather's single scattering still resolves
+  std::vector<DeltaM> gather;     ///< [p] truncated at gather_order: what the gather's single scattering still resolves
+  std::vector<ForwardPeak> peak;  ///< [p] of share f_b: what the iteration's direct beam carries on, as it scatters
 
   /// Order to which the gather's directions about the sun (some two degrees apart) resolve a forward peak; a narrower
   /// core stays in the beam.

@@ -4,8 +4,10 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "cloudbow/optics/forward_peak.hpp"
 #include "cloudbow/transport/directional_source.hpp"
 #include "cloudbow/transport/ground.hpp"
 #include "cloudbow/transport/march.hpp"
@@ -23,6 +25,9 @@ struct GatherDirection {
 /// heuristic: Veach 1997).
 std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel);
 
+/// Downward directions about the sun's, one for each of the angles; their weights are one over the density of these.
+std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, const Direction& sun_travel);
+
 /// Radiance that comes in through open sides along a direction, at each interface by height [nz+1]; an empty vector:
 /// none.
 using SideRadiance = std::function<std::vector<double>(const Direction&)>;
@@ -35,6 +40,11 @@ struct GatherScene {
   SideRadiance side_radiance;             ///< asked only where the box is open; may be empty
   double sky_radiance = 0;
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
+  std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
+
+  bool fill_columns = false;  ///< rays start in another place of their columns for each direction
+
+  const Real* extinction() const { return own_extinction.empty() ? cells.extinction.data() : own_extinction.data(); }
 };
 
 /// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from

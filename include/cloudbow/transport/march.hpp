@@ -3,6 +3,7 @@
 // Rays never move in memory.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -88,20 +89,42 @@ template <class Run>
   }
 }
 
+/// The same for the rays in the columns that are (step_x, step_y) before each column, steps of -1 to 1, when rays are
+/// shifted by (shift_x, shift_y); at the sides of the plane, for the nearest there are.
+template <class Run>
+inline void for_neighbouring_rows(int shift_x, int shift_y, int step_x, int step_y, int nx, int ny, const Run& run) {
+  const auto ray_in = [&](int column, int shift, int n) { return wrapped(std::clamp(column, 0, n - 1) - shift, n); };
+  const int begin = std::max(0, step_x);
+  const int count = nx - std::abs(step_x);
+  for (int r = 0; r < ny; ++r) {
+    const std::size_t column = static_cast<std::size_t>(r) * nx;
+    const std::size_t ray = static_cast<std::size_t>(ray_in(r - step_y, shift_y, ny)) * nx;
+    const int first = ray_in(begin - step_x, shift_x, nx);
+    const int before_seam = std::min(count, nx - first);
+    if (before_seam > 0) run(column + begin, ray + first, before_seam);
+    if (before_seam < count) run(column + begin + before_seam, ray, count - before_seam);
+    if (step_x > 0) run(column, ray + ray_in(0, shift_x, nx), 1);
+    if (step_x < 0) run(column + nx - 1, ray + ray_in(nx - 1, shift_x, nx), 1);
+  }
+}
+
 /// Shares rays at fractional position (x, y) columns from their launch column out to the columns they overlap: each ray
 /// is as wide as `width` <= 1 columns. `run(column, ray, n, weight)` is called for pieces of rows of an nx x ny plane.
+/// Every column is overlapped in full: what a ray holds out over an open side is lost, and where a column at a side
+/// lacks a neighbour its nearest ray stands for that.
 template <class Run>
 inline void spread_on_columns(double x, double y, double width, int nx, int ny, bool periodic, const Run& run) {
   struct Overlaps {
-    int first;                    // column of the first
+    int own;                      // column of the ray's middle
+    int first;                    // column of the first overlap
     std::array<double, 2> share;  // of it and of the next
   };
   const auto overlaps = [&](double position, int n) -> Overlaps {
-    if (n == 1 && periodic) return {0, {1., 0.}};
+    if (n == 1 && periodic) return {0, 0, {1., 0.}};
     const double low = position - width / 2;
     const int first = static_cast<int>(std::floor(low));
     const double share = std::min(1., (first + 1 - low) / width);
-    return {first, {share, 1 - share}};
+    return {static_cast<int>(std::floor(position)), first, {share, 1 - share}};
   };
   const Overlaps along_x = overlaps(x, nx);
   const Overlaps along_y = overlaps(y, ny);
@@ -110,8 +133,13 @@ inline void spread_on_columns(double x, double y, double width, int nx, int ny, 
     for (int i = 0; i < 2; ++i) {
       if (along_x.share[i] < least || along_y.share[j] < least) continue;
       const double weight = along_x.share[i] * along_y.share[j];
-      for_shifted_rows(along_x.first + i, along_y.first + j, nx, ny,
-                       [&](std::size_t column, std::size_t ray, int n) { run(column, ray, n, weight); });
+      const auto weighted = [&](std::size_t column, std::size_t ray, int n) { run(column, ray, n, weight); };
+      if (periodic) {
+        for_shifted_rows(along_x.first + i, along_y.first + j, nx, ny, weighted);
+      } else {
+        for_neighbouring_rows(along_x.own, along_y.own, along_x.first + i - along_x.own,
+                              along_y.first + j - along_y.own, nx, ny, weighted);
+      }
     }
   }
 }

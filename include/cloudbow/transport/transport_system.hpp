@@ -2,6 +2,7 @@
 // the converged radiance, the source in any direction.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "cloudbow/transport/direct_beam.hpp"
@@ -26,16 +27,26 @@ template <class Real>
 DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
                                          AngularField<Real> radiance);
 
+/// Extinction of the active cells, 1/m, when the fraction f_p of what phase function p scatters counts as unscattered.
+template <class Real>
+std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction);
+
 /// Adds the first scattering of a beam by one phase function: source = P share scattering/extinction irradiance / (4
 /// pi).
 template <class Real>
-void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const PhaseFunction& phase,
+void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const std::function<double(double)>& phase,
                            std::span<const float> scattering, double share, std::span<const Real> extinction,
                            std::span<const Real> irradiance);
 
-/// The first order of scattering for fluxes, in the place of what the source has of it. The beam that lights it is the
-/// one truncated at the gather's order; light that the iteration's beam (order N_b) calls unscattered but that one does
-/// not is added with the phase function of that order (docs/theory.md, Eq. 25).
+/// The first order of scattering for fluxes beside light that is scattered within the forward peak (docs/theory.md,
+/// Eq. 25), in the place of what the source has of it.
+template <class Real>
+void set_first_order_beside_peak(const Problem& problem, const Discretisation& discretisation,
+                                 const TransportSystem<Real>& system, DirectionalSource<Real>& source);
+
+/// The first order of scattering for radiance, in the place of what the source has of it. The beam that lights it is
+/// the one truncated at the gather's order; light that the iteration's beam (order N_b) calls unscattered but that one
+/// does not is added with the phase function of that order.
 /// @param gather_beam needed where the problem has a sun.
 template <class Real>
 void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,

@@ -72,6 +72,22 @@ TEST(GatherDirections, CrowdAboutTheSunEnoughForItsPeak) {
   }
 }
 
+TEST(PeakDirections, StandAtTheirAnglesFromTheSun) {
+  const Direction sun = travel_along(-.3, 37);
+  const std::vector<PeakAngle> angles{{1., 400.}, {.99, 50.}, {.9, 2.}, {.5, .1}};
+  const auto set = peak_directions(angles, sun);
+  ASSERT_GE(set.size(), 3U);
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    EXPECT_LT(set[i].travel.z(), 0);
+    EXPECT_NEAR(set[i].travel.norm(), 1, 1e-14);
+    const auto angle = std::find_if(angles.begin(), angles.end(), [&](const PeakAngle& a) {
+      return std::abs(a.cos_angle - set[i].travel.dot(sun)) < 1e-12;
+    });
+    ASSERT_NE(angle, angles.end());
+    EXPECT_NEAR(set[i].weight, 1 / (4 * angle->density), 1e-15);
+  }
+}
+
 // A scene whose scattered source at every control point is the cell's `source`.
 struct Scene {
   BoxGrid box;
