@@ -98,7 +98,7 @@ MapDeviation under(const Map& map) {
   const SceneSun sun = sun_at(.6, 37);
   SolverOptions options = field_options();
   options.tolerance = 1e-6;
-  options.gather_directions = 2048;  // they and the places their rays start from do not turn
+  options.gather_directions = 1024;  // they and the places their rays start from do not turn
   Problem problem = field_problem(field, .99, PhaseFunction::henyey_greenstein(.85), sun);
   const Solution here = solve(problem, options);
   const Direction travel = map.direction(problem.sun->travel);
@@ -134,11 +134,14 @@ double mirror_means() {
   return worst.value();
 }
 
-double turned(double MapDeviation::*what) {
-  Worst worst;
-  worst.meet(under({0, -1, 1, 0, 0, 0}).*what);
-  worst.meet(under({0, 1, 1, 0, 0, 0}).*what);
-  return worst.value();
+MapDeviation turned() {
+  Worst mean, column;
+  for (const Map& map : {Map{0, -1, 1, 0, 0, 0}, Map{0, 1, 1, 0, 0, 0}}) {
+    const MapDeviation deviation = under(map);
+    mean.meet(deviation.mean);
+    column.meet(deviation.column);
+  }
+  return {mean.value(), column.value()};
 }
 
 }  // namespace
@@ -155,9 +158,8 @@ std::vector<PhysicalCheck> direction_checks() {
       {"mirror", "a field mirrored with its sun has the same mean fluxes", "W m-2, F0 = 1", 2e-6, mirror_means},
       // Control points do not: their fits differ, by 5e-4 with the 42 of `draft`, column by column by 3e-3.
       {"turn", "a field turned by 90 degrees, or with x and y exchanged, has the same mean fluxes", "W m-2, F0 = 1",
-       1e-3, [] { return turned(&MapDeviation::mean); }},
-      {"turn-columns", "and its columns have the same fluxes", "W m-2, F0 = 1", 5e-3,
-       [] { return turned(&MapDeviation::column); }},
+       1e-3, [] { return turned().mean; }},
+      {"turn-columns", "and its columns have the same fluxes", "W m-2, F0 = 1", 5e-3, [] { return turned().column; }},
   };
 }
 

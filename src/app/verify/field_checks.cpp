@@ -69,6 +69,8 @@ double thread_bits() {
   // Smaller fields are solved by one thread.
   const Problem problem = field_problem(uneven_field(24, 22, 16, 1), .99, droplets(), sun_at(.6, 37));
   SolverOptions options = field_options();
+  options.gather_directions = 64;  // few of all, because threads that wait for a busy processor take long
+  options.tolerance = options.energy_tolerance = .01;
   const Solution one = solve(problem, options);
   options.threads = 2;
   const Solution two = solve(problem, options);

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-program, page = sys.argv[1], Path(sys.argv[2])
+program, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
 # Scenes and tables are made in memory: neither a home nor a cache is needed.
 environment = {**os.environ, "HOME": "/nonexistent", "XDG_CACHE_HOME": "/nonexistent"}
 
