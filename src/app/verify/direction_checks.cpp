@@ -8,61 +8,65 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kWidth = 9;   // columns along x and y
-constexpr int kHeight = 4;  // levels
-const double kTangent = 1;  // of the zenith angle
-const double kCosine = std::sqrt(.5);
+constexpr int kWidth = 9;  // columns along x and y
+constexpr std::array<double, 3> kCell{1, .8, .75};
+const double kCosine = std::sqrt(.5);    // of the zenith angle
+constexpr double kOff = 3.5 * kCell[2];  // what is so high is seen so far off
 
-// One voxel in an empty box, k levels above the ground.
+// One voxel in an empty box of four levels.
 ExtinctionField one_voxel(int k, float extinction) {
-  ExtinctionField field{kWidth, kWidth, kHeight, std::vector<float>(kWidth * kWidth * kHeight, 0.F)};
-  field.extinction[(static_cast<std::size_t>(k) * kWidth + kWidth / 2) * kWidth + kWidth / 2] = extinction;
+  ExtinctionField field{kWidth, kWidth, 4, std::vector<float>(kWidth * kWidth * 4, 0.F), kCell};
+  field.extinction[static_cast<std::size_t>((k * kWidth + kWidth / 2) * kWidth + kWidth / 2)] = extinction;
   return field;
 }
 
-// Distance [m] of the centre of gravity of a plane of columns from where it should be.
+// Distance [m] of the centre of gravity of a plane of columns from where it should be: `off` from the voxel's own.
 template <class Weight>
-double centre_off(const Weight& weight, double x, double y) {
+double centre_off(const Weight& weight, double off_x, double off_y) {
   double sum = 0, sum_x = 0, sum_y = 0;
   for (int j = 0; j < kWidth; ++j) {
     for (int i = 0; i < kWidth; ++i) {
       const double w = weight(static_cast<std::size_t>(j * kWidth + i));
       sum += w;
-      sum_x += w * (i + .5);
-      sum_y += w * (j + .5);
+      sum_x += w * (i - kWidth / 2) * kCell[0];
+      sum_y += w * (j - kWidth / 2) * kCell[1];
     }
   }
-  return std::hypot(sum_x / sum - x, sum_y / sum - y);
+  return std::hypot(sum_x / sum - off_x, sum_y / sum - off_y);
 }
 
 constexpr std::array<double, 6> kAzimuths{0, 90, 180, 270, 30, 205};
+
+SolverOptions with_many_rays() {
+  SolverOptions options = field_options();
+  options.beam_rays = 64;
+  return options;
+}
 
 // The shadow of a voxel lies on the side away from the sun, as far off as the voxel is high.
 double shadow() {
   Worst worst;
   for (const double azimuth : kAzimuths) {
-    const Solution solution =
-        solve(field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(kCosine, azimuth)), field_options());
+    const Solution solution = solve(
+        field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(kCosine, azimuth)), with_many_rays());
     const double angle = azimuth * std::numbers::pi / 180;
-    const double off = 3.5 * kTangent;
     worst.meet(centre_off([&](std::size_t c) { return kCosine - static_cast<double>(solution.direct_flux[c]); },
-                          4.5 - off * std::cos(angle), 4.5 - off * std::sin(angle)));
+                          -kOff * std::cos(angle), -kOff * std::sin(angle)));
   }
   return worst.value();
 }
 
 // A sensor sees a voxel near the ground, along a slanted line, through the top nearer to itself.
 double parallax() {
-  SolverOptions options = field_options();
+  SolverOptions options = with_many_rays();
   for (const double azimuth : kAzimuths) options.views.push_back({"view", travel_to_sensor(kCosine, azimuth)});
   const Solution solution =
       solve(field_problem(one_voxel(0, .01F), 1, PhaseFunction::isotropic(), sun_at(1, 0)), options);
   Worst worst;
   for (std::size_t v = 0; v < kAzimuths.size(); ++v) {
     const double angle = kAzimuths[v] * std::numbers::pi / 180;
-    const double off = 3.5 * kTangent;
     worst.meet(centre_off([&](std::size_t c) { return static_cast<double>(solution.images.at(v).radiance.at(c)); },
-                          4.5 + off * std::cos(angle), 4.5 + off * std::sin(angle)));
+                          kOff * std::cos(angle), kOff * std::sin(angle)));
   }
   return worst.value();
 }
@@ -100,9 +104,10 @@ MapDeviation under(const Map& map) {
   options.tolerance = 1e-6;
   options.gather_directions = 1024;  // they and the places their rays start from do not turn
   Problem problem = field_problem(field, .99, PhaseFunction::henyey_greenstein(.85), sun);
+  problem.surface.albedo = .5;
   const Solution here = solve(problem, options);
   const Direction travel = map.direction(problem.sun->travel);
-  problem = field_problem(mapped, .99, PhaseFunction::henyey_greenstein(.85), sun);
+  problem.grid = field_problem(mapped, .99, PhaseFunction::henyey_greenstein(.85), sun).grid;
   problem.sun->travel = travel;
   const Solution there = solve(problem, options);
 
@@ -148,10 +153,10 @@ MapDeviation turned() {
 
 std::vector<PhysicalCheck> direction_checks() {
   return {
-      // Rays stand a quarter of a column (1 m) apart, and the voxel is not black: a part of that.
-      {"shadow", "a shadow lies on the side away from the sun, as far off as what casts it is high", "m", .05, shadow},
-      // A pixel is the mean of a few lines of sight; light scattered twice by the voxel is 1 %.
-      {"parallax", "a slanted sensor sees what is low through the top nearer to itself", "m", .05, parallax},
+      // Rays stand an eighth of a column (1 m) apart and are shared out over whole columns: a fraction of an eighth.
+      {"shadow", "a shadow lies on the side away from the sun, as far off as what casts it is high", "m", .03, shadow},
+      // Likewise; light that the voxel scatters twice, some 1 %, comes from its own place too.
+      {"parallax", "a slanted sensor sees what is low through the top nearer to itself", "m", .01, parallax},
       // The same arithmetic column by column; sums over columns round elsewhere.
       {"shift", "a field moved round the periodic box has its fluxes moved", "W m-2, F0 = 1", 1e-6, shift_columns},
       // Ordinates and control points map onto themselves; float rounds elsewhere, on the way to a tolerance of 1e-6.

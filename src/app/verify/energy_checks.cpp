@@ -117,7 +117,8 @@ SolverOptions furnace_options() {
 double furnace_radiance() {
   Worst worst;
   // A cloud with holes, and one without.
-  for (const auto& field : {uneven_field(6, 5, 4, 4), ExtinctionField{4, 4, 4, std::vector<float>(64, 1.5F)}}) {
+  for (const auto& field :
+       {uneven_field(6, 5, 4, 4), ExtinctionField{4, 4, 4, std::vector<float>(64, 1.5F), {1, 1, 1}}}) {
     const Solution solution = solve(furnace(PhaseFunction::isotropic(), field), furnace_options());
     for (const float radiance : solution.radiance_field->radiance) worst.meet(static_cast<double>(radiance), 1);
   }

@@ -37,7 +37,7 @@ Problem layer_problem(double optical_depth, double single_scattering_albedo, con
 }
 
 ExtinctionField uneven_field(int nx, int ny, int nz, double largest) {
-  ExtinctionField field{nx, ny, nz, {}};
+  ExtinctionField field{nx, ny, nz, {}, {1, 1, 1}};
   const std::size_t cells = field.columns() * static_cast<std::size_t>(nz);
   for (std::size_t n = 1; n <= cells; ++n) {
     const bool empty = fraction(static_cast<double>(n) * std::sqrt(3.)) < 1. / 3;
@@ -50,16 +50,14 @@ ExtinctionField uneven_field(int nx, int ny, int nz, double largest) {
 Problem field_problem(const ExtinctionField& field, double single_scattering_albedo, const PhaseFunction& phase,
                       const SceneSun& sun, bool periodic) {
   const CloudField cloud =
-      make_cloud_field({field.nx, field.ny, field.nz}, {1, 1, 1}, {0, 0, 0}, field.extinction, "extinction");
+      make_cloud_field({field.nx, field.ny, field.nz}, field.cell_m, {0, 0, 0}, field.extinction, "extinction");
   CloudOptics optics;
   optics.single_scattering_albedo = single_scattering_albedo;
-  LevelOptions levels;
-  for (int k = 0; k <= field.nz; ++k) levels.edges_m.push_back(k);
+  LevelOptions levels;  // those of all cells, empty ones too
+  for (int k = 0; k <= field.nz; ++k) levels.edges_m.push_back(k * field.cell_m[2]);
   Problem problem;
-  problem.grid =
-      make_optical_grid(&cloud, optics, {}, {0, 0, 0},
-                        {static_cast<double>(field.nx), static_cast<double>(field.ny), static_cast<double>(field.nz)},
-                        periodic, 1, {0.}, levels);
+  problem.grid = make_optical_grid(&cloud, optics, {}, {0, 0, 0}, {cloud.max_m(0), cloud.max_m(1), cloud.max_m(2)},
+                                   periodic, 1, {0.}, levels);
   problem.phase = {phase};
   problem.sun = Sun{sun_travel(sun), sun.irradiance_w_m2};
   return problem;

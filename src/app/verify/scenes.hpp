@@ -1,9 +1,7 @@
 // Scenes for checks, made in memory.
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <optional>
+#include <array>
 #include <vector>
 
 #include "cloudbow/app/assemble.hpp"
@@ -20,17 +18,19 @@ Direction travel_to_sensor(double mu, double azimuth_deg);
 Problem layer_problem(double optical_depth, double single_scattering_albedo, const PhaseFunction& phase, double mu0,
                       double azimuth_deg = 0);
 
-/// Dense extinction [1/m] of cells of 1 m, at (k*ny + j)*nx + i.
+/// Dense extinction [1/m] at (k*ny + j)*nx + i.
 struct ExtinctionField {
   int nx = 1;
   int ny = 1;
   int nz = 1;
   std::vector<float> extinction;
+  std::array<double, 3> cell_m{1, 1, 1};
 
   std::size_t columns() const { return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny); }
 };
 
 /// Extinctions between 0 and `largest` without any order, a third of the cells empty: the same numbers everywhere.
+/// Cells of 1 m.
 ExtinctionField uneven_field(int nx, int ny, int nz, double largest);
 
 /// Irradiance 1, black ground.
