@@ -15,12 +15,13 @@ double beers_law() {
   for (const double mu0 : {1., .5, .1}) {
     for (const double optical_depth : {.01, 1., 5.}) {
       for (const double albedo : {0., .9}) {
-        const Solution solution =
-            solve(layer_problem(optical_depth, albedo, PhaseFunction::isotropic(), mu0), column_options("draft"));
+        const Solution solution = solve(
+            layer_problem(optical_depth, albedo, PhaseFunction::henyey_greenstein(.85), mu0), column_options("draft"));
         const auto& edge = solution.box.z_edge_m;
         for (std::size_t e = 0; e < edge.size(); ++e) {
           const double above = optical_depth * (1 - edge[e] / edge.back());
           worst.meet(solution.profile_direct_flux[e] / mu0, std::exp(-above / mu0));
+          worst.meet(static_cast<double>(solution.direct_flux[e]) / mu0, std::exp(-above / mu0));
         }
         if (albedo == 0) {  // and there is no other light
           worst.meet(solution.ledger.reflectance);
