@@ -19,6 +19,7 @@
 #include "command_checks.hpp"
 #include "export_command.hpp"
 #include "phase_command.hpp"
+#include "verify_command.hpp"
 
 namespace cloudbow {
 namespace {
@@ -149,7 +150,7 @@ int parse_and_act(int argc, const char* const* argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, 3 solved but not converged (the result is marked "
-      "so)");
+      "so), or a check of verify does not hold");
   Action action;
   add_run(app, action, command_text(argc, argv));
   add_cloud(app, action);
@@ -157,6 +158,7 @@ int parse_and_act(int argc, const char* const* argv) {
   add_render(app, action);
   add_export(app, action);
   add_phase(app, action, command_text(argc, argv));
+  add_verify(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -24,6 +24,7 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitInternalError = 1;
 inline constexpr int kExitInputError = 2;
 inline constexpr int kExitNotConverged = 3;
+inline constexpr int kExitDoesNotHold = 3;  ///< a check of `cloudbow verify` failed
 
 /// @returns kExitDone, or kExitNotConverged where the solve did not reach its tolerance or the ledger does not close:
 /// the result is written all the same.

@@ -1,0 +1,44 @@
+// `cloudbow verify`: the built-in physical checks. Each is a property that light has whatever the scene, or a published
+// number, and the program itself works it out, on the machine it runs on, without any file.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace cloudbow {
+
+/// One property, told as a single number >= 0: how far it is from holding.
+struct PhysicalCheck {
+  std::string name;       ///< small letters, words joined by hyphens
+  std::string statement;  ///< what must hold
+  std::string unit;       ///< of the deviation and the tolerance
+  double tolerance = 0;
+  std::function<double()> deviation;
+};
+
+struct CheckOutcome {
+  double found = 0;  ///< the deviation; not a number where the check ended in an error
+  bool passed = false;
+  std::string error;  ///< message of that error
+  double seconds = 0;
+};
+
+struct VerifyOptions {
+  std::vector<std::string> only;  ///< names of checks; empty: all
+  bool json = false;              ///< one JSON document in the place of lines
+  bool list = false;              ///< name and statement of the checks; nothing is checked
+};
+
+/// All checks, in the order in which they are run: what others rest on comes first.
+std::vector<PhysicalCheck> physical_checks();
+
+/// Passed where the deviation is within the tolerance. A deviation that is not a number, and an error, are failures.
+CheckOutcome carry_out(const PhysicalCheck& check);
+
+/// Carries out the checks and prints a line for each to stdout.
+/// @returns kExitDone, or kExitDoesNotHold where any has failed.
+/// @throws InputError for a name that no check has.
+int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& options);
+
+}  // namespace cloudbow

@@ -1,0 +1,12 @@
+// `cloudbow verify`: physical checks on the user's machine.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace cloudbow {
+
+/// Adds the subcommand; where the user named it, `action` becomes what it does.
+void add_verify(CLI::App& app, std::function<int()>& action);
+
+}  // namespace cloudbow
