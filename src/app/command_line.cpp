@@ -19,6 +19,7 @@
 #include "command_checks.hpp"
 #include "export_command.hpp"
 #include "phase_command.hpp"
+#include "tradeoff_command.hpp"
 
 namespace cloudbow {
 namespace {
@@ -157,6 +158,7 @@ int parse_and_act(int argc, const char* const* argv) {
   add_render(app, action);
   add_export(app, action);
   add_phase(app, action, command_text(argc, argv));
+  add_tradeoff(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -125,8 +125,9 @@ void draw_axes(PlotCanvas& canvas, const Frame& frame, const PlotBox& outer, dou
   canvas.text(frame.plot.title, {(left + right) / 2, top - 1.4 * text_size}, 1.15 * text_size, TextAnchor::centre);
 }
 
-void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& series) {
+void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& series, double text_size) {
   assert(series.x.size() == series.y.size());
+  assert(series.point_label.empty() || series.point_label.size() == series.x.size());
   std::vector<PlotPoint> piece;
   const auto finish = [&] {
     if (series.has_line) canvas.line(piece, series.stroke, frame.box);
@@ -138,6 +139,10 @@ void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& serie
   for (std::size_t i = 0; i < series.x.size(); ++i) {
     if (shown(frame.plot.x, series.x[i]) && shown(frame.plot.y, series.y[i])) {
       piece.push_back(frame.at(series.x[i], series.y[i]));
+      if (!series.point_label.empty()) {
+        const PlotPoint above{piece.back().x, piece.back().y - series.marker_radius - 1.4 * text_size};
+        canvas.text(series.point_label[i], above, text_size, TextAnchor::centre);
+      }
     } else {
       finish();
     }
@@ -256,7 +261,7 @@ PlotColour plot_colour(std::size_t index) {
 void draw(PlotCanvas& canvas, const PlotBox& box, const LinePlot& plot, double text_size) {
   const Frame frame = layout(box, plot, text_size);
   draw_grid(canvas, frame);
-  for (const PlotSeries& series : plot.series) draw_series(canvas, frame, series);
+  for (const PlotSeries& series : plot.series) draw_series(canvas, frame, series, text_size);
   draw_axes(canvas, frame, box, text_size);
   draw_legend_inside(canvas, frame, text_size);
 }
