@@ -62,6 +62,12 @@ Level make_level(const std::string& name, const TradeoffOptions& options) {
   return level;
 }
 
+/// Where they do not, the draft is the level of independent columns.
+bool columns_exchange_light(const Scene& scene) {
+  const bool one_column = !scene.cloud && scene.albedo_map.empty();
+  return !one_column && scene.solver.mode != SolveMode::independent_columns;
+}
+
 /// Cheapest first, each once.
 std::vector<Level> chosen_levels(const TradeoffOptions& options, const Scene& scene) {
   const std::vector<std::string> names = tradeoff_levels();
@@ -72,8 +78,7 @@ std::vector<Level> chosen_levels(const TradeoffOptions& options, const Scene& sc
   std::vector<Level> levels;
   for (const std::string& name : names) {
     const bool asked = std::find(options.levels.begin(), options.levels.end(), name) != options.levels.end();
-    // Where all levels take columns one by one, the draft is that level.
-    const bool by_default = name != kIndependentColumns || scene.solver.mode != SolveMode::independent_columns;
+    const bool by_default = name != kIndependentColumns || columns_exchange_light(scene);
     if (options.levels.empty() ? by_default : asked) levels.push_back(make_level(name, options));
   }
   if (levels.size() < 2 && options.reference.empty()) {

@@ -95,7 +95,7 @@ std::pair<double, double> error_range(const TradeoffReport& report) {
   return axis_range({"", true, {}, {}}, errors);
 }
 
-/// Names of the levels, each above its largest error.
+/// Names of the levels, each at its largest error.
 PlotSeries level_names(const TradeoffReport& report) {
   PlotSeries names;
   names.has_line = false;

@@ -16,7 +16,7 @@ struct PlotSeries {
   Stroke stroke;
   bool has_line = true;
   double marker_radius = 0;                ///< 0: no markers
-  std::vector<std::string> point_label{};  ///< above each point; empty: none
+  std::vector<std::string> point_label{};  ///< above each point to the right; empty: none
 };
 
 struct PlotAxis {
