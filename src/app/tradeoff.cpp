@@ -68,7 +68,7 @@ bool columns_exchange_light(const Scene& scene) {
   return !one_column && scene.solver.mode != SolveMode::independent_columns;
 }
 
-/// Cheapest first, each once.
+/// In the order of tradeoff_levels(), each once.
 std::vector<Level> chosen_levels(const TradeoffOptions& options, const Scene& scene) {
   const std::vector<std::string> names = tradeoff_levels();
   for (const std::string& wanted : options.levels) {

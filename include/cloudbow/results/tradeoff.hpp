@@ -64,7 +64,7 @@ struct TradeoffRow {
 struct TradeoffReport {
   std::string title;
   std::string truth;               ///< a level, or a file
-  std::vector<TradeoffRow> rows;   ///< cheapest level first
+  std::vector<TradeoffRow> rows;   ///< in the order of the ladder
   std::vector<std::string> notes;  ///< levels left out, and why
 };
 
