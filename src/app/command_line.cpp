@@ -19,6 +19,7 @@
 #include "command_checks.hpp"
 #include "export_command.hpp"
 #include "phase_command.hpp"
+#include "tradeoff_command.hpp"
 #include "verify_command.hpp"
 
 namespace cloudbow {
@@ -158,6 +159,7 @@ int parse_and_act(int argc, const char* const* argv) {
   add_render(app, action);
   add_export(app, action);
   add_phase(app, action, command_text(argc, argv));
+  add_tradeoff(app, action);
   add_verify(app, action);
   try {
     app.parse(argc, argv);

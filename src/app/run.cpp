@@ -27,18 +27,6 @@ std::filesystem::path output_file(const RunOptions& options, const Scene& scene)
   return scene.path.stem().string() + ".h5";
 }
 
-void check_not_an_input(const std::filesystem::path& output, const Scene& scene) {
-  for (const std::filesystem::path& input : scene.inputs) {
-    std::error_code error;
-    if (std::filesystem::equivalent(output, input, error)) {
-      throw InputError(
-          fmt::format("{}: the result would overwrite what it is made from (found the same file as {}, "
-                      "allowed any other)",
-                      output.string(), input.string()));
-    }
-  }
-}
-
 std::string classes_text(const PhaseClassReport& classes) {
   return fmt::format("{} of {} functions, which changes fluxes by about {:.1e} of the incident", classes.classes,
                      classes.functions, classes.estimated_error);
@@ -191,6 +179,23 @@ std::uint64_t physical_memory_bytes() {
   std::ifstream group("/sys/fs/cgroup/memory.max");
   if (std::uint64_t limit = 0; group >> limit && limit > 0) bytes = std::min(bytes, limit);
   return bytes;
+}
+
+void check_not_an_input(const std::filesystem::path& output, const Scene& scene) {
+  for (const std::filesystem::path& input : scene.inputs) {
+    std::error_code error;
+    if (std::filesystem::equivalent(output, input, error)) {
+      throw InputError(
+          fmt::format("{}: the result would overwrite what it is made from (found the same file as {}, "
+                      "allowed any other)",
+                      output.string(), input.string()));
+    }
+  }
+}
+
+std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {
+  CloudFiles files(scenes.size() > 1);
+  return forecast(scenes, available, threads, files).memory;
 }
 
 int run(const RunOptions& options) {

@@ -125,8 +125,17 @@ void draw_axes(PlotCanvas& canvas, const Frame& frame, const PlotBox& outer, dou
   canvas.text(frame.plot.title, {(left + right) / 2, top - 1.4 * text_size}, 1.15 * text_size, TextAnchor::centre);
 }
 
-void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& series) {
+/// Above the point to the right, where a falling curve leaves room; inside the frame.
+void draw_point_label(PlotCanvas& canvas, const Frame& frame, PlotPoint at, const std::string& label,
+                      double text_size) {
+  const double x =
+      std::min(at.x + 0.6 * text_size, frame.box.right - PlotCanvas::text_width(label, text_size) - 0.4 * text_size);
+  canvas.text(label, {x, std::max(at.y - 1.1 * text_size, frame.box.top + text_size)}, text_size);
+}
+
+void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& series, double text_size) {
   assert(series.x.size() == series.y.size());
+  assert(series.point_label.empty() || series.point_label.size() == series.x.size());
   std::vector<PlotPoint> piece;
   const auto finish = [&] {
     if (series.has_line) canvas.line(piece, series.stroke, frame.box);
@@ -138,6 +147,7 @@ void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& serie
   for (std::size_t i = 0; i < series.x.size(); ++i) {
     if (shown(frame.plot.x, series.x[i]) && shown(frame.plot.y, series.y[i])) {
       piece.push_back(frame.at(series.x[i], series.y[i]));
+      if (!series.point_label.empty()) draw_point_label(canvas, frame, piece.back(), series.point_label[i], text_size);
     } else {
       finish();
     }
@@ -256,7 +266,7 @@ PlotColour plot_colour(std::size_t index) {
 void draw(PlotCanvas& canvas, const PlotBox& box, const LinePlot& plot, double text_size) {
   const Frame frame = layout(box, plot, text_size);
   draw_grid(canvas, frame);
-  for (const PlotSeries& series : plot.series) draw_series(canvas, frame, series);
+  for (const PlotSeries& series : plot.series) draw_series(canvas, frame, series, text_size);
   draw_axes(canvas, frame, box, text_size);
   draw_legend_inside(canvas, frame, text_size);
 }

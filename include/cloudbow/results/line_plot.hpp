@@ -15,7 +15,8 @@ struct PlotSeries {
   std::vector<double> x, y;
   Stroke stroke;
   bool has_line = true;
-  double marker_radius = 0;  ///< 0: no markers
+  double marker_radius = 0;                ///< 0: no markers
+  std::vector<std::string> point_label{};  ///< above each point to the right; empty: none
 };
 
 struct PlotAxis {

@@ -144,8 +144,9 @@ double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, con
     const double next = std::min({next_x, next_y, next_z});
     const std::uint32_t cell = scene.cell_at[(static_cast<std::size_t>(k) * box.ny + j) * box.nx + i];
     if (cell != SightScene<Real>::no_cell && next > at) {
-      const auto& [extinction, gradient] = scene.cells[cell];
-      const Real t = std::min(extinction * static_cast<Real>(next - at), static_cast<Real>(largest_optical_path));
+      const auto& gradient = scene.cells[cell].gradient;
+      const Real t = std::min(scene.cells[cell].extinction * static_cast<Real>(next - at),
+                              static_cast<Real>(largest_optical_path));
       const auto phi = exponential_functions(t);
       // Where the segment begins and ends, in cells from the centre of this one.
       const auto offsets = [&](double distance) {

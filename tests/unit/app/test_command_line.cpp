@@ -11,6 +11,8 @@
 #include <thread>
 
 #include "cloudbow/app/command_line.hpp"
+#include "cloudbow/app/tradeoff.hpp"
+#include "cloudbow/core/error.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
 #include "temporary_folder.hpp"
 
@@ -83,6 +85,10 @@ TEST(CommandLine, UsageErrors) {
            {"render", "x.h5", "-o", "x.png", "--exposure", "0"},
            {"render", "x.h5", "-o", "x.png", "--exposure", "bright"},
            {"render", "x.h5", "-o", "x.png", "--tone", "soft"},
+           {"tradeoff"},
+           {"tradeoff", "no-such-scene.toml"},
+           {"tradeoff", "scene.toml", "--threads", "0"},
+           {"tradeoff", "scene.toml", "--levels"},
            {"export"},
            {"export", "result.h5", "--vdb", "x.vdb"},
            {"export", "result.h5", "--vdb", "x.vdb", "--direction", "0", "1"},
@@ -245,6 +251,42 @@ TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
   const Outcome itself = cloudbow({"run", scene, "-o", scene});
   EXPECT_EQ(itself.exit_code, 2);
   EXPECT_THAT(itself.errors, HasSubstr("overwrite"));
+}
+
+TEST(CommandLine, TradeoffTellsWhatIsWrongBeforeItSolves) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("slab.toml", kSlab);
+  const auto csv = folder / "table.csv";
+  for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--levels", "draft"}, "two or more"},
+           {{"--levels", "draft,best"}, "'best'"},
+           {{"--levels", "draft", "--reference", folder / "none.h5"}, "none.h5"},
+           {{"--reference", scene}, "slab.toml"},
+           {{"--set", "solver.accuracy=fine"}, "--levels"},
+           {{"--set", "sun.zenith_deg=95"}, "zenith_deg"},
+           {{"--set", "output.flux_levels=[50]"}, "flux_levels"},
+           {{"--plot", folder / "nowhere" / "plot.png"}, "nowhere"},
+           {{"--csv", scene}, "overwrite"}}) {
+    std::vector<std::string> all{"tradeoff", scene, "--csv", csv};
+    if (arguments[0] == "--csv") all.resize(2);
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = cloudbow(all);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(all);
+    EXPECT_THAT(outcome.errors, HasSubstr(told));
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_FALSE(std::filesystem::exists(csv));
+  }
+}
+
+TEST(CommandLine, TradeoffLeavesOutWhatDoesNotFit) {
+  const TemporaryFolder folder;
+  TradeoffOptions options;
+  options.scene = folder.write("slab.toml", kSlab);
+  options.memory_bytes = 1'000'000;  // more than the grid takes, less than any solve
+  EXPECT_THAT([&] { tradeoff(options); },
+              testing::ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("draft"), HasSubstr("reference"), HasSubstr("there are 0.00 GB"))));
 }
 
 TEST(CommandLine, DescribesAPhaseFunction) {

@@ -161,5 +161,28 @@ TEST(LinePlot, BreaksTheLineWhereNothingCanBeShown) {
   EXPECT_TRUE(red_in_column(360));
 }
 
+TEST(LinePlot, NamesOfPointsStandToTheRightAndInsideTheFrame) {
+  for (const double x : {5.0, 10.0}) {  // in the middle, on the right edge
+    LinePlot plot;
+    plot.x.range = plot.y.range = {0.0, 10.0};
+    plot.series = {{"", {x}, {5}, {}, false, 0}};
+    PlotCanvas without(400, 300), with(400, 300);
+    draw(without, without.everything(), plot, 10);
+    plot.series[0].point_label = {"balanced"};
+    draw(with, with.everything(), plot, 10);
+    int first = with.width(), last = -1;
+    for (int px = 0; px < with.width(); ++px) {
+      for (int py = 0; py < with.height(); ++py) {
+        if (with.colour_at(px, py) == without.colour_at(px, py)) continue;
+        first = std::min(first, px);
+        last = px;
+      }
+    }
+    EXPECT_NEAR(last - first, PlotCanvas::text_width("balanced", 10), 4);  // side bearings
+    EXPECT_LT(last, 400 - 15);                                             // the frame ends 1.5 text sizes inside
+    EXPECT_TRUE(x > 5 || first > 200) << first;
+  }
+}
+
 }  // namespace
 }  // namespace cloudbow
