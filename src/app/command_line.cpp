@@ -44,6 +44,8 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
       ->check(whole_number(1, 4096));
   run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  run_app->add_flag("--compare", options->compare,
+                    "Solve as independent columns too; write the difference of the column fluxes");
   run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
   run_app->callback([&action, options] { action = [options] { return run(*options); }; });
 }

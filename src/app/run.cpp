@@ -72,8 +72,27 @@ void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available,
   }
 }
 
+/// The same columns, each by itself, and their fluxes alone.
+SolverOptions by_columns(SolverOptions options) {
+  options.independent_columns = true;
+  options.absorption = options.actinic = options.radiance_field = false;
+  options.views.clear();
+  options.cameras.clear();
+  return options;
+}
+
+void check_comparable(const Scene& scene) {
+  if (scene.solver.mode == SolveMode::independent_columns) {
+    throw InputError(
+        fmt::format("{}: --compare sets a solution beside independent columns (found independent-columns "
+                    "itself, allowed auto, 3d)",
+                    scene.where("solver.mode")));
+  }
+}
+
 /// Looks at every wavelength, so that none fails after others were solved.
-Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, CloudFiles& files) {
+Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
+                  CloudFiles& files) {
   Forecast forecast;
   std::vector<std::vector<double>> levels;
   std::size_t kept = 0;
@@ -82,12 +101,18 @@ Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int
     assembled.options.threads = threads;
     forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, assembled.options));
     forecast.seconds += predict_seconds(assembled.problem, assembled.options);
+    if (compare) {
+      const SolverOptions columns = by_columns(assembled.options);
+      forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, columns));
+      forecast.seconds += predict_seconds(assembled.problem, columns);
+      kept += solution_bytes(assembled);  // at most: of these, fluxes alone are kept
+    }
     levels.push_back(assembled.problem.grid.box.z_edge_m);
     kept += solution_bytes(assembled);
     if (scenes.size() == 1) forecast.only = std::move(assembled);
   }
+  if (scenes.size() > 1 || compare) forecast.memory += kept;
   if (scenes.size() > 1) {
-    forecast.memory += kept;
     forecast.levels_m = finest_levels(levels);
     if (scenes.front().output.radiance_field) check_same_cells(scenes, available, files, forecast.levels_m);
   }
@@ -124,6 +149,7 @@ void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& firs
 /// Solutions of all wavelengths, and what the result file says about how they were made.
 struct Solved {
   std::vector<Solution> solutions;
+  std::vector<Solution> by_columns;             ///< of each the same as independent columns, or none
   std::vector<PhaseClassReport> phase_classes;  ///< of each, or none
 };
 
@@ -135,11 +161,18 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
         forecast.only ? std::move(*forecast.only) : assemble(scene, available, files, forecast.levels_m);
     assembled.options.threads = options.threads;
     if (scene.wavelength_um && !options.quiet) fmt::print(stderr, "wavelength {} um\n", *scene.wavelength_um);
-    ProgressDisplay display(options.quiet, assembled.options.tolerance);
-    solved.solutions.push_back(solve(assembled.problem, assembled.options, [&display](const SolverProgress& progress) {
-      InterruptGuard::check();
-      display.show(progress);
-    }));
+    const auto solve_shown = [&](const SolverOptions& how) {
+      ProgressDisplay display(options.quiet, how.tolerance);
+      return solve(assembled.problem, how, [&display](const SolverProgress& progress) {
+        InterruptGuard::check();
+        display.show(progress);
+      });
+    };
+    solved.solutions.push_back(solve_shown(assembled.options));
+    if (options.compare) {
+      if (!options.quiet) fmt::print(stderr, "independent columns\n");
+      solved.by_columns.push_back(solve_shown(by_columns(assembled.options)));
+    }
     if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
     InterruptGuard::check();
   }
@@ -153,16 +186,22 @@ void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
     if (!solved.phase_classes.empty())
       fmt::print("{:<21}{}\n", "phase functions", classes_text(solved.phase_classes[n]));
     fmt::print("{}", summary_table(solved.solutions[n]));
+    if (!solved.by_columns.empty()) {
+      const EnergyLedger &ledger = solved.solutions[n].ledger, &columns = solved.by_columns[n].ledger;
+      fmt::print("{:<21}reflectance {:+.6f}, transmittance {:+.6f}\n", "minus columns",
+                 ledger.reflectance - columns.reflectance, ledger.transmittance - columns.transmittance);
+    }
   }
 }
 
 /// Exit code.
-int tell_unconverged(const std::vector<Scene>& scenes, const Solved& solved, const std::filesystem::path& output) {
+int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solution>& solutions, const std::string& which,
+                     const std::filesystem::path& output) {
   int code = kExitDone;
-  for (std::size_t n = 0; n < scenes.size(); ++n) {
-    const Solution& solution = solved.solutions[n];
+  for (std::size_t n = 0; n < solutions.size(); ++n) {
+    const Solution& solution = solutions[n];
     if (solution.report.converged) continue;
-    const std::string at = scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "";
+    const std::string at = which + (scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "");
     fmt::print(stderr,
                "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
                "marked so\n",
@@ -195,7 +234,7 @@ void check_not_an_input(const std::filesystem::path& output, const Scene& scene)
 
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {
   CloudFiles files(scenes.size() > 1);
-  return forecast(scenes, available, threads, files).memory;
+  return forecast(scenes, available, threads, false, files).memory;
 }
 
 int run(const RunOptions& options) {
@@ -203,11 +242,12 @@ int run(const RunOptions& options) {
   const Scene& first = scenes.front();
   const std::filesystem::path output = output_file(options, first);
   check_not_an_input(output, first);
+  if (options.compare) check_comparable(first);
   if (!options.dry_run) check_writable(output);
 
   const std::uint64_t available = physical_memory_bytes();
   CloudFiles files(scenes.size() > 1);
-  Forecast expected = forecast(scenes, available, options.threads, files);
+  Forecast expected = forecast(scenes, available, options.threads, options.compare, files);
   check_memory(first, expected, available);
   if (options.dry_run) {
     const AssembledScene assembled =
@@ -226,14 +266,15 @@ int run(const RunOptions& options) {
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
   }
-  write_result(output, solved.solutions, info);
+  write_result(output, solved.solutions, info, solved.by_columns);
   InterruptGuard::check();
 
   if (!options.quiet) {
     print_summaries(scenes, solved);
     fmt::print("\nwritten to {}\n", output.string());
   }
-  return tell_unconverged(scenes, solved, output);
+  return std::max(tell_unconverged(scenes, solved.solutions, "", output),
+                  tell_unconverged(scenes, solved.by_columns, " as independent columns", output));
 }
 
 }  // namespace cloudbow

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -107,8 +108,12 @@ std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_
 /// Writes one solution, or those of several wavelengths on the same grid with a dimension more.
 class ResultWriter {
  public:
-  ResultWriter(std::span<const Solution> solutions, const ResultInfo& info)
-      : solutions_(solutions), first_(solutions.front()), info_(info), spectral_(!info.wavelengths_um.empty()) {}
+  ResultWriter(std::span<const Solution> solutions, const ResultInfo& info, std::span<const Solution> by_columns)
+      : solutions_(solutions),
+        first_(solutions.front()),
+        info_(info),
+        by_columns_(by_columns),
+        spectral_(!info.wavelengths_um.empty()) {}
 
   void write(const std::filesystem::path& path) const {
     hdf5::Handle file = hdf5::create_file(path);
@@ -121,6 +126,7 @@ class ResultWriter {
     write_profile(file);
     write_summary(file);
     write_solver(file);
+    if (!by_columns_.empty()) write_comparison(file);
     write_images(file);
     write_camera_images(file);
     if (first_.radiance_field) write_radiance_field(file);
@@ -154,10 +160,15 @@ class ResultWriter {
   /// A number, or one for each wavelength.
   template <class Number>
   netcdf4::AttributeValue each(const Number& number_of) const {
+    return each(number_of, solutions_);
+  }
+
+  template <class Number>
+  netcdf4::AttributeValue each(const Number& number_of, std::span<const Solution> solutions) const {
     using Value = std::decay_t<decltype(number_of(first_))>;
-    if (!spectral_) return number_of(first_);
+    if (!spectral_) return number_of(solutions.front());
     std::vector<Value> all;
-    for (const Solution& solution : solutions_) all.push_back(number_of(solution));
+    for (const Solution& solution : solutions) all.push_back(number_of(solution));
     return all;
   }
 
@@ -189,9 +200,8 @@ class ResultWriter {
     netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
     write_z_edge(file);
 
-    const bool all_levels = first_.flux_level.size() == box.z_edge_m.size();
-    const Dimensions flux_dimensions = {all_levels ? "z_edge" : "z_flux", "y", "x"};
-    if (!all_levels) {
+    const Dimensions flux_dimensions = {flux_level_name(), "y", "x"};
+    if (flux_level_name() == "z_flux") {
       netcdf4::write_coordinate(file, "z_flux", flux_heights(first_), vertical_attributes("height of the fluxes"));
     }
     write_variable(
@@ -218,6 +228,44 @@ class ResultWriter {
                       {"long_name", "actinic flux: 4 pi times the mean radiance, direct beam included"},
                       {"cell_methods", "area: mean z: mean"}});
     }
+  }
+
+  std::string flux_level_name() const {
+    return first_.flux_level.size() == first_.box.z_edge_m.size() ? "z_edge" : "z_flux";
+  }
+
+  /// Both solutions have the levels that write_fields() wrote.
+  void write_comparison(hid_t file) const {
+    const auto write_difference = [&](const FluxName& flux, std::vector<float> Solution::*field) {
+      write_variable(file, fmt::format("difference_{}", flux.name), {flux_level_name(), "y", "x"},
+                     [this, field](const Solution& s) {
+                       std::vector<float> difference = s.*field;
+                       const std::vector<float>& columns = by_columns_[static_cast<std::size_t>(&s - &first_)].*field;
+                       std::transform(difference.begin(), difference.end(), columns.begin(), difference.begin(),
+                                      std::minus<>());
+                       return difference;
+                     },
+                     {{"units", "W m-2"},
+                      {"long_name", fmt::format("{}: this solution minus independent columns", flux.long_name)},
+                      {"cell_methods", "area: mean"}});
+    };
+    write_difference(kUpwelling, &Solution::upwelling_flux);
+    write_difference(kDownwellingDiffuse, &Solution::downwelling_diffuse_flux);
+    write_difference(kDirect, &Solution::direct_flux);
+
+    hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
+    const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
+    netcdf4::write_attributes(group,
+                              {{"reflectance", of([](const Solution& s) { return s.ledger.reflectance; })},
+                               {"transmittance", of([](const Solution& s) { return s.ledger.transmittance; })},
+                               {"absorptance", of([](const Solution& s) { return s.ledger.absorptance; })},
+                               {"energy_residual", of([](const Solution& s) { return s.ledger.residual; })},
+                               {"converged", of([](const Solution& s) { return std::int32_t{s.report.converged}; })},
+                               {"sweeps", of([](const Solution& s) { return std::int32_t{s.report.sweeps}; })},
+                               {"estimated_error", of([](const Solution& s) { return s.report.estimated_error; })},
+                               {"seconds_total", of([](const Solution& s) { return s.report.seconds_total; })},
+                               {"cpu_seconds", of([](const Solution& s) { return s.report.cpu_seconds; })}});
+    group.close();
   }
 
   /// Of an image whose radiance stands in `radiance_of` a solution; only where there is a sun.
@@ -409,6 +457,7 @@ class ResultWriter {
   std::span<const Solution> solutions_;
   const Solution& first_;
   const ResultInfo& info_;
+  std::span<const Solution> by_columns_;
   bool spectral_;
 };
 
@@ -418,12 +467,14 @@ void write_result(const std::filesystem::path& file, const Solution& solution, c
   write_result(file, std::span(&solution, 1), info);
 }
 
-void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info) {
+void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info,
+                  std::span<const Solution> by_columns) {
+  assert(by_columns.empty() || by_columns.size() == solutions.size());
   assert(!solutions.empty() && solutions.front().box.nz() >= 1);
   assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
   AtomicFile target(file);
   try {
-    ResultWriter(solutions, info).write(target.temporary());
+    ResultWriter(solutions, info, by_columns).write(target.temporary());
   } catch (const hdf5::Error& error) {
     throw_unwritable(file, error.what());
   }

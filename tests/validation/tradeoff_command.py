@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`cloudbow tradeoff` on the step cloud: table, CSV and plot, and that its errors are those of the results themselves.
+"""`cloudbow tradeoff` on the step cloud: table, CSV and plot, that its errors are those of the results themselves, and `run --compare`.
 
 Truth: the result files of `cloudbow run` at the same levels, compared here once more. Solutions are the same bit by bit in every run, so that the
 errors must agree to rounding, and those of a result against itself are 0.
@@ -79,6 +79,15 @@ def independent_columns(cloudbow, folder):
     check(list(rows) == ["independent-columns", "draft"] and error > 10, f"columns by themselves miss the sideways light: {error:.0f} %")
 
 
+def compared_in_one_run(cloudbow, folder):
+    """`run --compare` holds what two runs give."""
+    name = "upwelling_flux"
+    both = cloudbow.run(SCENE, folder / "both.h5", "--compare")
+    columns = cloudbow.run(SCENE, folder / "columns.h5", "--set", "solver.mode=independent-columns")
+    difference = both.fields[name] - columns.fields[name]
+    check(np.array_equal(both.fields[f"difference_{name}"], difference) and abs(difference).max() > 0.1, "the difference is that of two runs, bit by bit")
+
+
 def not_converged(cloudbow, folder):
     table, rows = tradeoff(cloudbow, folder, "short", "--levels", "draft,balanced", "--set", "solver.max_sweeps=2", accept=(3,))
     check(table.count("NOT CONVERGED") == 2 and rows["draft"]["converged"] == "0", "what did not converge is marked")
@@ -116,7 +125,7 @@ def main():
         return 0
     with support.Workspace(options.keep) as folder:
         try:
-            for part in (two_levels, against_a_file, independent_columns, not_converged, interrupted):
+            for part in (two_levels, against_a_file, independent_columns, compared_in_one_run, not_converged, interrupted):
                 part(cloudbow, folder)
         except Failure as failure:
             print(f"FAIL  {failure}")

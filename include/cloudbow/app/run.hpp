@@ -17,6 +17,7 @@ struct RunOptions {
       output;       ///< empty: what the scene says, else the scene's name with .h5 in the working directory
   int threads = 0;  ///< 0: all
   bool quiet = false;
+  bool compare = false;  ///< solve as independent columns too and write the differences of the column fluxes
   bool dry_run = false;  ///< validate, predict memory and time, write nothing
   std::string command;   ///< as the user typed it, for the result's history
 };

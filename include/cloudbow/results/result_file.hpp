@@ -36,6 +36,8 @@ void check_writable(const std::filesystem::path& file);
 void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info);
 
 /// The solutions of a scene with a spectrum, all on the same grid: every variable has the dimension `wavelength` first.
-void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info);
+/// @param by_columns of each, the same scene as independent columns, at the same flux levels; or none
+void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info,
+                  std::span<const Solution> by_columns = {});
 
 }  // namespace cloudbow

@@ -216,6 +216,18 @@ TEST(CommandLine, RunsASlab) {
   EXPECT_EQ(quiet.output + quiet.errors, "");
 }
 
+TEST(CommandLine, OneColumnIsItsOwnIndependentColumn) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("slab.toml", kSlab);
+  const auto result = folder / "result.h5";
+  const Outcome outcome = cloudbow({"run", scene, "-o", result, "--compare"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, HasSubstr("reflectance +0.000000, transmittance +0.000000"));
+  const Outcome twice = cloudbow({"run", scene, "-o", result, "--compare", "--set", "solver.mode=independent-columns"});
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_THAT(twice.errors, HasSubstr("solver.mode"));
+}
+
 TEST(CommandLine, DryRunWritesNothing) {
   const TemporaryFolder folder;
   const Outcome outcome = cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--dry-run"});

@@ -208,6 +208,26 @@ TEST_F(ResultFile, ASpectrumIsADimensionMore) {
   H5Fclose(file);
 }
 
+TEST_F(ResultFile, HoldsTheDifferenceFromIndependentColumns) {
+  for (const std::vector<int>& levels : {std::vector<int>{}, std::vector<int>{0, 2}}) {
+    const Solution solution = sample::solution(3, 4, 2, levels);
+    Solution columns = solution;
+    for (float& value : columns.upwelling_flux) value -= 0.25F;
+    for (float& value : columns.direct_flux) value += 0.5F;
+    columns.ledger.reflectance = 0.75;
+    write_result(folder_ / "r.h5", std::span(&solution, 1), sample::info(), std::span(&columns, 1));
+    const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    ASSERT_GE(file, 0);
+    std::vector<hsize_t> shape;
+    EXPECT_THAT(read_values<float>(file, "difference_upwelling_flux", H5T_NATIVE_FLOAT, &shape), testing::Each(0.25F));
+    EXPECT_THAT(shape, ElementsAre(solution.flux_level.size(), 4, 3));
+    EXPECT_THAT(read_values<float>(file, "difference_downwelling_diffuse_flux", H5T_NATIVE_FLOAT), testing::Each(0.0F));
+    EXPECT_THAT(read_values<float>(file, "difference_direct_flux", H5T_NATIVE_FLOAT), testing::Each(-0.5F));
+    EXPECT_EQ(read_number(file, "independent_columns", "reflectance"), 0.75);
+    H5Fclose(file);
+  }
+}
+
 TEST_F(ResultFile, LeavesOutWhatTheSolutionLacks) {
   Solution solution = sample::solution(2, 2, 2);
   solution.absorbed_power.clear();
