@@ -71,7 +71,7 @@ LinearSource<Real> mean_source(const Problem& problem, const Cells<Real>& cells,
 }  // namespace
 
 SightPoints sight_points(std::span<const Camera> cameras, std::size_t cells) {
-  for (const int subdivisions : {4, 3, 2}) {
+  for (int subdivisions = 4;; --subdivisions) {
     SightPoints sight{ControlPoints(Polyhedron::icosahedron, subdivisions, control_point_frame_rotation()), {}, {}};
     sight.row.assign(static_cast<std::size_t>(sight.points.size()), -1);
     const auto need = [&sight](const Direction& line) {
@@ -88,7 +88,6 @@ SightPoints sight_points(std::span<const Camera> cameras, std::size_t cells) {
     }
     if (subdivisions == 2 || sight.travel.size() * cells <= most_values) return sight;
   }
-  return {ControlPoints(12), {}, {}};  // not reached
 }
 
 template <class Real>

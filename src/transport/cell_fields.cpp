@@ -44,10 +44,7 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
                            static_cast<std::int32_t>(c / columns)});
   }
   field.radiance.resize(n * m);
-  std::vector<double> diffuse_flux = solved.fluxes.surface_flux;
-  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c) diffuse_flux[c] -= system.beam_surface_flux[c];
-  const GroundRadiance<Real> ground =
-      system.ground.radiance(solved.fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
+  const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
 #pragma omp parallel
   {
     RadianceMarch<Real> along;

@@ -7,6 +7,13 @@
 namespace cloudbow {
 
 template <class Real>
+GroundRadiance<Real> ground_of_iteration(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes) {
+  std::vector<double> diffuse_flux = fluxes.surface_flux;
+  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c) diffuse_flux[c] -= system.beam_surface_flux[c];
+  return system.ground.radiance(fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
+}
+
+template <class Real>
 std::span<const Real> RadianceMarch<Real>::mean_radiance(const Problem& problem, const TransportSystem<Real>& system,
                                                          const GroundRadiance<Real>& ground,
                                                          const Surroundings* surroundings, const Direction& travel,
@@ -32,6 +39,8 @@ std::span<const Real> RadianceMarch<Real>::mean_radiance(const Problem& problem,
   return std::span<const Real>(radiance_).first(source.size());
 }
 
+template GroundRadiance<float> ground_of_iteration<float>(const TransportSystem<float>&, const SweepFluxes<float>&);
+template GroundRadiance<double> ground_of_iteration<double>(const TransportSystem<double>&, const SweepFluxes<double>&);
 template class RadianceMarch<float>;
 template class RadianceMarch<double>;
 

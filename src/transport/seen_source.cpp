@@ -80,10 +80,13 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
   }
   // The radiance along the directions, as the iteration has it: from the source that transport sees.
   AngularField<Real> radiance = scattered_by(truncated, whole, ordinates, cells, solved.radiance, travel);
-  std::vector<double> diffuse_flux = solved.fluxes.surface_flux;
-  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c) diffuse_flux[c] -= system.beam_surface_flux[c];
-  const GroundRadiance<Real> ground =
-      system.ground.radiance(solved.fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
+  std::vector<SingleScattering<Real>> first_order;
+  for (std::size_t p = 0; p < phases && problem.sun; ++p) {
+    const DeltaM& beam = discretisation.beam[p];
+    add_single_scattering<Real>(first_order, beam.truncated, problem.grid.scattering[p], 1 - beam.forward_fraction,
+                                cells.extinction, system.beam_irradiance);
+  }
+  const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
 #pragma omp parallel
   {
     RadianceMarch<Real> march;
@@ -92,15 +95,9 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
     for (std::size_t i = 0; i < travel.size(); ++i) {
       Real* const row = radiance.row(static_cast<int>(i));
       std::copy_n(row, sent.size(), sent.begin());
-      for (std::size_t p = 0; p < phases && problem.sun; ++p) {
-        const DeltaM& beam = discretisation.beam[p];
-        const double phase = beam.truncated(travel[i].dot(problem.sun->travel)) * (1 - beam.forward_fraction);
-        for (std::size_t c = 0; c < sent.size(); ++c) {
-          sent[c] +=
-              static_cast<Real>(phase / (4 * std::numbers::pi) * static_cast<double>(problem.grid.scattering[p][c]) /
-                                static_cast<double>(cells.extinction[c])) *
-              system.beam_irradiance[c];
-        }
+      for (const SingleScattering<Real>& beam : first_order) {
+        const Real phase = static_cast<Real>(beam.phase(travel[i].dot(problem.sun->travel)));
+        for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += phase * beam.intensity[c];
       }
       const auto along = march.mean_radiance(problem, system, ground, surroundings, off_the_horizon(travel[i]), sent);
       std::copy(along.begin(), along.end(), row);

@@ -9,6 +9,10 @@
 
 namespace cloudbow {
 
+/// The ground as the iteration lights it.
+template <class Real>
+GroundRadiance<Real> ground_of_iteration(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes);
+
 /// One march through the box; its memory lasts from call to call.
 template <class Real>
 class RadianceMarch {
