@@ -330,6 +330,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
+  options.half_precision_radiance = solver.half_precision_radiance;
   options.independent_columns = solver.mode == SolveMode::independent_columns;
   options.leave_out_uniform_axes = solver.mode != SolveMode::three_dimensional;
   options.flux_levels = scene.output.flux_levels;

@@ -538,7 +538,7 @@ class SceneReader {
 
   void read_solver(const ConfigReader& reader) {
     reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
-                       "beam_rays", "tolerance", "class_tolerance", "max_sweeps"});
+                       "beam_rays", "tolerance", "class_tolerance", "max_sweeps", "radiance_storage"});
     SceneSolver& solver = scene_.solver;
     const std::string mode = reader.find_choice("mode", {"auto", "3d", "independent-columns"}).value_or("auto");
     if (mode == "3d") solver.mode = SolveMode::three_dimensional;
@@ -567,6 +567,7 @@ class SceneReader {
     solver.tolerance = reader.find_number("tolerance", kTolerance);
     solver.class_tolerance = reader.find_number("class_tolerance", {"0 to 0.1", 0, 0.1});
     solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);
+    solver.half_precision_radiance = reader.find_choice("radiance_storage", {"float32", "float16"}) == "float16";
   }
 
   void read_output(const ConfigReader& reader) {

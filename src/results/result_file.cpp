@@ -392,6 +392,7 @@ class ResultWriter {
                                {"gather_rescaling", real(&R::gather_rescaling)},
                                {"control_points", whole(&R::control_points)},
                                {"directions", first_.report.directions},
+                               {"radiance_storage", first_.report.radiance_storage},
                                {"mode", first_.report.mode},
                                {"left_out_axes", first_.report.left_out_axes},
                                {"active_voxels", size(&R::active_voxels)},

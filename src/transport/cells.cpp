@@ -240,9 +240,9 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
     }
   }
-  cells.varied =
-      n >= worth_shortcuts && !vertical && box.nx > 1 && box.ny > 1 && varies_along(cells, 0) && varies_along(cells, 1);
-  if (cells.varied && box.periodic) {
+  const auto constant_along = [&](int axis) { return count[axis] > 1 && !varies_along(cells, axis); };
+  cells.varied = n >= worth_shortcuts && !vertical && box.columns() > 1 && !constant_along(0) && !constant_along(1);
+  if (cells.varied && box.periodic && box.nx > 1 && box.ny > 1) {
     cells.even_levels = longest_even_run(box, cells.rows);
     cells.turned[1].sheets = sheets_along_y(cells.rows);
     auto& along_x = cells.turned[0];

@@ -174,10 +174,14 @@ void FoldedScattering<Real>::fold(const AngularField<Real>& field, std::size_t f
     const Real* from[octants];
     Real* to[octants];
     for (int o = 0; o < octants; ++o) {
-      from[o] = field.row(ordinate_[o * octant_size_ + b]) + first;
       to[o] = folded + (o * octant_size_ + b) * tile;
+      from[o] = field.stored_row(ordinate_[o * octant_size_ + b]).read(first, tile, to[o]);
     }
-    transform<true>(from, to);
+    if (field.packed()) {
+      transform<false>(from, to);
+    } else {
+      transform<true>(from, to);
+    }
   }
 }
 
@@ -239,14 +243,17 @@ void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
         const Real* from[octants];
         Real* to[octants];
         for (int o = 0; o < octants; ++o) {
-          from[o] = source.data() + (o * octant_size_ + b) * tile;
-          to[o] = field.row(ordinate_[o * octant_size_ + b]) + first;
+          Real* const own = source.data() + (o * octant_size_ + b) * tile;
+          from[o] = own;
+          to[o] = field.packed() ? own : field.row(ordinate_[o * octant_size_ + b]) + first;
         }
         transform<false>(from, to);
         for (const BeamSource<Real>& beam : terms.beam) {
           for (int o = 0; o < octants; ++o)
             add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first, n, to[o]);
         }
+        for (int o = 0; field.packed() && o < octants; ++o)
+          field.store(ordinate_[o * octant_size_ + b], first, static_cast<std::size_t>(n), to[o]);
       }
     }
   }

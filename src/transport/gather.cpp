@@ -1,6 +1,7 @@
 #include "cloudbow/transport/gather.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -166,15 +167,17 @@ class SourceGradients {
       const std::size_t count = std::min(block_cells, n - first);
       Real* __restrict const to = mean_.data() + first;
       std::fill_n(to, count, Real(0));
-      const auto add = [&](double weight, const Real* values) {
+      const auto add = [&](double weight, const Real* __restrict from) {
         const Real scale = static_cast<Real>(weight);
-        const Real* __restrict const from = values + first;
         for (std::size_t c = 0; c < count; ++c) to[c] += scale * from[c];
       };
+      std::array<Real, block_cells> room{};
       for (std::size_t m = 0; m < of_point.size(); ++m) {
-        if (of_point[m] > 0) add(of_point[m], scene_.source->at_points.row(static_cast<int>(m)));
+        if (of_point[m] > 0)
+          add(of_point[m], scene_.source->at_points.stored_row(static_cast<int>(m)).read(first, count, room.data()));
       }
-      for (std::size_t b = 0; b < of_beam.size(); ++b) add(of_beam[b], scene_.source->first_order[b].intensity.data());
+      for (std::size_t b = 0; b < of_beam.size(); ++b)
+        add(of_beam[b], scene_.source->first_order[b].intensity.data() + first);
     }
   }
 

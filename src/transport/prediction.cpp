@@ -44,14 +44,16 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   const std::size_t grid = 4 * (1 + phases);
   const std::size_t cell = real * (5 + phases) + 24 + 4 + 10;
   const std::size_t system = real * (1 + phases) + 8;
-  // Radiance at the ordinates, four sets of moments and six more of the mixing, gradients, a direction's work arrays on
-  // each thread; the low-order problem has a sixth of the cells where they are many.
+  const bool packed = options.half_precision_radiance && real == sizeof(float);
+  const std::size_t stored = packed ? sizeof(std::uint16_t) : real;
+  // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients, a
+  // direction's work arrays on each thread; the low-order problem has a sixth of the cells where they are many.
   const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
-  const bool many = active >= 2000 && box.nx > 1 && box.ny > 1 && !options.independent_columns;
-  const std::size_t iteration =
-      real * (ordinates + 10 * 9 + 7 + 4 * threads) + (many ? low_cell / 6 + real + 7 : low_cell);
+  const bool many = active >= 2000 && box.columns() > 1 && !options.independent_columns;
+  const std::size_t iteration = stored * ordinates + real * (4 * 9 + 8 * 4 + 7 + (packed ? 5 : 4) * threads) +
+                                (many ? low_cell / 6 + real + 7 : low_cell);
   // Source at the points in the place of the radiance; first orders of scattering, gradients.
-  const std::size_t gather = real * (std::max(ordinates, points) + 9 + 2 * phases + 4 * threads + 8);
+  const std::size_t gather = stored * std::max(ordinates, points) + real * (9 + 2 * phases + 4 * threads + 8);
   const std::size_t radiance_field = options.radiance_field ? points * 4 + 12 : 0;
   // Fluxes, beams and bookkeeping of the box.
   constexpr std::size_t place = 48;

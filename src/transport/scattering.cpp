@@ -1,6 +1,7 @@
 #include "cloudbow/transport/scattering.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace cloudbow {
 namespace {
@@ -14,8 +15,23 @@ using Tile = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor
 
 template <class Real>
 void load(const AngularField<Real>& field, std::size_t first, std::size_t n, Tile<Real>& tile) {
-  for (int d = 0; d < static_cast<int>(tile.rows()); ++d)
-    std::copy_n(field.row(d) + first, n, tile.data() + d * tile.cols());
+  for (int d = 0; d < static_cast<int>(tile.rows()); ++d) {
+    Real* const to = tile.data() + d * tile.cols();
+    const Real* const from = field.stored_row(d).read(first, n, to);
+    if (from != to) std::copy_n(from, n, to);
+  }
+}
+
+template <class Real>
+void store(const Tile<Real>& tile, std::size_t first, std::size_t n, AngularField<Real>& field) {
+  for (int d = 0; d < static_cast<int>(tile.rows()); ++d) {
+    const Real* const from = tile.data() + d * tile.cols();
+    if (field.packed()) {
+      field.store(d, first, n, from);
+    } else {
+      std::copy_n(from, n, field.row(d) + first);
+    }
+  }
 }
 
 // sum_p scattered_p * (matrix_p * radiance), leaving out phase functions that scatter nothing in this tile.
@@ -62,7 +78,7 @@ void scatter_tiles(const AngularField<Real>& from, int from_rows, AngularField<R
       prepare(first, n, radiance);
       scatter_tile(matrix, cells, first, n, radiance, product, source);
       finish(first, n, source);
-      for (int d = 0; d < to_rows; ++d) std::copy_n(source.data() + d * source.cols(), n, to.row(d) + first);
+      store(source, first, n, to);
     }
   }
 }
@@ -112,11 +128,9 @@ template <class Real>
 AngularField<Real> scatter_to(int rows, AngularField<Real> radiance, std::span<const DenseMatrix<Real>> matrix,
                               const Cells<Real>& cells) {
   const int from_rows = radiance.rows;
-  radiance.data.resize(std::max(rows, from_rows));
-  for (auto& row : radiance.data) row.resize(AngularField<Real>::padded(radiance.cells));
+  radiance.set_rows(std::max(rows, from_rows));
   scatter_tiles(radiance, from_rows, radiance, rows, matrix, cells, as_it_is<Real>, as_it_is<Real>);
-  radiance.data.resize(rows);
-  radiance.rows = rows;
+  radiance.set_rows(rows);
   return radiance;
 }
 
@@ -138,8 +152,9 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
     const std::size_t n = std::min(tile_cells, radiance.cells - first);
     for (Eigen::Index m = 0; m < weights.rows(); ++m)
       std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
+    std::array<Real, tile_cells> room{};
     for (int d = 0; d < radiance.rows; ++d) {
-      const Real* __restrict const from = radiance.row(d) + first;
+      const Real* __restrict const from = radiance.stored_row(d).read(first, n, room.data());
       for (Eigen::Index m = 0; m < weights.rows(); ++m) {
         Real* __restrict const to = moments.data() + m * radiance.cells + first;
         const Real weight = weights(m, d);

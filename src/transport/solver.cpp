@@ -83,11 +83,11 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   }
   report.seconds_beam = seconds_since(phase_start);
 
-  IterationResult<Real> solved =
-      iterate_source<Real>(system, {options.tolerance, options.energy_tolerance, options.max_sweeps},
-                           [&](int sweep, double error, double residual) {
-                             if (progress) progress({"sweep", sweep, error, residual, 0});
-                           });
+  IterationResult<Real> solved = iterate_source<Real>(
+      system, {options.tolerance, options.energy_tolerance, options.max_sweeps, options.half_precision_radiance},
+      [&](int sweep, double error, double residual) {
+        if (progress) progress({"sweep", sweep, error, residual, 0});
+      });
   solution.ledger = solved.ledger;
   report.converged = solved.report.converged;
   report.sweeps = solved.report.sweeps;
@@ -95,6 +95,9 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   report.seconds_sweeps = solved.report.seconds_sweeps;
   report.seconds_scattering = solved.report.seconds_scattering;
   report.seconds_acceleration = solved.report.seconds_acceleration;
+  report.radiance_storage = solved.radiance.packed()        ? "float16"
+                            : sizeof(Real) == sizeof(float) ? "float32"
+                                                            : "float64";
 
   phase_start = Clock::now();
   const Surroundings* const outside = surroundings ? &*surroundings : nullptr;

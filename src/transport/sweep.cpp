@@ -69,9 +69,10 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
     const std::size_t count = std::min(block_cells, n - first);
     Real* __restrict const to = gradient.source.data() + first;
     std::fill_n(to, count, Real(0));
+    std::array<Real, block_cells> room{};
     for (const int d : group) {
       const Real weight = static_cast<Real>(system.ordinates.weight[d]);
-      const Real* __restrict const from = field.row(d) + first;
+      const Real* __restrict const from = field.stored_row(d).read(first, count, room.data());
       for (std::size_t c = 0; c < count; ++c) to[c] += weight * from[c];
     }
   }
@@ -272,14 +273,20 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
           }
           if (keep_columns) passing[d].resize(columns * levels);
-          if (system.linear_source && !shared) {
-            const std::size_t n = system.cells->size();
-            for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
-            source_gradient(*system.cells, 0, n, field.row(d), own.gradient.axis[0].data(), own.gradient.axis[1].data(),
-                            own.gradient.axis[2].data());
+          const std::size_t n = system.cells->size();
+          if (field.packed()) {
+            own.unpacked.resize(n + lane_padding);
+            field.stored_row(d).read(0, n, own.unpacked.data());
           }
-          march.cross_box(d, shared ? work.gradient : own.gradient, field.data[d], rays, record,
+          std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
+          if (system.linear_source && !shared) {
+            for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
+            source_gradient(*system.cells, 0, n, source.data(), own.gradient.axis[0].data(),
+                            own.gradient.axis[1].data(), own.gradient.axis[2].data());
+          }
+          march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record,
                           keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
+          if (field.packed()) field.store(d, 0, n, source.data());
           rays.resize(upward ? 0 : columns);
         }
       }

@@ -50,7 +50,8 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
   for (std::size_t v = 0; v < options.views.size(); ++v) {
     const View& view = options.views[v];
     const Real* const row = source.row(static_cast<int>(v));
-    const SourceAlong<Real> along{{{{Real(1), row}, {Real(0), row}, {Real(0), row}}}, {}};
+    SourceAlong<Real> along{};
+    along.first_order.push_back({Real(1), row});
     LinearSource<Real> linear;
     linear.resize(system.cells->size());
     std::copy_n(row, system.cells->size(), linear.value.begin());

@@ -83,6 +83,7 @@ struct SceneSolver {
   std::optional<double> tolerance;
   std::optional<double> class_tolerance;
   int max_sweeps = 200;
+  bool half_precision_radiance = false;
 };
 
 struct SceneOutput {

@@ -79,8 +79,9 @@ struct TurnedCells {
 template <class Real>
 struct Cells {
   ActiveRows rows;
-  /// Many cells that change along x and along y: fields for which the sweep takes its shortcuts (march along x and y,
-  /// one gradient for an octant), which a field without change along an axis would show as such a change.
+  /// Many cells that change along x and along y, as far as there are any: fields for which the sweep takes its
+  /// shortcuts (march along x and y, one gradient for an octant), which a field without change along an axis would show
+  /// as such a change.
   bool varied = false;
   /// Levels of one thickness that can be marched along x and y as well, and the cells for it; without: empty.
   LevelRange even_levels{0, 0};

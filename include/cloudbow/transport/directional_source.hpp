@@ -25,7 +25,12 @@ struct SourceAlong {
     Real weight;
     const Real* at_cells;  ///< [n]
   };
-  std::array<Term, 3> points;  ///< of weight 0: none
+  struct PointTerm {
+    Real weight;
+    FieldRow<Real> at_cells;
+  };
+  bool any_points = false;
+  std::array<PointTerm, 3> points;  ///< where there are any
   std::vector<Term> first_order;
 
   /// Source of the cells [first, first + n).

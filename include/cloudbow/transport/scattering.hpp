@@ -5,31 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "cloudbow/transport/angular_field.hpp"
 #include "cloudbow/transport/cells.hpp"
 
 namespace cloudbow {
 
 /// Low moments of the radiance of a cell: integral of J times the 9 functions of degree l <= 2; the first is 1.
 inline constexpr int low_moments = 9;
-
-/// D values a cell, one row an ordinate: value(d, c) at row(d)[c]. Holds source or voxel-mean radiance, each in the
-/// other's place. Rows can be read and written lane_padding beyond their end, and to the end of a tile of cells.
-template <class Real>
-struct AngularField {
-  int rows = 0;
-  std::size_t cells = 0;
-  std::vector<std::vector<Real>> data;  ///< [rows][at least cells + lane_padding]
-
-  AngularField() = default;
-  AngularField(int row_count, std::size_t cell_count) : rows(row_count), cells(cell_count), data(row_count) {
-    for (auto& row : data) row.assign(padded(cell_count), Real(0));
-  }
-  Real* row(int d) { return data[d].data(); }
-  const Real* row(int d) const { return data[d].data(); }
-
-  static constexpr std::size_t tile = 64;
-  static std::size_t padded(std::size_t cell_count) { return (cell_count + tile - 1) / tile * tile + lane_padding; }
-};
 
 template <class Real>
 using DenseMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

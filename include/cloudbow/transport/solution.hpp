@@ -59,6 +59,9 @@ struct SolverOptions {
   bool independent_columns = false;  ///< no light crosses from column to column
   /// Horizontal axes along which nothing varies are left out (uniform_axes.hpp): the same answer for less.
   bool leave_out_uniform_axes = false;
+  /// Radiance and source of the cells are kept in half precision, for half the memory; not where the solve is in
+  /// double.
+  bool half_precision_radiance = false;
   bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells take it by themselves
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed
@@ -93,6 +96,7 @@ struct SolverReport {
   std::string directions;
   std::string mode;           ///< "1d", "2d", "3d" or "independent-columns"
   std::string left_out_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
+  std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;
   int threads = 1;
   double seconds_total = 0;

@@ -80,7 +80,7 @@ struct GroupGradient {
 template <class Real>
 struct SweepWorkspace {
   struct Thread {
-    std::vector<Real> mean, plane, turned_source, turned_mean;
+    std::vector<Real> unpacked, mean, plane, turned_source, turned_mean;
     SidewaysWorkspace<Real> sideways;
     GroupGradient<Real> gradient;  ///< of one ordinate, where none is shared
   };

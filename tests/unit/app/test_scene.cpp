@@ -129,6 +129,7 @@ gather_directions = 64
 beam_rays = 9
 tolerance = 1e-6
 max_sweeps = 17
+radiance_storage = "float16"
 [output]
 file = "out/result.h5"
 flux_levels = [100, 0, 250.5]
@@ -158,6 +159,7 @@ fields = ["fluxes", "actinic"]
   EXPECT_EQ(scene.solver.beam_rays, 9);
   EXPECT_EQ(scene.solver.tolerance, 1e-6);
   EXPECT_EQ(scene.solver.max_sweeps, 17);
+  EXPECT_TRUE(scene.solver.half_precision_radiance);
   EXPECT_EQ(scene.output.file, folder / "out/result.h5");
   EXPECT_EQ(scene.output.flux_levels, FluxLevels::listed);
   EXPECT_EQ(scene.output.heights_m, (std::vector<double>{0, 100, 250.5}));

@@ -613,6 +613,26 @@ TEST(Solve, OpenSidesLeaveNoAxisOut) {
   EXPECT_EQ(solve(problem, options).report.left_out_axes, "");
 }
 
+// Eleven bits a radiance: each is off by 2^-12 at most when it is stored as radiance, and once more as source. Fluxes
+// are means of some hundred of them.
+TEST(Solve, HalfPrecisionStorageChangesFluxesByItsRounding) {
+  Problem problem = random_problem(true, .02, 1, .3);
+  SolverOptions options = coarse();
+  const Solution full = solve(problem, options);
+  options.half_precision_radiance = true;
+  const Solution half = solve(problem, options);
+  EXPECT_EQ(full.report.radiance_storage, "float32");
+  EXPECT_EQ(half.report.radiance_storage, "float16");
+  expect_finite_and_closed(half, 1e-5);
+  EXPECT_NE(full.upwelling_flux, half.upwelling_flux) << "storage made no difference";
+  for (const auto member : {&Solution::upwelling_flux, &Solution::downwelling_diffuse_flux}) {
+    for (std::size_t c = 0; c < (full.*member).size(); ++c)
+      EXPECT_NEAR((half.*member)[c], (full.*member)[c], 5e-4 * (full.*member)[c]);
+  }
+  options.double_precision = true;
+  EXPECT_EQ(solve(problem, options).report.radiance_storage, "float64");
+}
+
 TEST(Solve, BitsDoNotDependOnThreads) {
   const BoxGrid box = make_box(24, 20, 18);  // more cells than are worth threads
   const OpticalGrid grid = make_grid(box, random_extinction(box, 2, 5), .99);
