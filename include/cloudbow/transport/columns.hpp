@@ -16,9 +16,9 @@ bool solved_without_azimuths(const Problem& problem, const SolverOptions& option
 template <class Real>
 Solution solve_columns(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress);
 
-/// Bytes that solve_columns() needs beside the problem's grid.
+/// Bytes that solve_columns() needs, with the problem's grid.
 std::size_t columns_memory(const Problem& problem, const SolverOptions& options, bool in_double);
-/// CPU seconds of it.
+/// Seconds of it.
 double columns_seconds(const Problem& problem, const SolverOptions& options, bool in_double);
 
 }  // namespace cloudbow
