@@ -312,6 +312,20 @@ std::filesystem::path cache_directory() {
   return error ? std::filesystem::path() : folder;
 }
 
+/// Diffuse light by columns under a slanted beam is known without its azimuths only.
+void check_asks_no_azimuths(const Scene& scene) {
+  const std::string found = scene.output.radiance_field ? "output.fields radiance_field"
+                            : !scene.radiances.empty()  ? "[[radiance]]"
+                            : !scene.cameras.empty()    ? "[[camera]]"
+                            : scene.surface.brdf        ? "a surface that does not reflect evenly"
+                                                        : "";
+  if (found.empty()) return;
+  throw InputError(
+      fmt::format("{}: 'independent-diffuse' knows fluxes, absorption and actinic flux over Lambertian ground alone "
+                  "(found {}, allowed with it 'auto', '3d', 'independent-columns')",
+                  scene.where("solver.mode"), found));
+}
+
 SolverOptions solver_options(const Scene& scene, bool one_column) {
   const SceneSolver& solver = scene.solver;
   const bool measured =
@@ -331,7 +345,10 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
   options.half_precision_radiance = solver.half_precision_radiance;
-  options.independent_columns = solver.mode == SolveMode::independent_columns;
+  options.column_streams = solver.column_streams.value_or(options.column_streams);
+  options.beam_crosses_columns = solver.mode == SolveMode::independent_diffuse;
+  if (options.beam_crosses_columns) check_asks_no_azimuths(scene);
+  options.independent_columns = solver.mode == SolveMode::independent_columns || options.beam_crosses_columns;
   options.leave_out_uniform_axes = solver.mode != SolveMode::three_dimensional;
   options.flux_levels = scene.output.flux_levels;
   options.absorption = scene.output.absorption;

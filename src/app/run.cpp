@@ -16,6 +16,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
+#include "cloudbow/transport/columns.hpp"
 #include "history.hpp"
 
 namespace cloudbow {
@@ -75,6 +76,7 @@ void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available,
 /// The same columns, each by itself, and their fluxes alone.
 SolverOptions by_columns(SolverOptions options) {
   options.independent_columns = true;
+  options.beam_crosses_columns = false;
   options.absorption = options.actinic = options.radiance_field = false;
   options.views.clear();
   options.cameras.clear();
@@ -133,8 +135,12 @@ void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& firs
   const OpticalGrid& grid = first.problem.grid;
   fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
              grid.active_cells());
-  fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points, first.options.directions,
-             first.options.tolerance);
+  if (solved_without_azimuths(first.problem, first.options)) {
+    fmt::print("solver    columns by themselves, {} polar directions a hemisphere\n", first.options.column_streams);
+  } else {
+    fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points,
+               first.options.directions, first.options.tolerance);
+  }
   if (scenes.front().wavelength_um) {
     std::string list;
     for (const Scene& scene : scenes) list += fmt::format("{}{}", list.empty() ? "" : ", ", *scene.wavelength_um);

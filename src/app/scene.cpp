@@ -538,11 +538,14 @@ class SceneReader {
 
   void read_solver(const ConfigReader& reader) {
     reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
-                       "beam_rays", "tolerance", "class_tolerance", "max_sweeps", "radiance_storage"});
+                       "beam_rays", "column_streams", "tolerance", "class_tolerance", "max_sweeps",
+                       "radiance_storage"});
     SceneSolver& solver = scene_.solver;
-    const std::string mode = reader.find_choice("mode", {"auto", "3d", "independent-columns"}).value_or("auto");
+    const std::string mode =
+        reader.find_choice("mode", {"auto", "3d", "independent-columns", "independent-diffuse"}).value_or("auto");
     if (mode == "3d") solver.mode = SolveMode::three_dimensional;
     if (mode == "independent-columns") solver.mode = SolveMode::independent_columns;
+    if (mode == "independent-diffuse") solver.mode = SolveMode::independent_diffuse;
     solver.accuracy = reader.find_choice("accuracy", accuracy_names()).value_or("balanced");
     solver.control_points = reader.find_integer("control_points", 12, 642);
     if (solver.control_points) {
@@ -564,6 +567,7 @@ class SceneReader {
         reader.fail("beam_rays", "not a square number", std::to_string(*solver.beam_rays), "1, 4, 9, 16, ..., 1024");
       }
     }
+    solver.column_streams = reader.find_integer("column_streams", 2, 16);
     solver.tolerance = reader.find_number("tolerance", kTolerance);
     solver.class_tolerance = reader.find_number("class_tolerance", {"0 to 0.1", 0, 0.1});
     solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);

@@ -20,7 +20,12 @@
 namespace cloudbow {
 namespace {
 
-const std::string kIndependentColumns = "independent-columns";
+/// Levels that are modes of the solver, at the coarsest accuracy.
+const std::vector<std::string> kColumnModes{"independent-columns", "independent-diffuse"};
+
+bool is_column_mode(const std::string& level) {
+  return std::find(kColumnModes.begin(), kColumnModes.end(), level) != kColumnModes.end();
+}
 
 /// Gone with everything in it.
 class ScratchFolder {
@@ -53,19 +58,20 @@ struct Level {
 
 Level make_level(const std::string& name, const TradeoffOptions& options) {
   Level level{name, options.overrides};
-  if (name == kIndependentColumns) {
+  if (is_column_mode(name)) {
     level.overrides.insert(level.overrides.end(),
-                           {"solver.accuracy=" + accuracy_names().front(), "solver.mode=" + kIndependentColumns});
+                           {"solver.accuracy=" + accuracy_names().front(), "solver.mode=" + name});
   } else {
     level.overrides.push_back("solver.accuracy=" + name);
   }
   return level;
 }
 
-/// Where they do not, the draft is the level of independent columns.
+/// Where they do not, the draft is the level of columns by themselves.
 bool columns_exchange_light(const Scene& scene) {
   const bool one_column = !scene.cloud && scene.albedo_map.empty();
-  return !one_column && scene.solver.mode != SolveMode::independent_columns;
+  return !one_column &&
+         (scene.solver.mode == SolveMode::automatic || scene.solver.mode == SolveMode::three_dimensional);
 }
 
 /// In the order of tradeoff_levels(), each once.
@@ -78,7 +84,7 @@ std::vector<Level> chosen_levels(const TradeoffOptions& options, const Scene& sc
   std::vector<Level> levels;
   for (const std::string& name : names) {
     const bool asked = std::find(options.levels.begin(), options.levels.end(), name) != options.levels.end();
-    const bool by_default = name != kIndependentColumns || columns_exchange_light(scene);
+    const bool by_default = !is_column_mode(name) || columns_exchange_light(scene);
     if (options.levels.empty() ? by_default : asked) levels.push_back(make_level(name, options));
   }
   if (levels.size() < 2 && options.reference.empty()) {
@@ -136,7 +142,7 @@ std::optional<BoundaryResult> solve_level(const Level& level, const TradeoffOpti
 
 std::vector<std::string> tradeoff_levels() {
   std::vector<std::string> levels = accuracy_names();
-  levels.insert(levels.begin(), kIndependentColumns);
+  levels.insert(levels.begin(), kColumnModes.begin(), kColumnModes.end());
   return levels;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cloudbow/transport/camera_view.hpp"
+#include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 #include "cloudbow/transport/uniform_axes.hpp"
 
@@ -32,6 +33,13 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
     // Fluxes and absorption of the whole, and on their way into the file.
     return predict_memory(less->first, less->second) + grid + 8 * cells * sizeof(float);
   }
+  // Libraries; reading a cloud takes another one.
+  constexpr std::size_t libraries = 20'000'000;
+  constexpr std::size_t reading = 33'000'000;
+  if (solved_without_azimuths(problem, options)) {
+    return libraries + (problem.grid.box.columns() > 1 ? reading : 0) +
+           columns_memory(problem, options, runs_in_double(problem, options));
+  }
   const BoxGrid& box = problem.grid.box;
   const std::size_t dense = box.columns() * static_cast<std::size_t>(box.nz());
   const std::size_t active = options.actinic ? dense : problem.grid.active_cells();
@@ -57,8 +65,7 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   const std::size_t radiance_field = options.radiance_field ? points * 4 + 12 : 0;
   // Fluxes, beams and bookkeeping of the box.
   constexpr std::size_t place = 48;
-  // Libraries and tables; reading a cloud takes another library.
-  const std::size_t program = 20'000'000 + (box.columns() > 1 ? 33'000'000 : 0);
+  const std::size_t program = libraries + (box.columns() > 1 ? reading : 0);
   std::size_t pixels = 0;
   std::size_t looked_along = options.views.size();
   for (const Camera& camera : options.cameras) pixels += static_cast<std::size_t>(camera.width) * camera.height;
@@ -74,6 +81,8 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
   if (const auto less = without_uniform_axes(problem, options)) return predict_seconds(less->first, less->second);
+  if (solved_without_azimuths(problem, options))
+    return columns_seconds(problem, options, runs_in_double(problem, options));
   // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest
   // segments; elsewhere segments grow with the slant of the ordinates.
   constexpr double seconds_a_segment = 2.5e-9;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cloudbow/transport/cell_fields.hpp"
+#include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/flux_fields.hpp"
 #include "cloudbow/transport/images.hpp"
 #include "cloudbow/transport/threads.hpp"
@@ -44,7 +45,7 @@ bool one_column(const BoxGrid& box) { return box.periodic && box.columns() == 1;
 
 std::string mode_of(const BoxGrid& box, const SolverOptions& options) {
   if (one_column(box)) return "1d";
-  if (options.independent_columns) return "independent-columns";
+  if (options.independent_columns) return options.beam_crosses_columns ? "independent-diffuse" : "independent-columns";
   return box.periodic && (box.nx == 1 || box.ny == 1) ? "2d" : "3d";
 }
 
@@ -135,6 +136,22 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   return solution;
 }
 
+Solution solve_without_azimuths(const Problem& problem, const SolverOptions& options,
+                                const ProgressCallback& progress) {
+  const auto start = Clock::now();
+  const double cpu_start = cpu_seconds();
+  Solution solution = runs_in_double(problem, options) ? solve_columns<double>(problem, options, progress)
+                                                       : solve_columns<float>(problem, options, progress);
+  SolverReport& report = solution.report;
+  report.mode = mode_of(problem.grid.box, options);
+  report.active_voxels = problem.grid.active_cells();
+  report.threads = omp_get_max_threads();
+  report.seconds_total = report.seconds_sweeps = seconds_since(start);
+  report.cpu_seconds = cpu_seconds() - cpu_start;
+  report.peak_memory_bytes = peak_memory_bytes();
+  return solution;
+}
+
 }  // namespace
 
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
@@ -153,6 +170,7 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
   const std::size_t solved = options.actinic ? cells : problem.grid.active_cells();
   omp_set_num_threads(std::max(solved, problem.grid.box.columns()) < worth_threads ? 1 : threads);
+  if (solved_without_azimuths(problem, options)) return solve_without_azimuths(problem, options, progress);
   if (options.actinic && problem.grid.active_cells() < cells) {
     Problem full = problem;
     full.grid = with_empty_cells(problem.grid);

@@ -68,7 +68,7 @@ struct SceneRadiance {
   int height = 0;
 };
 
-enum class SolveMode { automatic, three_dimensional, independent_columns };
+enum class SolveMode { automatic, three_dimensional, independent_columns, independent_diffuse };
 
 /// What the scene sets by itself; the rest comes from `accuracy`.
 struct SceneSolver {
@@ -80,6 +80,7 @@ struct SceneSolver {
   std::optional<FitMethod> fit;
   std::optional<int> gather_directions;
   std::optional<int> beam_rays;
+  std::optional<int> column_streams;
   std::optional<double> tolerance;
   std::optional<double> class_tolerance;
   int max_sweeps = 200;

@@ -19,7 +19,7 @@ struct TradeoffOptions {
   std::uint64_t memory_bytes = 0;      ///< levels that need more are left out; 0: what the machine has
 };
 
-/// "independent-columns" (at draft), then the levels of accuracy from the coarsest on.
+/// "independent-columns" and "independent-diffuse" (at draft), then the levels of accuracy from the coarsest on.
 std::vector<std::string> tradeoff_levels();
 
 /// Solves each level by `cloudbow run` in a process of its own, so that its time and memory are its own; prints the

@@ -56,7 +56,9 @@ struct SolverOptions {
   double tolerance = 1e-4;  ///< estimated true relative error of the iteration
   double energy_tolerance = 1e-5;
   int max_sweeps = 200;
-  bool independent_columns = false;  ///< no light crosses from column to column
+  bool independent_columns = false;   ///< no light crosses from column to column
+  bool beam_crosses_columns = false;  ///< with independent_columns: but the direct beam does
+  int column_streams = 8;  ///< polar directions a hemisphere where columns are solved without azimuths: 2 to 16
   /// Horizontal axes along which nothing varies are left out (uniform_axes.hpp): the same answer for less.
   bool leave_out_uniform_axes = false;
   /// Radiance and source of the cells are kept in half precision, for half the memory; not where the solve is in
@@ -94,7 +96,7 @@ struct SolverReport {
       1;  ///< factor that brought the gathered diffuse flux to the solver's mean (the one farthest from 1)
   int control_points = 0;
   std::string directions;
-  std::string mode;           ///< "1d", "2d", "3d" or "independent-columns"
+  std::string mode;           ///< "1d", "2d", "3d", "independent-columns" or "independent-diffuse"
   std::string left_out_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
   std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;

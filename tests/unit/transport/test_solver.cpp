@@ -663,6 +663,7 @@ TEST(Solve, IndependentColumnsAreColumnsSolvedOneByOne) {
   problem.surface.albedo = .4;
   SolverOptions options = coarse();
   options.flux_levels = FluxLevels::all;
+  options.views = {{"up", Direction::UnitZ(), 0, 0}};  // so that azimuths are needed
   options.independent_columns = true;
   options.double_precision = true;
   options.tolerance = 1e-8;

@@ -1,0 +1,24 @@
+// Columns that exchange no diffuse light, each solved by itself without iteration (docs/theory.md, "Columns without
+// iteration"): what takes the place of the sweeps where nothing but fluxes, absorption and actinic flux is asked.
+#pragma once
+
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+/// Whether solve() takes this way: independent columns over a Lambertian ground, without radiances.
+bool solved_without_azimuths(const Problem& problem, const SolverOptions& options);
+
+/// Solves each distinct column once. SolverReport::sweeps is 1; its estimated_error is the RMS over columns of what
+/// each column's diffuse light lacks of balance, per incident power: rounding alone. The same bits for any number of
+/// threads.
+/// @throws InputError for a count of streams that does not exist.
+template <class Real>
+Solution solve_columns(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress);
+
+/// Bytes that solve_columns() needs, with the problem's grid.
+std::size_t columns_memory(const Problem& problem, const SolverOptions& options, bool in_double);
+/// Seconds of it.
+double columns_seconds(const Problem& problem, const SolverOptions& options, bool in_double);
+
+}  // namespace cloudbow
