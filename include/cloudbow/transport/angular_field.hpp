@@ -11,10 +11,13 @@
 
 namespace cloudbow {
 
-/// Half-precision numbers [n] times `unit`, and back. Beyond 65504 units the largest number stands; below 2^-24 units
+/// Half-precision numbers [n] times `unit`, and back. Beyond 65504 units the largest number stands; below 2^-25 units
 /// zero.
 void load_halves(const std::uint16_t* from, std::size_t n, float unit, float* to);
-void store_halves(const float* from, std::size_t n, float unit, std::uint16_t* to);
+/// Numbers are rounded up or down, in as many places as keeps their mean: like numbers that were all rounded to the
+/// nearest would make or take energy. Whether a number is rounded up depends on it and its place alone, so an iteration
+/// that stores converges. @param place of the first.
+void store_halves(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to);
 
 /// One row of a field, [cells].
 template <class Real>
@@ -57,7 +60,10 @@ struct AngularField {
   }
   /// Of packed fields alone: puts `from` [n] at row d, from cell `first` on.
   void store(int d, std::size_t first, std::size_t n, const Real* from) {
-    if constexpr (sizeof(Real) == sizeof(float)) store_halves(from, n, unit, halves[d].data() + first);
+    if constexpr (sizeof(Real) == sizeof(float)) {
+      const std::uint32_t place = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(d) * place_step;
+      store_halves(from, n, unit, place, halves[d].data() + first);
+    }
   }
   /// Rows are dropped or added, zero.
   void set_rows(int count) {
@@ -73,6 +79,7 @@ struct AngularField {
     }
   }
 
+  static constexpr std::uint32_t place_step = 0x85EBCA6B;  // rows are rounded apart from each other
   static constexpr std::size_t tile = 64;
   static std::size_t padded(std::size_t cell_count) { return (cell_count + tile - 1) / tile * tile + lane_padding; }
 };
