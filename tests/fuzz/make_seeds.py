@@ -4,6 +4,7 @@
 usage: make_seeds.py --cloudbow PROGRAM FOLDER
 """
 import argparse
+import re
 import subprocess
 from pathlib import Path
 
@@ -179,7 +180,9 @@ def main():
         for name, text in texts.items():
             (folder(target) / name).write_text(text)
 
-    write_texts("scene", {path.name: path.read_text() for path in sorted((ROOT / "configs").glob("*.toml"))} | {"rich.toml": RICH_SCENE})
+    # The cloud that fuzz_scene has made, so that a mutant is not refused for its file.
+    scenes = {path.name: re.sub(r'"[^"]*\.vdb"', '"cloud.vdb"', path.read_text()) for path in sorted((ROOT / "configs").glob("*.toml"))}
+    write_texts("scene", scenes | {"rich.toml": RICH_SCENE})
     write_texts("phase_files", PHASE_FILES)
     write_texts("cloud_text", CLOUD_TEXTS)
     write_texts("droplet_table", {"shdom.mie": SHDOM_MIE})
