@@ -1,4 +1,4 @@
-# Every package the project uses. docs/architecture.md says what each is for.
+# Every package the project uses; cloudbow-config.cmake.in has those that its static libraries need again. docs/architecture.md says what each is for.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt 9 REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS CXX)

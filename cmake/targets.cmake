@@ -14,9 +14,17 @@ function(cloudbow_layer name)
   set(target cloudbow_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(cloudbow::${name} ALIAS ${target})
+  target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
-                                              $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>)
-  target_link_libraries(${target} PUBLIC ${ARG_LINK} PRIVATE cloudbow_options ${ARG_PRIVATE_LINK})
+                                              $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+                                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:cloudbow_options> ${ARG_PRIVATE_LINK})
+  # What Eigen aligns its memory to follows from the architecture, and must be the same on both sides of a header.
+  if(CLOUDBOW_ARCHITECTURE)
+    target_compile_options(${target} INTERFACE $<INSTALL_INTERFACE:-march=${CLOUDBOW_ARCHITECTURE}>)
+  endif()
   # Eigen must not thread by itself: threads split voxels and directions in fixed tiles, so that results do not depend on their number.
   target_compile_definitions(${target} PUBLIC EIGEN_DONT_PARALLELIZE)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS ${target} EXPORT cloudbow-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cloudbow)
 endfunction()

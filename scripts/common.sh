@@ -43,13 +43,16 @@ install_missing() {
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}" || fail "installing failed (network? rights?): ${missing[*]}"
 }
 
-# build_preset PRESET [cmake option...]: configures and builds into build/PRESET.
+# build_preset PRESET [cmake option|target...]: configures and builds into build/PRESET, everything where no target is named.
 build_preset() {
-  local preset=$1 launcher=()
+  local preset=$1 launcher=() settings=() targets=() word
   shift
+  for word in "$@"; do
+    if [[ $word == -* ]]; then settings+=("$word"); else targets+=("$word"); fi
+  done
   if command -v ccache >/dev/null; then
     launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
-  cmake -S "$root" --preset "$preset" "${launcher[@]}" "$@" >&2
-  cmake --build "$root/build/$preset" >&2
+  cmake -S "$root" --preset "$preset" "${launcher[@]}" "${settings[@]}" >&2
+  cmake --build "$root/build/$preset" ${targets[@]:+--target "${targets[@]}"} >&2
 }

@@ -1,5 +1,7 @@
 #include "cloudbow/medium/cloud_import.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -112,13 +114,13 @@ UniformLevels choose_levels(const LevelledCloud& cloud, const CloudImportOptions
       size = (of_cloud.back() - of_cloud.front()) / (last + 1 - first);
       const double below = std::round((of_cloud.front() - edge.front()) / size);
       const double count = below + (last + 1 - first) + std::round((edge.back() - of_cloud.back()) / size);
-      check_import_size(options.file, cloud.nx, cloud.ny, count);
+      check_import_size(options, cloud.nx, cloud.ny, count);
       return {of_cloud.front() - below * size, size, static_cast<int>(count), false};
     }
   }
   const double fits = extent / size;
   const double count = std::abs(fits - std::round(fits)) < 1e-3 ? std::round(fits) : std::ceil(fits);
-  check_import_size(options.file, cloud.nx, cloud.ny, std::max(1.0, count));
+  check_import_size(options, cloud.nx, cloud.ny, std::max(1.0, count));
   const int levels = std::max(1, static_cast<int>(count));
   return {edge.front(), extent / levels, levels, false};
 }
@@ -164,12 +166,21 @@ double effective_radius_of_droplets(double liquid_g_m3, double droplets_per_m3, 
   return 1e6 * std::cbrt(3 * liquid_g_m3 / (4 * std::numbers::pi * water_g_m3 * radius_ratio_cubed * droplets_per_m3));
 }
 
-void check_import_size(const std::filesystem::path& file, double nx, double ny, double nz) {
+void check_import_size(const CloudImportOptions& options, double nx, double ny, double nz) {
   if (!(nx >= 1 && ny >= 1 && nz >= 1)) {
-    fail_import(file, "no cells (found {} x {} x {}, allowed at least 1 along each axis)", nx, ny, nz);
+    fail_import(options.file, "no cells (found {} x {} x {}, allowed at least 1 along each axis)", nx, ny, nz);
   }
   if (nx * ny * nz > kMaxImportCells || nx > 1e6 || ny > 1e6 || nz > 1e6) {
-    fail_import(file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz, kMaxImportCells);
+    fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
+                kMaxImportCells);
+  }
+  constexpr double bytes_per_cell = 24;  // four fields of floats, and one of doubles while a file is read
+  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  const double allowed =
+      options.memory_limit_bytes > 0 ? static_cast<double>(options.memory_limit_bytes) : 0.5 * machine;
+  if (nx * ny * nz * bytes_per_cell > allowed) {
+    fail_import(options.file, "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all)", nx, ny, nz,
+                allowed / bytes_per_cell);
   }
 }
 

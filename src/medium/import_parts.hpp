@@ -49,7 +49,7 @@ template <class... Args>
 inline constexpr double kMaxImportCells = 4e9;
 
 /// Checks counts that a file states, before memory is taken.
-void check_import_size(const std::filesystem::path& file, double nx, double ny, double nz);
+void check_import_size(const CloudImportOptions& options, double nx, double ny, double nz);
 
 /// Edges of levels given by their centres: halfway between neighbours, the outermost as far out as in, but not below
 /// the ground at 0 where the centres are not. Centres ascend, at least two.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "cloudbow/core/rehearsal.hpp"
 #include "import_parts.hpp"
 #include "netcdf_input.hpp"
 
@@ -258,7 +259,7 @@ class LesReader {
       if (axes_[a].is_there && axes_[a].length == 0)
         fail("axis '{}' has length 0 (allowed: at least 1)", axes_[a].name);
     }
-    check_import_size(file_, static_cast<double>(axes_[0].length), static_cast<double>(axes_[1].length),
+    check_import_size(options_, static_cast<double>(axes_[0].length), static_cast<double>(axes_[1].length),
                       static_cast<double>(axes_[2].length));
     cloud_.nx = static_cast<int>(axes_[0].length);
     cloud_.ny = static_cast<int>(axes_[1].length);
@@ -592,6 +593,8 @@ class LesReader {
 
 }  // namespace
 
-LevelledCloud import_les(const CloudImportOptions& options) { return LesReader(options).read(); }
+LevelledCloud import_les(const CloudImportOptions& options) {
+  return after_rehearsal(options.file, {.library = "netCDF"}, [&] { return LesReader(options).read(); });
+}
 
 }  // namespace cloudbow

@@ -57,7 +57,7 @@ class ShdomReader {
 
   void read_counts() {
     const auto count = next_numbers(3, "numbers of points nx, ny, nz");
-    check_import_size(options_.file, count[0], count[1], count[2]);
+    check_import_size(options_, count[0], count[1], count[2]);
     cloud_.nx = static_cast<int>(count[0]);
     cloud_.ny = static_cast<int>(count[1]);
     levels_ = static_cast<int>(count[2]);

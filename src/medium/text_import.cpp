@@ -9,7 +9,7 @@ namespace cloudbow {
 namespace {
 
 bool is_comment(std::string_view line) {
-  const auto at = line.find_first_not_of(" \t\r");
+  const auto at = line.find_first_not_of(" \t\r,");
   return at == std::string_view::npos || line[at] == '#';
 }
 
@@ -148,7 +148,7 @@ class OpticsCsvReader {
   }
 
   void set_box() {
-    if (shape_[0] > 0) check_import_size(options_.file, shape_[0], shape_[1], shape_[2]);
+    if (shape_[0] > 0) check_import_size(options_, shape_[0], shape_[1], shape_[2]);
     cloud_.nx = columns_along(0);
     cloud_.ny = columns_along(1);
     if (shape_[0] <= 0 && !options_.columns) {
@@ -182,7 +182,7 @@ class OpticsCsvReader {
           "heights are not said (found neither z_bottom and z_top nor a comment 'z levels km: ...', allowed with "
           "--voxel-size-m)");
     }
-    check_import_size(options_.file, cloud_.nx, cloud_.ny, cloud_.nz());
+    check_import_size(options_, cloud_.nx, cloud_.ny, cloud_.nz());
   }
 
   /// All edges that any cell has, those within a millimetre of each other made one; gaps become levels of clear air.
@@ -275,7 +275,7 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
         fmt::format("columns: {} x {}, as far as the cells reach; --columns says it where the domain is larger",
                     cloud.nx, cloud.ny));
   }
-  check_import_size(options.file, cloud.nx, cloud.ny, levels);
+  check_import_size(options, cloud.nx, cloud.ny, levels);
   cloud.dx_m = (*options.voxel_size_m)[0];
   cloud.dy_m = (*options.voxel_size_m)[1];
   for (int k = 0; k <= levels; ++k) cloud.z_edge_m.push_back(k * (*options.voxel_size_m)[2]);

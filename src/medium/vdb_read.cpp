@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cloudbow/core/error.hpp"
-#include "rehearsal.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "row_spans.hpp"
 #include "vdb_input.hpp"
 #include "vdb_module.hpp"
@@ -426,19 +426,22 @@ std::vector<float> read_companion(const std::filesystem::path& path, const Cloud
 /// Some damaged files make OpenVDB overflow its heap, spin or ask for all memory: the file is first parsed in a child
 /// process. OpenVDB works on one thread here and there: a child inherits no others, and would wait for them.
 template <class Parse, class Read>
-auto after_rehearsal(const std::filesystem::path& path, Parse parse, Read read) {
+auto after_parsing(const std::filesystem::path& path, Parse parse, Read read) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  rehearse(path, parse);
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  // A grid of constant leaves takes 30 MB for each megabyte of the file; then something to spare.
+  rehearse(path, {.library = "OpenVDB", .memory_bytes = 64 * (error ? 0 : bytes) + 512000000}, parse);
   return read();
 }
 
 template <class Read>
-auto after_rehearsal_of_grid(const std::filesystem::path& path, const std::string& grid, Read read) {
+auto after_parsing_grid(const std::filesystem::path& path, const std::string& grid, Read read) {
   const auto parse = [&] {
     VdbInput input(path, grid);
     input.load(input.find(grid));
   };
-  return after_rehearsal(path, parse, read);
+  return after_parsing(path, parse, read);
 }
 
 std::vector<VdbGridInfo> grids_of(const VdbInput& input) {
@@ -456,19 +459,18 @@ std::vector<VdbGridInfo> grids_of(const VdbInput& input) {
 
 CloudField read_cloud_safely(const std::filesystem::path& path, const VdbReadOptions& options) {
   check_options(options);
-  return after_rehearsal_of_grid(path, options.grid, [&] { return read_cloud(path, options); });
+  return after_parsing_grid(path, options.grid, [&] { return read_cloud(path, options); });
 }
 
 std::vector<float> read_companion_safely(const std::filesystem::path& path, const CloudField& cloud,
                                          const VdbReadOptions& options, double lowest, double highest) {
   check_options(options);
-  return after_rehearsal_of_grid(path, options.grid,
-                                 [&] { return read_companion(path, cloud, options, lowest, highest); });
+  return after_parsing_grid(path, options.grid, [&] { return read_companion(path, cloud, options, lowest, highest); });
 }
 
 std::vector<VdbGridInfo> list_grids_safely(const std::filesystem::path& path) {
   const auto list = [&] { return grids_of(VdbInput(path, "")); };
-  return after_rehearsal(path, list, list);
+  return after_parsing(path, list, list);
 }
 
 }  // namespace

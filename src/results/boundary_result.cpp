@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "cloudbow/results/tradeoff.hpp"
 #include "hdf5_handle.hpp"
 
@@ -143,11 +144,13 @@ class Reader {
 }  // namespace
 
 BoundaryResult read_boundary_result(const std::filesystem::path& file) {
-  try {
-    return Reader(file).read();
-  } catch (const hdf5::Error& error) {
-    throw InputError(fmt::format("{}: can't be read ({})", file.string(), error.what()));
-  }
+  return after_rehearsal(file, {.library = "HDF5"}, [&] {
+    try {
+      return Reader(file).read();
+    } catch (const hdf5::Error& error) {
+      throw InputError(fmt::format("{}: can't be read ({})", file.string(), error.what()));
+    }
+  });
 }
 
 }  // namespace cloudbow

@@ -14,6 +14,7 @@
 
 #include "atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "droplet_table_readers.hpp"
 #include "netcdf4_file.hpp"
 
@@ -304,17 +305,19 @@ void write_droplet_tables(const std::filesystem::path& file, std::span<const Dro
 }
 
 DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um) {
-  try {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) throw InputError("no such file");
-    DropletTable table = read_by_content(file, wavelength_um);
-    check_droplet_table(table);
-    return table;
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
-  } catch (const hdf5::Error& error) {
-    throw InputError(fmt::format("{}: damaged, or not a table ({})", file.string(), error.what()));
-  }
+  return after_rehearsal(file, {.library = "HDF5 or netCDF"}, [&] {
+    try {
+      std::error_code error;
+      if (!std::filesystem::is_regular_file(file, error)) throw InputError("no such file");
+      DropletTable table = read_by_content(file, wavelength_um);
+      check_droplet_table(table);
+      return table;
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+    } catch (const hdf5::Error& error) {
+      throw InputError(fmt::format("{}: damaged, or not a table ({})", file.string(), error.what()));
+    }
+  });
 }
 
 }  // namespace cloudbow

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "result_input.hpp"
@@ -159,6 +160,11 @@ class Exporter {
     }
   }
 
+  /// Reads all that write() will, and writes nothing.
+  void read() {
+    for (const Grid& grid : grids_) grid.make();
+  }
+
   FieldExportReport write() {
     write_fields_vdb(options_.vdb_file, box_, grids_.size(), [this](std::size_t n) {
       VdbField field = grids_[n].make();
@@ -256,12 +262,17 @@ void check_options(const FieldExportOptions& options) {
 
 FieldExportReport export_fields(const FieldExportOptions& options) {
   check_options(options);
-  try {
-    return Exporter(options).write();
-  } catch (const hdf5::Error& error) {
-    throw InputError(fmt::format("{}: can't be read as a result file of cloudbow run ({})",
-                                 options.result_file.string(), error.what()));
-  }
+  const auto reading = [&options](const auto& action) {
+    try {
+      Exporter exporter(options);
+      return action(exporter);
+    } catch (const hdf5::Error& error) {
+      throw InputError(fmt::format("{}: can't be read as a result file of cloudbow run ({})",
+                                   options.result_file.string(), error.what()));
+    }
+  };
+  rehearse(options.result_file, {.library = "HDF5"}, [&] { reading([](Exporter& all) { all.read(); }); });
+  return reading([](Exporter& all) { return all.write(); });
 }
 
 }  // namespace cloudbow

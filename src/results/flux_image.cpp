@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "hdf5_handle.hpp"
 
 namespace cloudbow {
@@ -227,12 +228,14 @@ auto with_result(const std::filesystem::path& result_file, const Action& action)
   if (!std::filesystem::exists(status)) throw InputError(where + ": there is no such file");
   if (!std::filesystem::is_regular_file(status))
     throw InputError(where + ": it is not a file (name a result file of cloudbow run)");
-  try {
-    const Handle file = hdf5::open_file(result_file);
-    return action(file);
-  } catch (const hdf5::Error& failure) {
-    throw InputError(fmt::format("{}: can't be read as a result file of cloudbow run ({})", where, failure.what()));
-  }
+  return after_rehearsal(result_file, {.library = "HDF5"}, [&] {
+    try {
+      const Handle file = hdf5::open_file(result_file);
+      return action(file);
+    } catch (const hdf5::Error& failure) {
+      throw InputError(fmt::format("{}: can't be read as a result file of cloudbow run ({})", where, failure.what()));
+    }
+  });
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "hdf5_handle.hpp"
 
 namespace cloudbow {
@@ -120,11 +121,13 @@ Raster read_raster(const std::filesystem::path& file, const char* name) {
   if (!stream || std::filesystem::is_directory(file)) fail(file, "cannot be read");
   stream.read(reinterpret_cast<char*>(head.data()), head.size());
   if (png_sig_cmp(head.data(), 0, head.size()) == 0) return read_png(file);
-  try {
-    return read_hdf5(file, name);
-  } catch (const hdf5::Error& error) {
-    fail(file, fmt::format("neither PNG nor HDF5 that can be read ({})", error.what()));
-  }
+  return after_rehearsal(file, {.library = "HDF5"}, [&] {
+    try {
+      return read_hdf5(file, name);
+    } catch (const hdf5::Error& error) {
+      fail(file, fmt::format("neither PNG nor HDF5 that can be read ({})", error.what()));
+    }
+  });
 }
 
 std::vector<float> area_means(const Raster& raster, int nx, int ny) {

@@ -217,6 +217,9 @@ def main():
         checker.expect_error("unknown key set", [*run, "--set", "sun.zenit_deg=3"], ["sun.zenit_deg"], output)
         checker.expect_error("value set out of range", [*run, "--set", "sun.zenith_deg=95"], ["sun.zenith_deg", "95"], output)
         checker.expect_error("layer that is not there", [*run, "--set", "layer.0.optical_depth=2"], ["layer"], output)
+        crashing = Path(__file__).resolve().parents[1] / "data" / "les_that_crashes_hdf5.nc"
+        checker.expect_error("import: a file on which HDF5 crashes", ["cloud", "import", crashing, "--quiet", "-o", folder / "output.vdb"],
+                             [crashing.name, "damaged"], folder / "output.vdb")
         for name, arguments, words in phase_commands(folder):
             checker.expect_error(f"phase: {name}", ["phase", *arguments, "-o", output], words, output)
         checker.expect_error("phase: file in a missing folder", ["phase", "rayleigh", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)

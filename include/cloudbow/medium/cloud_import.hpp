@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -38,6 +39,9 @@ struct CloudImportOptions {
   /// (r_volume / r_effective)^3 of the droplets' spectrum; 0.8 is that of maritime stratocumulus (Martin, Johnson &
   /// Spice 1994, doi 10.1175/1520-0469(1994)051<1823:TMAPOE>2.0.CO;2)
   double radius_ratio_cubed = 0.8;
+
+  /// Largest memory that the cells may take; 0: half of the machine's.
+  std::uint64_t memory_limit_bytes = 0;
 };
 
 const std::vector<std::string>& cloud_import_formats();

@@ -271,6 +271,9 @@ TEST_F(CloudImport, TextColumns) {
   EXPECT_EQ(field.quantity, "extinction");
   EXPECT_EQ(column_integrals(field), (std::vector<double>{20, 0, 0, 0, 0, 0, 10, 0}));
 
+  options.file = write("commas.txt", ",,\n0 0 1 0.5\n , ,\n2 1 3 0.25\n");  // no words, as in a blank line
+  EXPECT_EQ(import_cloud(options).field.active_voxels(), 2U);
+
   const auto error = [&](const std::string& text) {
     options.file = write("wrong.txt", text);
     return message_of([&] { import_cloud(options); });
@@ -281,6 +284,8 @@ TEST_F(CloudImport, TextColumns) {
   EXPECT_THAT(error("0 0 -1 1\n"), HasSubstr("index along z out of range"));
   EXPECT_THAT(error("9 0 0 1\n"), HasSubstr("outside the domain"));
   EXPECT_THAT(error("0 0 0 1\n0 0 0 1\n"), HasSubstr("there twice"));
+  options.memory_limit_bytes = 100'000;
+  EXPECT_THAT(error("0 0 1000 1\n"), HasSubstr("too large for the memory (found 4 x 2 x 1001 cells"));
   options.voxel_size_m.reset();
   EXPECT_THAT(error("0 0 0 1\n"), HasSubstr("--voxel-size-m"));
 }

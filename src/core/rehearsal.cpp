@@ -1,7 +1,8 @@
-#include "rehearsal.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,21 +21,27 @@ namespace cloudbow {
 
 namespace {
 
-constexpr int found_an_error = 1;
-constexpr int out_of_memory = 2;
+// Not 1, with which sanitizers end a process.
+constexpr int found_an_error = 70;
+constexpr int out_of_memory = 71;
+
+constexpr rlim_t megabyte = 1000000;
 
 struct Limits {
   rlim_t cpu_seconds;
+  rlim_t wall_seconds;
   rlim_t memory_bytes;  ///< beyond what the process has
 };
 
-/// Parsing takes less than 0.1 s and, of a grid of constant leaves, 30 MB for each megabyte of the file; then something
-/// to spare.
-Limits limits_for(const std::filesystem::path& path) {
+/// Parsing takes less than 0.1 s and 0.1 s for each megabyte; a disk of the network gives at least a megabyte a second.
+Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& options) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
-  const auto size = error ? rlim_t{0} : static_cast<rlim_t>(bytes);
-  return {5 + size / 1000000, 64 * size + 512000000};
+  const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
+  const auto machine = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  return {options.cpu_seconds > 0 ? options.cpu_seconds : 5 + megabytes,
+          options.wall_seconds > 0 ? options.wall_seconds : 60 + megabytes,
+          options.memory_bytes > 0 ? options.memory_bytes : machine / 2};
 }
 
 rlim_t address_space_in_use() {
@@ -48,11 +55,14 @@ void impose(const Limits& limits) {
   const rlimit no_core_file{0, 0};
   setrlimit(RLIMIT_CPU, &cpu);
   setrlimit(RLIMIT_CORE, &no_core_file);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes of addresses
-  const rlim_t bytes = address_space_in_use() + limits.memory_bytes;
-  const rlimit memory{bytes, bytes};
+  signal(SIGALRM, SIG_DFL);
+  alarm(static_cast<unsigned>(limits.wall_seconds));
+  // Sanitizers reserve terabytes of addresses, and no limit of memory can be set by them.
+  constexpr rlim_t terabyte = 1000000 * megabyte;
+  const rlim_t in_use = address_space_in_use();
+  if (in_use > terabyte) return;
+  const rlimit memory{in_use + limits.memory_bytes, in_use + limits.memory_bytes};
   setrlimit(RLIMIT_AS, &memory);
-#endif
 }
 
 void write_all(int file, const std::string& text) {
@@ -73,7 +83,7 @@ std::string read_all(int file) {
   }
 }
 
-[[noreturn]] void perform(const Limits& limits, const std::function<void()>& parse, int answer) {
+[[noreturn]] void perform(const Limits& limits, const std::function<void()>& read_file, int answer) {
   impose(limits);
   // What the library says, it will say again.
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
@@ -82,7 +92,7 @@ std::string read_all(int file) {
   }
   int status = 0;
   try {
-    parse();
+    read_file();
   } catch (const std::bad_alloc&) {
     status = out_of_memory;
   } catch (const std::exception& error) {
@@ -94,12 +104,12 @@ std::string read_all(int file) {
 
 }  // namespace
 
-void rehearse(const std::filesystem::path& path, const std::function<void()>& parse) {
-  const Limits limits = limits_for(path);
+void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read) {
+  const Limits limits = limits_for(path, options);
   std::array<int, 2> answer{};
   if (pipe2(answer.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe2");
   const pid_t child = fork();
-  if (child == 0) perform(limits, parse, answer[1]);
+  if (child == 0) perform(limits, read, answer[1]);
   const int fork_error = errno;
   close(answer[1]);
   const std::string message = child > 0 ? read_all(answer[0]) : "";
@@ -113,14 +123,18 @@ void rehearse(const std::filesystem::path& path, const std::function<void()>& pa
   const auto damaged = [&](const std::string& found) {
     return InputError(fmt::format("{}: the file is damaged ({}) get a complete copy", path.string(), found));
   };
-  if (WIFSIGNALED(status)) {
-    if (WTERMSIG(status) != SIGXCPU && WTERMSIG(status) != SIGKILL) throw damaged("OpenVDB crashes on it");
-    throw damaged(fmt::format("OpenVDB needs more than {} s for it", limits.cpu_seconds));
+  const std::string& library = options.library;
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  if (signal == SIGXCPU || signal == SIGKILL) {
+    throw damaged(fmt::format("{} computes more than {} s on it", library, limits.cpu_seconds));
   }
+  if (signal == SIGALRM) throw damaged(fmt::format("{} needs more than {} s for it", library, limits.wall_seconds));
+  if (signal != 0) throw damaged(fmt::format("{} crashes on it", library));
   if (WEXITSTATUS(status) == found_an_error) throw InputError(message);
   if (WEXITSTATUS(status) == out_of_memory) {
-    throw damaged(fmt::format("OpenVDB needs more than {} MB for it", limits.memory_bytes / 1000000));
+    throw damaged(fmt::format("{} needs more than {} MB for it", library, limits.memory_bytes / megabyte));
   }
+  if (WEXITSTATUS(status) != 0) throw damaged(fmt::format("{} gives up on it", library));
 }
 
 }  // namespace cloudbow

@@ -1,0 +1,31 @@
+// Reading a file of a stranger: first in a child process, whose death is an answer and not the end of the program.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace cloudbow {
+
+struct RehearsalOptions {
+  std::string library{};           ///< that reads the file, as messages name it
+  std::uint64_t memory_bytes = 0;  ///< beyond what the process has; 0: half of the machine's
+  std::uint64_t wall_seconds = 0;  ///< 0: a minute, and a second for each megabyte of the file
+  std::uint64_t cpu_seconds = 0;   ///< 0: 5 s, and a second for each megabyte of the file
+};
+
+/// Runs `read` in a child process with limits on memory, CPU seconds and seconds on the clock. The child has one
+/// thread: `read` must not wait for others, which OpenMP's loops do.
+/// @throws InputError with the message of what `read` throws there, so that it never begins in this process (libraries
+/// leak what they have half read), and where the child crashes, runs out of memory or out of time.
+void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read);
+
+/// What `read` returns in this process, after it went well in a child.
+template <class Read>
+auto after_rehearsal(const std::filesystem::path& path, const RehearsalOptions& options, const Read& read) {
+  rehearse(path, options, [&read] { static_cast<void>(read()); });
+  return read();
+}
+
+}  // namespace cloudbow

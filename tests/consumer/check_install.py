@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""The installed program and package work where they were moved to: the program finds its OpenVDB module, a project of somebody else finds the
+package by find_package, solves by the public headers and finds the module too.
+
+usage: check_install.py --build FOLDER --compiler C++ [--flags FLAGS] --libdir lib
+"""
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+
+def run(*words, **more):
+    done = subprocess.run([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, words))}\nexit code {done.returncode}\n{done.stdout}")
+    return done.stdout
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--build", required=True, type=Path)
+    parser.add_argument("--compiler", required=True)
+    parser.add_argument("--flags", default="")
+    parser.add_argument("--libdir", required=True)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run("cmake", "--install", options.build, "--prefix", folder / "first")
+        prefix = (folder / "first").rename(folder / "moved")
+        module = prefix / options.libdir / "cloudbow" / "cloudbow_vdb.so"
+        assert module.is_file(), module
+
+        cloud = folder / "cloud.vdb"
+        clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+        made = run(prefix / "bin/cloudbow", "cloud", "make", "slab", "--cells", 4, 4, 2, "--voxel-size-m", 50, 50, 50, "-o", cloud, env=clean)
+        assert "density" in made, made
+
+        project = Path(__file__).resolve().parent / "project"
+        build = folder / "consumer"
+        run("cmake", "-S", project, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={options.compiler}",
+            f"-DCMAKE_CXX_FLAGS={options.flags}")
+        run("cmake", "--build", build)
+        said = run(build / "consumer", cloud, env=clean)
+        print(said)
+        assert "voxels 32" in said, said
+
+        # With the module gone the program says so: that it was found above is no accident of this build's folder.
+        module.unlink()
+        without = subprocess.run([str(prefix / "bin/cloudbow"), "cloud", "info", str(cloud)], capture_output=True, text=True, env=clean)
+        assert without.returncode == 2 and "cloudbow_vdb.so" in without.stderr, without
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

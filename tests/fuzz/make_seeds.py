@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""Small valid files for the fuzz targets to start from, FOLDER/TARGET/FILE: made by the program, or written here by hand.
+
+usage: make_seeds.py --cloudbow PROGRAM FOLDER
+"""
+import argparse
+import re
+import subprocess
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+
+RICH_SCENE = """\
+title = "every table"
+[spectrum]
+wavelengths_um = [0.55, 0.67]
+[cloud]
+file = "cloud.vdb"
+grid = "density"
+quantity = "extinction"
+scale = [1.0, 2.0]
+voxel_size_m = [50.0, 50.0, 25.0]
+up_axis = "z"
+single_scattering_albedo = 0.99
+phase_function = "two"
+[phase_function.two]
+type = "double-henyey-greenstein"
+forward_asymmetry_parameter = 0.9
+backward_asymmetry_parameter = -0.4
+forward_weight = 0.9
+[phase_function.moments]
+type = "legendre"
+file = "moments.txt"
+[phase_function.few]
+type = "legendre"
+moments = [1.0, 0.5, 0.1]
+[phase_function.angles]
+type = "table"
+file = "table.txt"
+[phase_function.many]
+type = "set"
+file = "set.csv"
+[[layer]]
+name = "air"
+bottom_m = 0.0
+top_m = 2000.0
+optical_depth = 0.1
+optical_depth_wavelength_um = 0.55
+single_scattering_albedo = 1.0
+phase_function = "rayleigh"
+[domain]
+boundary = "open"
+min_m = [0.0, 0.0, 0.0]
+max_m = [1e3, 1e3, 2e3]
+[sun]
+zenith_deg = 30
+bearing_deg = 180
+[sky]
+radiance_w_m2_sr = 0.1
+[surface]
+type = "rpv"
+rho0 = 0.1
+k = 0.8
+theta = -0.1
+[solver]
+mode = "3d"
+accuracy = "fine"
+control_points = 162
+[[radiance]]
+name = "nadir"
+zenith_deg = 0
+width = 8
+height = 8
+[[camera]]
+name = "eye"
+type = "perspective"
+position_m = [0, 0, 10]
+look_at_m = [500, 500, 1000]
+width = 16
+height = 9
+[output]
+flux_levels = [0.0, 1000.0]
+fields = ["fluxes", "absorption", "actinic", "radiance_field"]
+"""
+
+PHASE_FILES = {
+    "moments.txt": "# l chi\n0 1\n1 0.85\n2 0.7\n3 0.5\n",
+    "table.txt": "# angle value\n0 10\n30 3\n90 1\n180 2\n",
+    "set.csv": "l,one,two\n0,1,1\n1,0.8,0.7\n2,0.6,0.5\n",
+    "factor.csv": "0 1 1\n1 2.4 2.1\n2 3.0 2.5\n",
+}
+
+CLOUD_TEXTS = {
+    "columns.txt": "# i j k value\n0 0 0 0.01\n1 0 1 0.02\n0 1 2 0.03\n",
+    "optics.csv": "# nx,ny,nz=2,2,3 dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.4\nix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n1,1,2,20,1,2\n",
+    "optics_edges.csv": "# dx=50 m\ni,j,k,z_bottom_m,z_top_m,extinction_per_m,ssa,phase_index\n0,0,0,0,100,0.01,0.99,1\n0,1,1,100,150,0.02,1,1\n",
+    "extinction.prp": "Extinction-only property file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n0.99 2 2.5 3.1\n1 1 1 10\n2 2 2 20\n",
+    "tabulated.prp": "Tabulated phase function property file\n2 2 2\n0.05 0.05 0.1 0.2\n2\n2 2.5 3.1\n3 2.4 2.0 1.0\n1 1 1 280 10 0.99 1\n2 2 2 270 20 0.98 2\n",
+    "one.lwc": "1  LWC file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n1 1 1 0.1\n2 2 2 0.2\n",
+    "two.lwc": "2  parameter LWC file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n1 1 1 0.1 10\n2 2 2 0.2 12\n",
+    "particles.txt": "3  particle file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n1 1 1 1 1 0.1 10\n2 2 2 1 1 0.2 12\n",
+}
+
+SHDOM_MIE = """\
+! Mie table vs. effective radius (LWC=1 g/m^3)
+  0.670  0.670  wavelength range (micron)
+  1.000  W  particle density and type
+   7.00000  gamma size distribution shape parameter
+   2   5.000  10.000  number, starting, ending effective radius
+   2  maximum rank allowed
+   5.0000  300.0  0.999  2  Reff  Ext  Alb  Nleg
+   1.0  2.4  3.0
+  10.0000  150.0  0.998  2  Reff  Ext  Alb  Nleg
+   1.0  2.5  3.2
+"""
+
+TINY_RUN = """\
+[cloud]
+file = "CLOUD"
+quantity = "extinction"
+single_scattering_albedo = 0.99
+phase_function = "rayleigh"
+[sun]
+zenith_deg = 30.0
+azimuth_deg = 0.0
+[solver]
+accuracy = "draft"
+[output]
+fields = ["fluxes", "absorption", "actinic", "radiance_field"]
+"""
+
+
+def write_les(path, form):
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        for name, length in (("time", 1), ("z", 3), ("y", 2), ("x", 2)):
+            file.createDimension(name, length)
+        for name, values, units in (("x", [25, 75], "m"), ("y", [25, 75], "m"), ("z", [100, 200, 400], "m")):
+            file.createVariable(name, "f4", (name,))[:] = values
+            file[name].units = units
+        water = file.createVariable("qc", "f4", ("time", "z", "y", "x"))
+        water.units = "g/kg"
+        water[:] = np.linspace(0, 0.5, 12).reshape(1, 3, 2, 2)
+        file.createVariable("rho", "f4", ("z",))[:] = [1.2, 1.1, 1.0]
+        file["rho"].units = "kg/m3"
+        file.createVariable("reff", "f4", ("time", "z", "y", "x"))[:] = 10
+        file["reff"].units = "um"
+
+
+def write_libradtran(path, form):
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        for name, length in (("nlam", 1), ("nreff", 2), ("nphamat", 1), ("nmommax", 3)):
+            file.createDimension(name, length)
+        file.createVariable("wavelen", "f8", ("nlam",))[:] = [0.67]
+        file.createVariable("reff", "f8", ("nreff",))[:] = [5, 10]
+        for name, values in (("ext", [[300, 150]]), ("ssa", [[0.999, 0.998]]), ("gg", [[0.8, 0.83]])):
+            file.createVariable(name, "f8", ("nlam", "nreff"))[:] = values
+        file["ext"].units = "km^-1/(g/m^3)"
+        file.createVariable("nmom", "i4", ("nlam", "nreff", "nphamat"))[:] = 3
+        file.createVariable("pmom", "f4", ("nlam", "nreff", "nphamat", "nmommax"))[:] = [[[[1, 2.4, 3.0]], [[1, 2.5, 3.2]]]]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cloudbow", required=True, type=Path)
+    parser.add_argument("folder", type=Path)
+    options = parser.parse_args()
+
+    def folder(target):
+        path = options.folder / target
+        path.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def cloudbow(*words):
+        subprocess.run([options.cloudbow.resolve(), *map(str, words)], check=True, stdout=subprocess.DEVNULL)
+
+    def write_texts(target, texts):
+        for name, text in texts.items():
+            (folder(target) / name).write_text(text)
+
+    # The cloud that fuzz_scene has made, so that a mutant is not refused for its file.
+    scenes = {path.name: re.sub(r'"[^"]*\.vdb"', '"cloud.vdb"', path.read_text()) for path in sorted((ROOT / "configs").glob("*.toml"))}
+    write_texts("scene", scenes | {"rich.toml": RICH_SCENE})
+    write_texts("phase_files", PHASE_FILES)
+    write_texts("cloud_text", CLOUD_TEXTS)
+    write_texts("droplet_table", {"shdom.mie": SHDOM_MIE})
+    for form in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF4"):
+        write_les(folder("cloud_netcdf") / f"{form}.nc", form)
+        write_libradtran(folder("droplet_table") / f"{form}.nc", form)
+    clouds = folder("cloud_vdb")
+    size = ["--cells", 4, 4, 4, "--voxel-size-m", 50, 50, 50]
+    cloudbow("cloud", "make", "slab", *size, "-o", clouds / "float.vdb")
+    cloudbow("cloud", "make", "sphere", *size, "--half", "-o", clouds / "half.vdb")
+    cloudbow("mie", "--wavelength-um", 0.67, "--effective-radius-um", "1:2:1", "-o", folder("droplet_table") / "own.h5")
+    results = folder("result")
+    scene = options.folder / "tiny.toml"
+    scene.write_text(TINY_RUN.replace("CLOUD", str((clouds / "float.vdb").resolve())))
+    cloudbow("run", scene, "--quiet", "-o", results / "result.h5")
+    scene.unlink()
+
+
+if __name__ == "__main__":
+    main()

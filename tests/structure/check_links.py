@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""Links in the documentation lead somewhere: files are there, headings too, and every page of docs/ stands in the site's navigation.
+
+Truth: the tree. Addresses of the web are left alone. The checker checks itself on a page with known faults first.
+
+usage: check_links.py ROOT
+"""
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+
+
+def without_code(text):
+    return re.sub(r"`[^`\n]*`", lambda span: "x" * len(span.group()), re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL))
+
+
+def anchors(text):
+    """Of headings, as GitHub and the site make them: lower case, without punctuation, blanks to hyphens."""
+    found = set()
+    for heading in re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE):
+        name = re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-")
+        found.add(name)
+    return found
+
+
+def faults_of(page):
+    found = []
+    for target in LINK.findall(without_code(page.read_text())):
+        if re.match(r"[a-z]+:", target):
+            continue
+        name, _, anchor = target.partition("#")
+        file = page.parent / name if name else page
+        if not file.exists():
+            found.append(f"{page}: {target}: no such file")
+        elif anchor and file.suffix == ".md" and anchor not in anchors(file.read_text()):
+            found.append(f"{page}: {target}: no such heading")
+    return found
+
+
+def check_itself():
+    with tempfile.TemporaryDirectory() as folder:
+        page = Path(folder) / "page.md"
+        page.write_text("# One (two)\n[a](#one-two) [b](page.md#one-two) [c](https://x.org/y) `[d](none.md)`\n")
+        assert faults_of(page) == [], faults_of(page)
+        page.write_text("# One\n[a](#two) [b](none.md) ![c](none.png)\n```\n# two\n```\n")
+        assert len(faults_of(page)) == 3, faults_of(page)
+
+
+def main():
+    check_itself()
+    root = Path(sys.argv[1])
+    pages = [path for path in sorted(root.rglob("*.md")) if not {"build", ".git"} & set(path.relative_to(root).parts)]
+    faults = [fault for page in pages for fault in faults_of(page)]
+    navigation = (root / "mkdocs.yml").read_text()
+    named = set(re.findall(r"[\w\-/]+\.md", navigation))
+    there = {path.relative_to(root / "docs").as_posix() for path in (root / "docs").rglob("*.md")}
+    faults += [f"docs/{page}: not in the navigation of mkdocs.yml" for page in sorted(there - named)]
+    faults += [f"mkdocs.yml: docs/{page} is not there" for page in sorted(named - there)]
+    print("\n".join(faults) or f"{len(pages)} pages")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""docs/result-reference.md names every variable and every attribute of a group that results hold, and no others.
+
+Truth: results of one scene with all that a scene can ask for, and of the same with two wavelengths.
+
+usage: check_result_reference.py CLOUDBOW DOCS/RESULT-REFERENCE.MD
+"""
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import h5py
+
+CELLS = "# nx,ny,nz=2,2,3 dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.3\nix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n1,1,2,20,1,2\n"
+FUNCTIONS = "0 1 1\n1 0.5 0.4\n2 0.3 0.2\n"
+SCENE = """\
+[cloud]
+file = "cloud.vdb"
+single_scattering_albedo_grid = "single_scattering_albedo"
+phase_function = "droplets"
+[phase_function.droplets]
+type = "set"
+file = "cloud.phase.csv"
+[sun]
+zenith_deg = 30.0
+azimuth_deg = 0.0
+[solver]
+accuracy = "draft"
+[[radiance]]
+name = "NAME"
+zenith_deg = 0.0
+[[radiance]]
+name = "PIXELS"
+zenith_deg = 0.0
+width = 2
+height = 2
+[[camera]]
+name = "EYE"
+type = "fisheye"
+position_m = [10.0, 10.0, 60.0]
+width = 2
+height = 2
+[output]
+flux_levels = "boundaries"
+fields = ["fluxes", "absorption", "actinic", "radiance_field"]
+"""
+SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
+
+
+def documented(text):
+    """Of the tables below the first two headings."""
+    variables, attributes = set(), set()
+    section = None
+    for line in text.splitlines():
+        if line.startswith("## "):
+            section = line[3:]
+        cells = [re.findall(r"`([^`]+)`", cell) for cell in line.split("|")[1:-1]]
+        if not cells or not cells[0] or not cells[0][0].startswith("/"):
+            continue
+        if section == "Variables":
+            variables.update(cells[0])
+        elif section == "Attributes":
+            attributes.update((cells[0][0], name) for name in cells[1])
+    return variables, attributes
+
+
+def written(path):
+    """The same of a file; the bookkeeping of netCDF and HDF5 (names in capitals, "_Netcdf4Dimid") left out."""
+    variables, attributes = set(), set()
+    general = lambda name: re.sub(r"_(PIXELS|EYE)$", "_NAME", name)
+    with h5py.File(path) as file:
+        nodes = [("/", file)]
+        file.visititems(lambda name, node: nodes.append(("/" + name, node)))
+        for name, node in nodes:
+            if isinstance(node, h5py.Dataset):
+                variables.add(general(name))
+            else:
+                attributes.update((name, attribute) for attribute in node.attrs if not attribute.startswith("_"))
+    return variables, attributes
+
+
+def main():
+    program, page = Path(sys.argv[1]).resolve(), documented(Path(sys.argv[2]).read_text())
+    found = (set(), set())
+    with tempfile.TemporaryDirectory() as folder:
+        def cloudbow(*words):
+            subprocess.run([program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+        (Path(folder) / "cells.csv").write_text(CELLS)
+        (Path(folder) / "functions.csv").write_text(FUNCTIONS)
+        cloudbow("cloud", "import", "cells.csv", "--phase-functions", "functions.csv", "-o", "cloud.vdb", "--quiet")
+        for name, text in (("one", SCENE), ("spectrum", SCENE + SPECTRUM)):
+            (Path(folder) / f"{name}.toml").write_text(text)
+            cloudbow("run", f"{name}.toml", "--quiet", "--compare", "-o", f"{name}.h5")
+            for all_names, names in zip(found, written(Path(folder) / f"{name}.h5")):
+                all_names |= names
+    found[0].difference_update({name for name in found[0] if re.fullmatch(r"/\w+/wavelength", name)})  # the page says: in every group
+    faults = []
+    for kind, there, told in zip(("variables", "attributes"), found, page):
+        if there != told:
+            faults.append(f"{kind}: only the page has {sorted(told - there)}, only results {sorted(there - told)}")
+    print("\n".join(faults) or f"{len(page[0])} variables, {len(page[1])} attributes")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
