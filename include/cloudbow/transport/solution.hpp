@@ -59,6 +59,8 @@ struct SolverOptions {
   bool independent_columns = false;  ///< no light crosses from column to column
   /// Horizontal axes along which nothing varies are left out (uniform_axes.hpp): the same answer for less.
   bool leave_out_uniform_axes = false;
+  /// Whether the source changes within a cell; false: constant in each, which shows what the cells' size matters.
+  bool linear_source = true;
   bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells take it by themselves
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed
