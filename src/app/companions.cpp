@@ -9,46 +9,71 @@ namespace {
 constexpr double kTolerance = 1e-2;
 constexpr double kEnergyTolerance = 1e-3;
 
-}  // namespace
+struct Directions {
+  int control_points;
+  const char* ordinates;
+  int delta_m_order;
+  int exact_moments;
+  int beam_half_range_rows;
+};
 
-SolverOptions companion_options(const SolverOptions& options, bool one_column) {
-  SolverOptions fewer = options;
-  fewer.control_points = 42;
-  fewer.directions = "double-gauss-4x8";
-  fewer.fit.delta_m_order = 4;
-  fewer.fit.beam_delta_m_order = 6;
-  fewer.fit.exact_moments = 2;
-  fewer.fit.beam_half_range_rows = 2;
-  fewer.fit.minimax = true;
-  fewer.gather_directions = std::min(options.gather_directions, 32);
-  fewer.beam_rays = 1;
-  fewer.tolerance = one_column ? options.tolerance : std::max(options.tolerance, kTolerance);
-  fewer.energy_tolerance = one_column ? options.energy_tolerance : kEnergyTolerance;
-  fewer.absorption = fewer.actinic = fewer.radiance_field = false;
-  fewer.views.clear();
-  fewer.cameras.clear();
-  fewer.flux_levels = FluxLevels::boundaries;
-  if (options.flux_levels == FluxLevels::listed) {
-    fewer.flux_levels = FluxLevels::listed;
-    fewer.listed_levels = {options.listed_levels.front(), options.listed_levels.back()};
-    fewer.listed_levels.erase(std::unique(fewer.listed_levels.begin(), fewer.listed_levels.end()),
-                              fewer.listed_levels.end());
-  }
-  return fewer;
+// Of fields: as few as still tell where more would matter.
+constexpr Directions kField{42, "double-gauss-4x8", 4, 2, 2};
+// A single column costs next to nothing, and errors are so small that fewer directions say little of them: against a
+// better solution, or for the best levels one that is about as good.
+constexpr Directions kColumnOfDraft{162, "reduced-double-gauss-12x20", 12, 3, 3};
+constexpr Directions kColumnOfBalanced{642, "double-gauss-16x24", 14, 3, 3};
+constexpr Directions kColumn{642, "double-gauss-14x20", 12, 3, 3};
+
+void set_directions(const Directions& directions, SolverOptions& options) {
+  options.control_points = directions.control_points;
+  options.directions = directions.ordinates;
+  options.fit.delta_m_order = directions.delta_m_order;
+  options.fit.exact_moments = directions.exact_moments;
+  options.fit.beam_half_range_rows = directions.beam_half_range_rows;
+  options.fit.minimax = true;
 }
 
-Companions solve_companions(const Problem& problem, const SolverOptions& options, bool one_column,
-                            const ProgressCallback& progress) {
-  SolverOptions fewer = companion_options(options, one_column);
+}  // namespace
+
+SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, bool one_column) {
+  SolverOptions other = options;
+  const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
+  if (one_column) {
+    set_directions(accuracy == "draft" ? kColumnOfDraft : accuracy == "balanced" ? kColumnOfBalanced : kColumn, other);
+  } else {
+    set_directions(kField, other);
+    other.gather_directions = std::min(options.gather_directions, 32);
+    other.beam_rays = 1;
+    other.tolerance = std::max(options.tolerance, kTolerance);
+    other.energy_tolerance = kEnergyTolerance;
+  }
+  other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
+  other.absorption = other.actinic = other.radiance_field = false;
+  other.views.clear();
+  other.cameras.clear();
+  other.flux_levels = FluxLevels::boundaries;
+  if (options.flux_levels == FluxLevels::listed) {
+    other.flux_levels = FluxLevels::listed;
+    other.listed_levels = {options.listed_levels.front()};
+    if (options.listed_levels.size() > 1) other.listed_levels.push_back(options.listed_levels.back());
+  }
+  return other;
+}
+
+Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
+                            bool one_column, const ProgressCallback& progress) {
+  SolverOptions other = companion_options(options, accuracy, one_column);
   Companions companions;
-  companions.linear = solve(problem, fewer, progress);
-  fewer.linear_source = false;
-  companions.constant = solve(problem, fewer, progress);
+  companions.linear = solve(problem, other, progress);
+  other.linear_source = false;
+  companions.constant = solve(problem, other, progress);
   return companions;
 }
 
-double predict_companion_seconds(const Problem& problem, const SolverOptions& options, bool one_column) {
-  return 2 * predict_seconds(problem, companion_options(options, one_column));
+double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
+                                 bool one_column) {
+  return 2 * predict_seconds(problem, companion_options(options, accuracy, one_column));
 }
 
 }  // namespace cloudbow

@@ -67,9 +67,11 @@ Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int
     forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, assembled.options));
     forecast.seconds += predict_seconds(assembled.problem, assembled.options);
     if (scene.output.error_estimate) {
-      forecast.seconds += predict_companion_seconds(assembled.problem, assembled.options, assembled.one_column);
-      const SolverOptions fewer = companion_options(assembled.options, assembled.one_column);
-      forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, fewer) + solution_bytes(assembled));
+      forecast.seconds +=
+          predict_companion_seconds(assembled.problem, assembled.options, scene.solver.accuracy, assembled.one_column);
+      const SolverOptions companion = companion_options(assembled.options, scene.solver.accuracy, assembled.one_column);
+      forecast.memory =
+          std::max(forecast.memory, predict_memory(assembled.problem, companion) + solution_bytes(assembled));
     }
     if (compare) {
       const SolverOptions columns = by_columns(assembled.options);

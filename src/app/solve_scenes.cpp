@@ -11,8 +11,9 @@ namespace cloudbow {
 namespace {
 
 ErrorEstimate estimate(const Scene& scene, const AssembledScene& assembled, const Solution& solution) {
-  const Companions companions = solve_companions(assembled.problem, assembled.options, assembled.one_column,
-                                                 [](const SolverProgress&) { InterruptGuard::check(); });
+  const Companions companions =
+      solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, assembled.one_column,
+                       [](const SolverProgress&) { InterruptGuard::check(); });
   ErrorEstimate error = estimate_error(solution, companions, error_weights(scene.solver.accuracy, assembled.one_column),
                                        scene.output.errors);
   error.calibrated_for = scene.solver.accuracy;

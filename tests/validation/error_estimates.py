@@ -25,7 +25,6 @@ import support
 from support import ROOT
 
 FLUXES = ("domain", "columns_up", "columns_down")
-ITERATION_TOLERANCE = {"draft": 1e-3, "balanced": 1e-4, "fine": 1e-5, "reference": 1e-6}
 # Below this no error matters and the truths themselves are in doubt: 1e-6 of incident, of columns 1e-5 of the mean.
 NEGLIGIBLE = {"domain": 1e-6, "columns_up": 1e-5, "columns_down": 1e-5}
 
@@ -133,54 +132,59 @@ def is_column(row):
     return row["group"] == "plane-parallel"
 
 
-def fit(rows, wanted=0.97):
-    """Factors on the two distances and the floor, which hold `wanted` of the rows with the least median of estimate / true."""
+def with_weights(rows, weights):
+    """Estimates as the program works them out (src/results/error_estimate.cpp)."""
+    angular, spatial, least = weights
+    part = {name: np.array([row[name] for row in rows]) for name in ("angular_distance", "spatial_distance", "iteration")}
+    return np.sqrt(np.maximum(least, angular * part["angular_distance"])**2 + (spatial * part["spatial_distance"])**2 + part["iteration"]**2)
+
+
+def fit(rows, column):
+    """Angular and spatial weight and the least: of those that hold for the wanted share of rows the ones with the least median of estimate / true."""
     true = np.array([row["true"] for row in rows])
-    angular, spatial, iteration = (np.array([row[name] for row in rows]) for name in ("angular_distance", "spatial_distance", "iteration"))
-    floors = NEGLIGIBLE[rows[0]["flux"]] * np.array([0, 1, 3, 10, 30, 100])
-    best = None
     matters = true > NEGLIGIBLE[rows[0]["flux"]]
-    for floor in floors:
-        for share_of_spatial in (0, 0.03, 0.1, 0.2, 0.35, 0.5, 1, 2, 4):
-            # The angular factor that is just large enough.
+    # Fields are few: all of them are to hold, with something to spare, and the spatial part has a share of its own in any case.
+    wanted, spare, shares, floors = (0.96, 1.0, (0, 0.1, 0.3), (0, 1, 3, 10, 30)) if column else (1.0, 1.5, (0.3, 1), (0,))
+    best = None
+    for least in NEGLIGIBLE[rows[0]["flux"]] * np.array(floors):
+        for share_of_spatial in shares:
             low, high = 1e-4, 30.0
             for _ in range(40):
                 factor = math.sqrt(low * high)
-                estimate = np.sqrt(np.maximum(floor, factor * angular)**2 + (factor * share_of_spatial * spatial)**2 + iteration**2)
-                if np.mean((estimate >= true) | ~matters) >= wanted:
-                    high = factor
-                else:
-                    low = factor
-            estimate = np.sqrt(np.maximum(floor, high * angular)**2 + (high * share_of_spatial * spatial)**2 + iteration**2)
-            # Spread of estimate / true about its middle; small spread is what makes an estimate worth having.
+                holds = np.mean((with_weights(rows, (factor, factor * share_of_spatial, least)) >= true) | ~matters) >= wanted
+                low, high = (low, factor) if holds else (factor, high)
+            estimate = with_weights(rows, (high, high * share_of_spatial, least))
             cost = float(np.median(np.log(np.maximum(estimate, 1e-12)[matters] / true[matters]))) if matters.any() else 0.0
             if high < 29 and (best is None or cost < best[0]):
-                best = (cost, high, high * share_of_spatial, floor)
-    return best
+                best = (cost, (float(f"{spare * high:.2g}"), float(f"{spare * high * share_of_spatial:.2g}"), float(f"{least:.1g}")))
+    return best[1]
 
 
-def print_fit(rows, options):
+def fit_all(rows, accuracies):
+    """Prints the weights as src/app/error_calibration.cpp has them, and puts the estimates by them in the place of those in the rows."""
     learned = halves(rows)
     for column in (False, True):
-        for accuracy in options.accuracy:
-            found = {}
+        for accuracy in accuracies:
+            weights = {}
             for flux in FLUXES:
-                those = [row for row, mine in zip(rows, learned) if mine and row["flux"] == flux and row["accuracy"] == accuracy and is_column(row) == column]
-                if those:
-                    found[flux] = fit(those)
-            if found:
-                part = [", ".join(f"{found[flux][n]:.3g}" for flux in FLUXES) for n in (1, 2, 3)]
-                print(f"{'column' if column else 'field'} {accuracy}: {{{{{part[0]}}}, {{{part[1]}}}, {{{part[2]}}}}}  median estimate/true "
-                      + ", ".join(f"{math.exp(found[flux][0]):.1f}" for flux in FLUXES))
-    # Ratios of estimates to that of the draft, as the planner uses them: the 75th percentile.
+                here = [(row, mine) for row, mine in zip(rows, learned) if row["flux"] == flux and row["accuracy"] == accuracy and is_column(row) == column]
+                if not here:
+                    continue
+                weights[flux] = fit([row for row, mine in here if mine], column)
+                for (row, _), estimate in zip(here, with_weights([row for row, _ in here], weights[flux])):
+                    row["estimate"] = float(estimate)
+            if weights:
+                parts = [", ".join(f"{weights[flux][n]:g}" for flux in FLUXES) for n in range(3)]
+                print(f"{'column' if column else 'field'} {accuracy}: {{{{{parts[0]}}}, {{{parts[1]}}}, {{{parts[2]}}}}}")
+    # What the planner expects of a level, from the estimate of the draft: the upper quartile.
     index = {(row["case"], row["flux"], row["accuracy"]): row["estimate"] for row in rows}
     for column in (False, True):
-        for accuracy in options.accuracy:
+        for accuracy in accuracies:
             ratios = []
             for flux in FLUXES:
-                values = [row["estimate"] / index[row["case"], flux, "draft"] for row in rows
-                          if row["flux"] == flux and row["accuracy"] == accuracy and is_column(row) == column and index.get((row["case"], flux, "draft"), 0) > 0]
-                ratios.append(f"{np.percentile(values, 75):.3g}" if values else "-")
+                values = [row["estimate"] / index[row["case"], flux, "draft"] for row in rows if row["flux"] == flux and row["accuracy"] == accuracy
+                          and is_column(row) == column and index.get((row["case"], flux, "draft"), 0) > 10 * NEGLIGIBLE[flux]]
+                ratios.append(f"{np.percentile(values, 75):.2g}" if values else "-")
             print(f"{'column' if column else 'field'} {accuracy}: ratio to draft {{{', '.join(ratios)}}}")
 
 
@@ -236,9 +240,10 @@ def main():
     parser.add_argument("--accuracy", nargs="+", default=["draft", "balanced", "fine"])
     parser.add_argument("--jobs", type=int, default=1, help="plane-parallel scenes at a time")
     parser.add_argument("--csv", type=Path, help="write all rows")
-    parser.add_argument("--read", type=Path, help="rows of an earlier run, in place of solving")
+    parser.add_argument("--only", choices=["plane-parallel", "clouds"], help="these scenes alone")
+    parser.add_argument("--read", type=Path, nargs="+", help="rows of earlier runs (--csv), in place of solving")
     parser.add_argument("--plot", type=Path, help="write the scatter plot (PNG)")
-    parser.add_argument("--fit", action="store_true", help="fit the factors anew and print them")
+    parser.add_argument("--fit", action="store_true", help="fit the weights anew, print them, and judge the estimates that they make")
     parser.add_argument("--landsat", action="store_true", help="with Landsat (minutes)")
     parser.add_argument("--share", type=float, default=0.95, help="least share of estimates that hold")
     parser.add_argument("--median", type=float, default=5, help="largest median of estimate / true")
@@ -246,15 +251,19 @@ def main():
     options = parser.parse_args()
     if options.read:
         rows = [{name: value if name in ("group", "case", "accuracy", "flux") else float(value) for name, value in row.items()}
-                for row in csv.DictReader(open(options.read))]
+                for path in options.read for row in csv.DictReader(open(path))]
     else:
         cloudbow = support.Cloudbow(options.cloudbow, options.threads or 1)
         with support.Workspace(options.keep) as folder:
-            rows = isolated_rows(options, cloudbow, folder) + field_rows(options, cloudbow, folder) + plane_parallel_rows(options, cloudbow, folder)
+            rows = []
+            if options.only != "plane-parallel":
+                rows += isolated_rows(options, cloudbow, folder) + field_rows(options, cloudbow, folder)
+            if options.only != "clouds":
+                rows += plane_parallel_rows(options, cloudbow, folder)
     if options.csv:
         write_csv(options.csv, rows)
     if options.fit:
-        print_fit(rows, options)
+        fit_all(rows, list(dict.fromkeys(row["accuracy"] for row in rows)))
     if options.plot:
         plot(options.plot, rows)
     print(table(rows))
