@@ -19,10 +19,10 @@ struct Directions {
 
 // Of fields: as few as still tell where more would matter.
 constexpr Directions kField{42, "double-gauss-4x8", 4, 2, 2};
-// A single column costs next to nothing, and errors are so small that fewer directions say little of them: against a
-// better solution, or for the best levels one that is about as good.
+// A single column costs next to nothing, and its errors are so small that few directions say little of them: against a
+// better solution at the draft, else against one that is nearly as good, on the same control points.
 constexpr Directions kColumnOfDraft{162, "reduced-double-gauss-12x20", 12, 3, 3};
-constexpr Directions kColumnOfBalanced{642, "double-gauss-16x24", 14, 3, 3};
+constexpr Directions kColumnOfBalanced{162, "reduced-double-gauss-10x16", 10, 3, 3};
 constexpr Directions kColumn{642, "double-gauss-14x20", 12, 3, 3};
 
 void set_directions(const Directions& directions, SolverOptions& options) {
