@@ -260,10 +260,10 @@ def main():
                 rows += isolated_rows(options, cloudbow, folder) + field_rows(options, cloudbow, folder)
             if options.only != "clouds":
                 rows += plane_parallel_rows(options, cloudbow, folder)
-    if options.csv:
-        write_csv(options.csv, rows)
     if options.fit:
         fit_all(rows, list(dict.fromkeys(row["accuracy"] for row in rows)))
+    if options.csv:
+        write_csv(options.csv, rows)
     if options.plot:
         plot(options.plot, rows)
     print(table(rows))
