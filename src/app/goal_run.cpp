@@ -48,6 +48,7 @@ double expected_error(const std::vector<ErrorEstimate>& of_draft, ErrorOf of, co
 double table_seconds(const Solved& solved) {
   double sum = 0;
   for (const Solution& solution : solved.solutions) sum += solution.report.seconds_tables;
+  for (const ErrorEstimate& error : solved.errors) sum += error.table_seconds;
   return sum;
 }
 

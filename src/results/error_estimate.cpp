@@ -126,6 +126,7 @@ ErrorEstimate estimate_error(const Solution& solution, const Companions& compani
   estimate.up = parts(&ByFlux::up);
   estimate.down = parts(&ByFlux::down);
   estimate.cpu_seconds = companions.linear.report.cpu_seconds + companions.constant.report.cpu_seconds;
+  estimate.table_seconds = companions.linear.report.seconds_tables + companions.constant.report.seconds_tables;
   if (fields) {
     estimate.upwelling_flux_error = error_field(
         {up_at_top(solution), up_at_top(companions.linear), up_at_top(companions.constant)}, estimate.up, solution.box);

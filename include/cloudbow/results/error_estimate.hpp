@@ -39,6 +39,7 @@ struct ErrorEstimate {
   ErrorParts domain, up, down;
   ByFlux angular_distance, spatial_distance;  ///< before they were weighed
   double cpu_seconds = 0;                     ///< of the companions
+  double table_seconds = 0;                   ///< wall seconds of theirs that went into scattering tables
   std::string calibrated_for;                 ///< a level of accuracy
   /// [ny][nx] W m-2, where asked for: up at the highest level, down at the lowest. Their RMS is that of the estimate;
   /// they are large where the companions differ.
