@@ -36,7 +36,8 @@ double calibrate_machine() {
   const std::filesystem::path path = speed_file();
   if (path.empty())
     throw InputError("--calibrate: no folder for caches (found neither XDG_CACHE_HOME nor HOME, allowed either)");
-  const Problem problem = field_problem(uneven_field(48, 48, 16, .5), 1, PhaseFunction::henyey_greenstein(.85), sun_at(.5, 30));
+  const Problem problem =
+      field_problem(uneven_field(48, 48, 16, .5), 1, PhaseFunction::henyey_greenstein(.85), sun_at(.5, 30));
   SolverOptions options = field_options("draft");
   options.threads = 0;
   options.absorption = false;
