@@ -46,7 +46,7 @@ def without_noise(difference, noise):
 
 
 def plane_parallel_rows(options, cloudbow, folder):
-    reference = options.reference / "plane_parallel.json" if options.reference else ROOT / "tests/data/plane_parallel_subset.json"
+    reference = options.reference / "plane_parallel.json" if options.reference and not options.subset else ROOT / "tests/data/plane_parallel_subset.json"
     cases = [case for case in json.loads(reference.read_text())["cases"] if case["thermal"] is None]
 
     def solve(job):
@@ -241,6 +241,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=1, help="plane-parallel scenes at a time")
     parser.add_argument("--csv", type=Path, help="write all rows")
     parser.add_argument("--only", choices=["plane-parallel", "clouds"], help="these scenes alone")
+    parser.add_argument("--subset", action="store_true", help="of the plane-parallel cases those in tests/data")
     parser.add_argument("--read", type=Path, nargs="+", help="rows of earlier runs (--csv), in place of solving")
     parser.add_argument("--plot", type=Path, help="write the scatter plot (PNG)")
     parser.add_argument("--fit", action="store_true", help="fit the weights anew, print them, and judge the estimates that they make")
