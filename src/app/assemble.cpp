@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "cache_directory.hpp"
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/delta_m.hpp"
@@ -297,21 +298,6 @@ class DomainChecker {
   Domain domain_;
 };
 
-std::filesystem::path cache_directory() {
-  std::filesystem::path folder;
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
-    folder = cache;
-  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
-    folder = std::filesystem::path(home) / ".cache";
-  } else {
-    return {};
-  }
-  folder /= "cloudbow";
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  return error ? std::filesystem::path() : folder;
-}
-
 /// Diffuse light by columns under a slanted beam is known without its azimuths only.
 void check_asks_no_azimuths(const Scene& scene) {
   const std::string found = scene.output.radiance_field ? "output.fields radiance_field"
@@ -435,6 +421,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
       field == nullptr || (std::lround((domain.max_m[0] - domain.min_m[0]) / field->cell_size_m[0]) == 1 &&
                            std::lround((domain.max_m[1] - domain.min_m[1]) / field->cell_size_m[1]) == 1);
   assembled.options = solver_options(scene, one_column);
+  assembled.one_column = one_column;
 
   std::vector<double> forward_fraction;
   for (const PhaseFunction& phase : problem.phase) {

@@ -12,6 +12,7 @@
 #include "cloud_commands.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/mie_command.hpp"
+#include "cloudbow/app/planner.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
@@ -28,8 +29,23 @@ namespace {
 /// What a subcommand sets up and then does. Only the one that the user named is run.
 using Action = std::function<int()>;
 
+/// What --target-error, --of and --budget say.
+struct GoalText {
+  std::string error, of = "domain", budget;
+
+  std::optional<Goal> goal() const {
+    if (error.empty() && budget.empty()) return std::nullopt;
+    Goal goal;
+    if (!error.empty()) goal.error = parse_target_error(error);
+    goal.of = of == "domain" ? ErrorOf::domain : ErrorOf::columns;
+    if (!budget.empty()) goal.budget_seconds = parse_budget(budget);
+    return goal;
+  }
+};
+
 void add_run(CLI::App& app, Action& action, const std::string& command) {
   auto options = std::make_shared<RunOptions>();
+  auto goal = std::make_shared<GoalText>();
   options->command = command;
   CLI::App* run_app = app.add_subcommand("run", "Solve a scene file and write one HDF5 file");
   run_app->add_option("scene", options->scene, "Scene file (TOML)")->type_name("FILE")->required();
@@ -44,10 +60,32 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
       ->check(whole_number(1, 4096));
   run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
-  run_app->add_flag("--compare", options->compare,
-                    "Solve as independent columns too; write the difference of the column fluxes");
-  run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
-  run_app->callback([&action, options] { action = [options] { return run(*options); }; });
+  auto* compare = run_app->add_flag("--compare", options->compare,
+                                    "Solve as independent columns too; write the difference of the column fluxes");
+  auto* dry_run = run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
+  run_app
+      ->add_option("--target-error", goal->error,
+                   "Choose the cheapest level of accuracy that is expected to reach this error, as 1%")
+      ->type_name("ERROR")
+      ->excludes(compare)
+      ->excludes(dry_run);
+  run_app
+      ->add_option(
+          "--budget", goal->budget,
+          "Choose the best level (with --target-error: the cheapest that reaches it) within this time, as 30s, "
+          "2m, 1.5h")
+      ->type_name("TIME")
+      ->excludes(compare)
+      ->excludes(dry_run);
+  run_app->add_option("--of", goal->of, "Fluxes that the error is of: domain, columns")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"domain", "columns"}));
+  run_app->callback([&action, options, goal] {
+    action = [options, goal] {
+      options->goal = goal->goal();
+      return run(*options);
+    };
+  });
 }
 
 void set_exposure(RenderOptions& options, const std::string& text) {
@@ -152,8 +190,9 @@ int parse_and_act(int argc, const char* const* argv) {
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, 3 solved but not converged (the result is marked "
-      "so), or a check of verify does not hold");
+      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, 3 solved but not converged or not within the "
+      "error or time asked for (the result is marked so), "
+      "or a check of verify does not hold");
   Action action;
   add_run(app, action, command_text(argc, argv));
   add_cloud(app, action);

@@ -184,6 +184,15 @@ std::optional<std::vector<std::string>> ConfigReader::find_texts(const std::stri
   return values;
 }
 
+bool ConfigReader::flag(const std::string& key, bool otherwise) const {
+  const ConfigNode* node = find(key);
+  if (node == nullptr) return otherwise;
+  const auto* value = std::get_if<bool>(&node->scalar);
+  if (node->kind != ConfigNode::Kind::scalar || value == nullptr)
+    fail(key, "neither true nor false", describe(*node), "true, false");
+  return *value;
+}
+
 std::optional<ConfigReader> ConfigReader::find_table(const std::string& key) const {
   const ConfigNode* node = find(key);
   if (node == nullptr) return std::nullopt;

@@ -575,8 +575,9 @@ class SceneReader {
   }
 
   void read_output(const ConfigReader& reader) {
-    reader.check_keys({"flux_levels", "file", "fields"});
+    reader.check_keys({"flux_levels", "file", "fields", "error_estimate"});
     SceneOutput& output = scene_.output;
+    output.error_estimate = reader.flag("error_estimate", output.error_estimate);
     if (reader.has("file")) output.file = relative_to_scene(reader.text("file"));
     if (const ConfigNode* levels = reader.find("flux_levels"); levels != nullptr) {
       if (levels->kind == ConfigNode::Kind::array) {
@@ -603,9 +604,11 @@ class SceneReader {
           output.actinic = true;
         } else if (field == "radiance_field") {
           output.radiance_field = true;
+        } else if (field == "errors") {
+          output.errors = true;
         } else if (field != "fluxes") {
           reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", field),
-                      "fluxes, absorption, actinic, radiance_field");
+                      "fluxes, absorption, actinic, radiance_field, errors");
         }
       }
     }

@@ -9,11 +9,13 @@
 #include <limits>
 #include <memory>
 
+#include "cache_directory.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/verify.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
 #include "command_checks.hpp"
+#include "machine_speed.hpp"
 #include "verify/checks.hpp"
 
 namespace cloudbow {
@@ -128,6 +130,17 @@ int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& option
   return failed == 0 ? kExitDone : kExitDoesNotHold;
 }
 
+namespace {
+
+int calibrate_and_tell() {
+  const double factor = calibrate_machine();
+  fmt::print("solves take {:.3g} times the seconds that the built-in figures predict; kept in {}\n", factor,
+             cache_directory().string());
+  return kExitDone;
+}
+
+}  // namespace
+
 void add_verify(CLI::App& app, std::function<int()>& action) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* verify_app =
@@ -135,12 +148,18 @@ void add_verify(CLI::App& app, std::function<int()>& action) {
   verify_app->add_option("--only", options->only, "These checks alone")->type_name("NAME ...");
   auto* json = verify_app->add_flag("--json", options->json, "One JSON document in the place of lines");
   verify_app->add_flag("--list", options->list, "What the checks are; nothing is checked")->excludes(json);
+  auto calibrate = std::make_shared<bool>(false);
+  verify_app->add_flag(
+      "--calibrate", *calibrate,
+      "Measure this machine's speed in place of the checks, and keep it for run --dry-run and --budget");
   verify_app->footer(
       "A line says by how much the worst case misses what must hold, in the unit that stands there, and how much it "
       "may "
       "(docs/verify.md). Scenes are made in memory; nothing is read or written. Exit codes: 0 all hold, 3 some do not, "
       "2 wrong usage.");
-  verify_app->callback([&action, options] { action = [options] { return verify(physical_checks(), *options); }; });
+  verify_app->callback([&action, options, calibrate] {
+    action = [options, calibrate] { return *calibrate ? calibrate_and_tell() : verify(physical_checks(), *options); };
+  });
 }
 
 }  // namespace cloudbow

@@ -127,6 +127,8 @@ class ResultWriter {
     write_summary(file);
     write_solver(file);
     if (!by_columns_.empty()) write_comparison(file);
+    if (!info_.error_estimates.empty()) write_error_estimate(file);
+    if (info_.plan) write_plan(file);
     write_images(file);
     write_camera_images(file);
     if (first_.radiance_field) write_radiance_field(file);
@@ -265,6 +267,81 @@ class ResultWriter {
                                {"estimated_error", of([](const Solution& s) { return s.report.estimated_error; })},
                                {"seconds_total", of([](const Solution& s) { return s.report.seconds_total; })},
                                {"cpu_seconds", of([](const Solution& s) { return s.report.cpu_seconds; })}});
+    group.close();
+  }
+
+  void write_error_estimate(hid_t file) const {
+    const auto of = [this](const auto& number_of) {
+      if (!spectral_) return netcdf4::AttributeValue(number_of(info_.error_estimates.front()));
+      std::vector<double> all;
+      for (const ErrorEstimate& estimate : info_.error_estimates) all.push_back(number_of(estimate));
+      return netcdf4::AttributeValue(all);
+    };
+    hdf5::Handle group = netcdf4::create_group(file, "error_estimate");
+    netcdf4::write_attributes(
+        group,
+        {{"units", "1"},
+         {"comment",
+          "domain: of reflectance and transmittance, fraction of incident; columns: up at the highest and down at "
+          "the lowest level, RMS over the columns / mean"}});
+    struct Named {
+      const char* name;
+      ErrorParts ErrorEstimate::*parts;
+      double ByFlux::*distance;
+    };
+    for (const Named& flux : {Named{"domain", &ErrorEstimate::domain, &ByFlux::domain},
+                              Named{"columns_up", &ErrorEstimate::up, &ByFlux::up},
+                              Named{"columns_down", &ErrorEstimate::down, &ByFlux::down}}) {
+      const auto part = [&](double ErrorParts::*which) {
+        return of([&](const ErrorEstimate& estimate) { return estimate.*flux.parts.*which; });
+      };
+      const std::string name = flux.name;
+      netcdf4::write_attributes(
+          group, {{name, of([&](const ErrorEstimate& estimate) { return (estimate.*flux.parts).total(); })},
+                  {name + "_angular", part(&ErrorParts::angular)},
+                  {name + "_spatial", part(&ErrorParts::spatial)},
+                  {name + "_iteration", part(&ErrorParts::iteration)},
+                  {name + "_angular_distance",
+                   of([&](const ErrorEstimate& estimate) { return estimate.angular_distance.*flux.distance; })},
+                  {name + "_spatial_distance",
+                   of([&](const ErrorEstimate& estimate) { return estimate.spatial_distance.*flux.distance; })}});
+    }
+    netcdf4::write_attributes(group,
+                              {{"columns", of([](const ErrorEstimate& estimate) { return estimate.columns(); })},
+                               {"cpu_seconds", of([](const ErrorEstimate& estimate) { return estimate.cpu_seconds; })},
+                               {"calibrated_for", info_.error_estimates.front().calibrated_for}});
+    group.close();
+    write_error_field(file, "upwelling_flux_error", "up at the highest level", &ErrorEstimate::upwelling_flux_error);
+    write_error_field(file, "downwelling_flux_error", "down (direct and diffuse) at the lowest level",
+                      &ErrorEstimate::downwelling_flux_error);
+  }
+
+  /// Where it was asked for.
+  void write_error_field(hid_t file, const char* name, const char* which,
+                         std::vector<float> ErrorEstimate::*field) const {
+    if ((info_.error_estimates.front().*field).empty()) return;
+    write_variable(file, name, {"y", "x"},
+                   [&](const Solution& s) -> auto& {
+                     return info_.error_estimates[static_cast<std::size_t>(&s - &first_)].*field;
+                   },
+                   {{"units", "W m-2"},
+                    {"long_name", fmt::format("estimated error of the flux {}", which)},
+                    {"cell_methods", "area: mean"}});
+  }
+
+  void write_plan(hid_t file) const {
+    const RunPlan& plan = *info_.plan;
+    hdf5::Handle group = netcdf4::create_group(file, "plan");
+    if (plan.target_error) netcdf4::write_attributes(group, {{"target_error", *plan.target_error}, {"of", plan.of}});
+    if (plan.budget_seconds) netcdf4::write_attributes(group, {{"budget_seconds", *plan.budget_seconds}});
+    netcdf4::write_attributes(group, {{"accuracy", plan.accuracy},
+                                      {"levels_solved", plan.levels_solved},
+                                      {"predicted_error", plan.predicted_error},
+                                      {"predicted_seconds", plan.predicted_seconds},
+                                      {"seconds", plan.seconds},
+                                      {"predicted_memory_bytes", plan.predicted_memory_bytes},
+                                      {"seconds_in_all", plan.seconds_in_all},
+                                      {"met", std::int32_t{plan.met}}});
     group.close();
   }
 
@@ -472,6 +549,7 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
                   std::span<const Solution> by_columns) {
   assert(by_columns.empty() || by_columns.size() == solutions.size());
   assert(!solutions.empty() && solutions.front().box.nz() >= 1);
+  assert(info.error_estimates.empty() || info.error_estimates.size() == solutions.size());
   assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
   AtomicFile target(file);
   try {

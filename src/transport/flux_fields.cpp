@@ -120,9 +120,8 @@ class FluxFields {
           problem_.grid.scattering[p], 1., carried_extinction_, sharp_beam_->irradiance);
     }
     if (peak_source_->first_order.empty()) return;
-    peak_directions_ =
-        peak_directions(peak_angles(discretisation.peak, scattering, std::max(128, options_.gather_directions / 4)),
-                        problem_.sun->travel);
+    const int count = std::max(std::min(128, options_.gather_directions), options_.gather_directions / 4);
+    peak_directions_ = peak_directions(peak_angles(discretisation.peak, scattering, count), problem_.sun->travel);
   }
 
   // The beam's light that is not direct, at a plane; `flux` holds that on the sun's own line.

@@ -66,6 +66,8 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   // Fluxes, beams and bookkeeping of the box.
   constexpr std::size_t place = 48;
   const std::size_t program = libraries + (box.columns() > 1 ? reading : 0);
+  // Scattering matrices of each phase function, as fitted, rounded and folded.
+  const std::size_t tables = 3 * sizeof(double) * phases * ordinates * (points + ordinates);
   std::size_t pixels = 0;
   std::size_t looked_along = options.views.size();
   for (const Camera& camera : options.cameras) pixels += static_cast<std::size_t>(camera.width) * camera.height;
@@ -75,7 +77,7 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   }
   // While their source is made there is a second array; images follow gradients and a copy of what lines read.
   const std::size_t images = looked_along > 0 ? real * (2 * looked_along + 12) : 0;
-  return program + active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) +
+  return program + tables + active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) +
          dense * place + pixels * sizeof(float);
 }
 

@@ -21,6 +21,7 @@ struct PhaseClassReport {
 struct AssembledScene {
   Problem problem;
   SolverOptions options;
+  bool one_column = false;                        ///< as accuracy_options() takes it
   std::optional<PhaseClassReport> phase_classes;  ///< where droplets vary from voxel to voxel
 };
 

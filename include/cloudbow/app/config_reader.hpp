@@ -53,6 +53,7 @@ class ConfigReader {
   /// find_... give nothing where the key is absent; the others then say that it is missing.
   std::optional<double> find_number(const std::string& key, const NumberRange& range) const;
   double number(const std::string& key, const NumberRange& range) const;
+  bool flag(const std::string& key, bool otherwise) const;
   std::optional<int> find_integer(const std::string& key, int low, int high) const;
   /// A number for all wavelengths, or the entry of a list with one for each.
   std::optional<double> find_number(const std::string& key, const NumberRange& range, SpectralPlace at) const;

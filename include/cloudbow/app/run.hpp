@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cloudbow/app/planner.hpp"
 #include "cloudbow/app/scene.hpp"
 
 namespace cloudbow {
@@ -17,9 +19,10 @@ struct RunOptions {
       output;       ///< empty: what the scene says, else the scene's name with .h5 in the working directory
   int threads = 0;  ///< 0: all
   bool quiet = false;
-  bool compare = false;  ///< solve as independent columns too and write the differences of the column fluxes
-  bool dry_run = false;  ///< validate, predict memory and time, write nothing
-  std::string command;   ///< as the user typed it, for the result's history
+  bool compare = false;      ///< solve as independent columns too and write the differences of the column fluxes
+  bool dry_run = false;      ///< validate, predict memory and time, write nothing
+  std::optional<Goal> goal;  ///< the level of accuracy is chosen, in place of the scene's
+  std::string command;       ///< as the user typed it, for the result's history
 };
 
 /// Exit codes of the program.
@@ -29,8 +32,8 @@ inline constexpr int kExitInputError = 2;
 inline constexpr int kExitNotConverged = 3;
 inline constexpr int kExitDoesNotHold = 3;  ///< a check of `cloudbow verify` failed
 
-/// @returns kExitDone, or kExitNotConverged where the solve did not reach its tolerance or the ledger does not close:
-/// the result is written all the same.
+/// @returns kExitDone, or kExitNotConverged where the solve did not reach its tolerance or the ledger does not close,
+/// or where the result misses the goal: it is written all the same.
 /// @throws InputError, Interrupted.
 int run(const RunOptions& options);
 

@@ -94,6 +94,8 @@ struct SceneOutput {
   bool absorption = true;
   bool actinic = false;
   bool radiance_field = false;
+  bool error_estimate = true;  ///< solve companions that tell how far off the fluxes are
+  bool errors = false;         ///< of single columns too
 };
 
 struct Scene {

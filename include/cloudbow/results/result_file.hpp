@@ -3,13 +3,30 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "cloudbow/results/error_estimate.hpp"
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
+
+/// How a run to a wanted error or time went (`/plan`).
+struct RunPlan {
+  std::optional<double> target_error;  ///< fraction
+  std::string of;                      ///< "domain" or "columns": the fluxes that it is of
+  std::optional<double> budget_seconds;
+  std::string accuracy;       ///< the level that the result is by
+  std::string levels_solved;  ///< all, in their order
+  double predicted_error = 0;
+  double predicted_seconds = 0;  ///< wall seconds of that level's solve and its companions
+  double seconds = 0;            ///< what these took
+  double predicted_memory_bytes = 0;
+  double seconds_in_all = 0;  ///< with the levels before
+  bool met = true;            ///< the target, by the estimate, and the budget
+};
 
 struct ResultInfo {
   std::string title;
@@ -21,6 +38,8 @@ struct ResultInfo {
   std::vector<std::int32_t> phase_classes{};
   std::vector<double> phase_class_error{};
   std::vector<double> wavelengths_um{};  ///< of each solution; empty: the scene has no spectrum, and one solution
+  std::vector<ErrorEstimate> error_estimates{};  ///< of each solution, or none
+  std::optional<RunPlan> plan{};
 };
 
 /// Tells before a long solve whether a result or picture could be written: makes and removes a temporary file beside

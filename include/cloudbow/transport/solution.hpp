@@ -64,6 +64,8 @@ struct SolverOptions {
   /// Radiance and source of the cells are kept in half precision, for half the memory; not where the solve is in
   /// double.
   bool half_precision_radiance = false;
+  /// Whether the source changes within a cell; false: constant in each, which shows what the cells' size matters.
+  bool linear_source = true;
   bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells take it by themselves
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed

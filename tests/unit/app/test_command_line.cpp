@@ -265,6 +265,28 @@ TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
   EXPECT_THAT(itself.errors, HasSubstr("overwrite"));
 }
 
+TEST(CommandLine, GoalsTellWhatIsWrongBeforeAnythingIsSolved) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("slab.toml", kSlab);
+  const auto result = folder / "result.h5";
+  for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--target-error", "much"}, "'much'"},
+           {{"--target-error", "0%"}, "above 0"},
+           {{"--budget", "3 days"}, "'3 days'"},
+           {{"--target-error", "1%", "--of", "clouds"}, "clouds"},
+           {{"--target-error", "1%", "--dry-run"}, "--dry-run"},
+           {{"--budget", "1m", "--compare"}, "--compare"},
+           {{"--budget", "1m", "--set", "solver.accuracy=fine"}, "solver.accuracy=fine"},
+           {{"--budget", "0.000001s"}, "too short"}}) {
+    std::vector<std::string> all{"run", scene, "-o", result};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = cloudbow(all);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(all);
+    EXPECT_THAT(outcome.errors, HasSubstr(told));
+    EXPECT_FALSE(std::filesystem::exists(result));
+  }
+}
+
 TEST(CommandLine, TradeoffTellsWhatIsWrongBeforeItSolves) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("slab.toml", kSlab);

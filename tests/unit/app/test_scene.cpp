@@ -133,7 +133,8 @@ radiance_storage = "float16"
 [output]
 file = "out/result.h5"
 flux_levels = [100, 0, 250.5]
-fields = ["fluxes", "actinic"]
+fields = ["fluxes", "actinic", "errors"]
+error_estimate = false
 )"));
   ASSERT_TRUE(scene.cloud);
   EXPECT_EQ(scene.cloud->file, folder / "cloud.vdb");
@@ -165,6 +166,8 @@ fields = ["fluxes", "actinic"]
   EXPECT_EQ(scene.output.heights_m, (std::vector<double>{0, 100, 250.5}));
   EXPECT_FALSE(scene.output.absorption);
   EXPECT_TRUE(scene.output.actinic);
+  EXPECT_TRUE(scene.output.errors);
+  EXPECT_FALSE(scene.output.error_estimate);
 }
 
 TEST(Scene, MomentsAndTablesFromFiles) {
@@ -495,7 +498,8 @@ TEST(Scene, SpectrumMistakes) {
   EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = [1, -2]")), HasSubstr("-2"));
   EXPECT_THAT(message_of(kLayers + "[spectrum]\n"), AllOf(HasSubstr("wavelengths_um"), HasSubstr("missing")));
   EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = []\n"), HasSubstr("empty"));
-  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"), HasSubstr("neither ascending nor descending"));
+  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"),
+              HasSubstr("neither ascending nor descending"));
   EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0]\n"), HasSubstr("> 0"));
   EXPECT_THAT(
       message_of(replaced("optical_depth = 0.1\n", "optical_depth = 0.1\noptical_depth_wavelength_um = 0.55\n")),

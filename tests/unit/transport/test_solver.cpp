@@ -360,6 +360,32 @@ TEST(Solve, TurnsAndMirrorImagesWithTheirSunHaveTheSameFluxes) {
   }
 }
 
+// What a linear source is worth falls with the square of the cells' size: by 4 a halving in the limit.
+TEST(ConstantSource, TendsToTheLinearOneAsCellsShrink) {
+  double before = 0;
+  for (const int cells : {8, 16, 32}) {
+    LevelOptions levels = LevelOptions::layers_only();
+    levels.layer_cells = cells;
+    const Problem problem =
+        problem_of(make_optical_grid(nullptr, {}, {{0, 1000, 8, 1, 0}}, {0, 0, 0}, {1, 1, 1000}, true, 1, {0.}, levels),
+                   PhaseFunction::henyey_greenstein(.85));
+    SolverOptions options = coarse();
+    options.double_precision = true;
+    options.tolerance = 1e-7;
+    const double linear = solve(problem, options).ledger.reflectance;
+    options.linear_source = false;
+    const Solution constant = solve(problem, options);
+    expect_finite_and_closed(constant, 1e-5);
+    const double difference = std::abs(constant.ledger.reflectance - linear);
+    if (before > 0) {
+      EXPECT_LT(difference, before / 2.5) << cells << " cells";
+    } else {
+      EXPECT_GT(difference, 1e-4) << "nothing to see";
+    }
+    before = difference;
+  }
+}
+
 // ---- many cells -----------------------------------------------------------------------------------------------------
 
 TEST(Solve, LargeFieldsCloseTheirLedgerAlongAllAxes) {

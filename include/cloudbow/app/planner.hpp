@@ -1,0 +1,52 @@
+// Which level of accuracy serves a wanted error, or a time that there is.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cloudbow {
+
+enum class ErrorOf { domain, columns };
+
+std::string name_of(ErrorOf of);
+
+/// At least one of the two numbers is given.
+struct Goal {
+  std::optional<double> error;  ///< fraction, > 0
+  ErrorOf of = ErrorOf::domain;
+  std::optional<double> budget_seconds;  ///< wall time of all solves, > 0
+};
+
+/// What a level of accuracy is expected to reach and to take in one scene.
+struct LevelForecast {
+  std::string level;
+  double error = 0;  ///< of the fluxes that the goal names; fraction
+  double seconds = 0;
+  double memory_bytes = 0;
+};
+
+/// What there is.
+struct Means {
+  double spent_seconds = 0;  ///< by solves before
+  double memory_bytes = 0;
+};
+
+/// The cheapest level that is expected to reach the error within the time and the memory; without an error the best
+/// that fits.
+/// @param levels from the coarsest on, at least one.
+/// @returns index of the level. @throws InputError where there is none; it says what would be possible.
+std::size_t choose_level(std::span<const LevelForecast> levels, const Goal& goal, const Means& means);
+
+/// The level after `level`, where time and memory allow it; else nothing.
+std::optional<std::size_t> next_level(std::span<const LevelForecast> levels, std::size_t level, const Goal& goal,
+                                      const Means& means);
+
+/// "1%", "1 %" or ".01" as a fraction. @throws InputError for anything else, and outside of (0, 1).
+double parse_target_error(const std::string& text);
+
+/// "30s", "2m", "1.5h" or "30" (seconds) in seconds. @throws InputError for anything else.
+double parse_budget(const std::string& text);
+
+}  // namespace cloudbow

@@ -1,0 +1,64 @@
+// How far off the fluxes of a solution are, judged by cheaper solutions of the same problem (docs/error-estimates.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+/// One number for each flux that errors are told of.
+struct ByFlux {
+  double domain = 0;  ///< reflectance and transmittance: the larger, fraction of incident
+  double up = 0;      ///< columns, up at the top: RMS over the columns / mean
+  double down = 0;    ///< columns, down at the bottom, direct and diffuse: RMS over the columns / mean
+};
+
+/// How far apart two solutions of one problem are. Of the domain the largest difference of the mean fluxes up and down
+/// at any level is taken: at the ends alone two solutions may agree by chance. Columns are those of the highest and the
+/// lowest level that the first one holds; the second one holds these two.
+ByFlux flux_distance(const Solution& solution, const Solution& other);
+
+/// What one unit of distance between solutions counts as an error.
+struct ErrorWeights {
+  ByFlux angular;  ///< of that between the solution and its companion with fewer directions
+  ByFlux spatial;  ///< of that between the companion and the same with a source that is constant in each cell
+  ByFlux least;    ///< below which no error is believed to be
+};
+
+/// Fractions as in ByFlux.
+struct ErrorParts {
+  double angular = 0;
+  double spatial = 0;
+  double iteration = 0;
+  double total() const;  ///< root of the sum of squares
+};
+
+struct ErrorEstimate {
+  ErrorParts domain, up, down;
+  ByFlux angular_distance, spatial_distance;  ///< before they were weighed
+  double cpu_seconds = 0;                     ///< of the companions
+  double table_seconds = 0;                   ///< wall seconds of theirs that went into scattering tables
+  std::string calibrated_for;                 ///< a level of accuracy
+  /// [ny][nx] W m-2, where asked for: up at the highest level, down at the lowest. Their RMS is that of the estimate;
+  /// they are large where the companions differ.
+  std::vector<float> upwelling_flux_error, downwelling_flux_error;
+
+  double columns() const;  ///< the larger of up and down
+};
+
+/// Solutions with cheaper options, of the same problem.
+struct Companions {
+  Solution linear;    ///< fewer directions
+  Solution constant;  ///< the same with SolverOptions::linear_source = false
+};
+
+/// @param fields whether the errors of single columns are asked for.
+ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
+                             bool fields);
+
+/// "estimated error ..." as one line in per cent, for the summary; ends with a newline.
+std::string error_line(const ErrorEstimate& estimate);
+
+}  // namespace cloudbow

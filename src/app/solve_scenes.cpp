@@ -1,0 +1,52 @@
+#include "solve_scenes.hpp"
+
+#include <fmt/format.h>
+
+#include "cloudbow/app/error_calibration.hpp"
+#include "cloudbow/app/interrupt.hpp"
+#include "cloudbow/app/progress.hpp"
+#include "companions.hpp"
+
+namespace cloudbow {
+namespace {
+
+ErrorEstimate estimate(const Scene& scene, const AssembledScene& assembled, const Solution& solution) {
+  const Companions companions =
+      solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, assembled.one_column,
+                       [](const SolverProgress&) { InterruptGuard::check(); });
+  ErrorEstimate error = estimate_error(solution, companions, error_weights(scene.solver.accuracy, assembled.one_column),
+                                       scene.output.errors);
+  error.calibrated_for = scene.solver.accuracy;
+  return error;
+}
+
+}  // namespace
+
+Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunOptions& options,
+                 std::uint64_t available, CloudFiles& files) {
+  Solved solved;
+  for (const Scene& scene : scenes) {
+    AssembledScene assembled =
+        forecast.only ? std::move(*forecast.only) : assemble(scene, available, files, forecast.levels_m);
+    assembled.options.threads = options.threads;
+    if (scene.wavelength_um && !options.quiet) fmt::print(stderr, "wavelength {} um\n", *scene.wavelength_um);
+    const auto solve_shown = [&](const SolverOptions& how) {
+      ProgressDisplay display(options.quiet, how.tolerance);
+      return solve(assembled.problem, how, [&display](const SolverProgress& progress) {
+        InterruptGuard::check();
+        display.show(progress);
+      });
+    };
+    solved.solutions.push_back(solve_shown(assembled.options));
+    if (scene.output.error_estimate) solved.errors.push_back(estimate(scene, assembled, solved.solutions.back()));
+    if (options.compare) {
+      if (!options.quiet) fmt::print(stderr, "independent columns\n");
+      solved.by_columns.push_back(solve_shown(by_columns(assembled.options)));
+    }
+    if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
+    InterruptGuard::check();
+  }
+  return solved;
+}
+
+}  // namespace cloudbow

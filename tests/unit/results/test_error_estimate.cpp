@@ -1,0 +1,106 @@
+// Truth: closed forms. The solutions are made up, so that every distance is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cloudbow/results/error_estimate.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double kRounding = 1e-6;  // fluxes of columns are floats
+
+/// 3 x 2 columns, two levels, 10 W m-2 in; up and down in units of which the means are 2 and 6.
+Solution made_up(double up_offset, double down_offset) {
+  Solution solution;
+  solution.box.nx = 3;
+  solution.box.ny = 2;
+  solution.box.z_edge_m = {0, 1};
+  solution.flux_level = {0, 1};
+  for (int level = 0; level < 2; ++level) {
+    for (int c = 0; c < 6; ++c) {
+      const double sign = c % 2 == 0 ? 1 : -1;
+      solution.upwelling_flux.push_back(static_cast<float>(2 + sign * up_offset));
+      solution.downwelling_diffuse_flux.push_back(static_cast<float>(4 + sign * down_offset));
+      solution.direct_flux.push_back(2);
+    }
+  }
+  solution.profile_upwelling_flux = {1, 2};
+  solution.profile_downwelling_diffuse_flux = {4, 2};
+  solution.profile_direct_flux = {2, 8};
+  solution.ledger.reflectance = .2;
+  solution.ledger.transmittance = .6;
+  return solution;
+}
+
+double rms(const std::vector<float>& field) {
+  double square = 0;
+  for (const float value : field) square += static_cast<double>(value) * static_cast<double>(value);
+  return std::sqrt(square / static_cast<double>(field.size()));
+}
+
+TEST(FluxDistance, OfASolutionToItselfIsZero) {
+  const ByFlux distance = flux_distance(made_up(.1, .3), made_up(.1, .3));
+  EXPECT_EQ(distance.domain, 0);
+  EXPECT_EQ(distance.up, 0);
+  EXPECT_EQ(distance.down, 0);
+}
+
+TEST(FluxDistance, OfColumnsIsTheirRootMeanSquareOverTheMean) {
+  const ByFlux distance = flux_distance(made_up(0, 0), made_up(.1, .3));
+  EXPECT_NEAR(distance.up, .1 / 2, kRounding);
+  EXPECT_NEAR(distance.down, .3 / 6, kRounding);
+  EXPECT_EQ(distance.domain, 0);
+}
+
+TEST(FluxDistance, OfTheDomainIsTheLargestOfAnyLevel) {
+  Solution other = made_up(0, 0);
+  other.profile_upwelling_flux[0] += .5;
+  other.ledger.reflectance += .01;
+  EXPECT_NEAR(flux_distance(made_up(0, 0), other).domain, .05, 1e-12);
+  other.ledger.transmittance -= .07;
+  EXPECT_NEAR(flux_distance(made_up(0, 0), other).domain, .07, 1e-12);
+}
+
+TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
+  Solution solution = made_up(0, 0);
+  solution.report.estimated_error = .003;
+  const Companions companions{made_up(.1, .3), made_up(.14, .3)};
+  const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {.001, 0, .1}};
+  const ErrorEstimate estimate = estimate_error(solution, companions, weights, false);
+  EXPECT_NEAR(estimate.up.angular, .5 * .05, kRounding);
+  EXPECT_NEAR(estimate.up.spatial, 2 * .02, kRounding);
+  EXPECT_EQ(estimate.up.iteration, .003);
+  EXPECT_NEAR(estimate.up.total(), std::sqrt(.025 * .025 + .04 * .04 + .003 * .003), kRounding);
+  EXPECT_EQ(estimate.domain.angular, .001) << "the least";
+  EXPECT_EQ(estimate.down.angular, .1) << "the least";
+  EXPECT_EQ(estimate.columns(), estimate.down.total());
+  EXPECT_TRUE(estimate.upwelling_flux_error.empty());
+}
+
+TEST(ErrorEstimate, OfSingleColumnsHasTheRootMeanSquareOfTheWhole) {
+  Solution solution = made_up(0, 0);
+  solution.report.estimated_error = .003;
+  const Companions companions{made_up(.1, .3), made_up(.14, .35)};
+  const ErrorEstimate estimate = estimate_error(solution, companions, {{1, .5, .5}, {1, 2, 1}, {0, 0, 0}}, true);
+  ASSERT_EQ(estimate.upwelling_flux_error.size(), 6u);
+  EXPECT_NEAR(rms(estimate.upwelling_flux_error), 2 * estimate.up.total(), kRounding);
+  EXPECT_NEAR(rms(estimate.downwelling_flux_error), 6 * estimate.down.total(), kRounding);
+}
+
+TEST(ErrorEstimate, OfSingleColumnsIsLargeWhereCompanionsDiffer) {
+  Solution solution = made_up(0, 0);
+  solution.box.nx = 6;
+  solution.box.ny = 1;
+  Solution other = solution;
+  other.upwelling_flux[6] += 1;  // at the top, first column; its neighbours share it across the seam
+  const ErrorEstimate estimate = estimate_error(solution, {other, other}, {{1, 1, 1}, {1, 1, 1}, {0, 0, 0}}, true);
+  const std::vector<float>& field = estimate.upwelling_flux_error;
+  EXPECT_GT(field[0], 0);
+  EXPECT_EQ(field[0], field[1]);
+  EXPECT_EQ(field[0], field[5]);
+  EXPECT_EQ(field[3], 0);
+}
+
+}  // namespace
+}  // namespace cloudbow
