@@ -44,7 +44,7 @@ width = 2
 height = 2
 [output]
 flux_levels = "boundaries"
-fields = ["fluxes", "absorption", "actinic", "radiance_field"]
+fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors"]
 """
 SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
 
@@ -91,9 +91,10 @@ def main():
         (Path(folder) / "cells.csv").write_text(CELLS)
         (Path(folder) / "functions.csv").write_text(FUNCTIONS)
         cloudbow("cloud", "import", "cells.csv", "--phase-functions", "functions.csv", "-o", "cloud.vdb", "--quiet")
-        for name, text in (("one", SCENE), ("spectrum", SCENE + SPECTRUM)):
+        for name, text, options in (("one", SCENE, ["--compare"]), ("spectrum", SCENE + SPECTRUM, ["--compare"]),
+                                    ("goal", SCENE, ["--target-error", "90%", "--of", "columns", "--budget", "1000s"])):
             (Path(folder) / f"{name}.toml").write_text(text)
-            cloudbow("run", f"{name}.toml", "--quiet", "--compare", "-o", f"{name}.h5")
+            cloudbow("run", f"{name}.toml", "--quiet", *options, "-o", f"{name}.h5")
             for all_names, names in zip(found, written(Path(folder) / f"{name}.h5")):
                 all_names |= names
     found[0].difference_update({name for name in found[0] if re.fullmatch(r"/\w+/wavelength", name)})  # the page says: in every group

@@ -27,7 +27,7 @@ def main():
                 if scene.parent.name == "gallery":  # minutes each: foreseen only
                     cloudbow.call("run", scene, "--dry-run")
                     continue
-                result = cloudbow.run(scene, output, "--set", "solver.accuracy=draft")
+                result = cloudbow.run(scene, output, "--set", "solver.accuracy=draft", error_estimate=True)
                 with xarray.open_dataset(output) as data:
                     images = [name for name in data if name.startswith(("radiance_", "camera_"))]
                     finite = all(bool(data[name].notnull().all()) for name in ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux"))

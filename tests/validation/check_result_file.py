@@ -99,7 +99,7 @@ def main():
             cloudbow.call("cloud", "make", "slab", "--cells", 6, 5, 8, "--voxel-size-m", 50, 50, 25, "--optical-depth", 3, "-o", folder / "slab.vdb")
             scene, path = folder / "slab.toml", folder / "slab.h5"
             scene.write_text(support.scene_text(SCENE))
-            cloudbow.run(scene, path)
+            cloudbow.run(scene, path, error_estimate=True)
         for engine in ("netcdf4", "h5netcdf"):
             check_dataset(path, engine, complain)
         check_groups(path, complain)

@@ -54,7 +54,7 @@ def plane_parallel_rows(options, cloudbow, folder):
         text, _ = plane_parallel.layers_scene(case, accuracy, column_fluxes.C1_MOMENTS)
         scene, output = folder / f"{case['id']}_{accuracy}.toml", folder / f"{case['id']}_{accuracy}.h5"
         scene.write_text(text)
-        result = cloudbow.run(scene, output, accept=(0, 3))
+        result = cloudbow.run(scene, output, accept=(0, 3), error_estimate=True)
         incident = case["mu0"] * case["F0"] + math.pi * case["isotropic_top"]
         top, bottom = case["results"]["levels"][0], case["results"]["levels"][-1]
         up, down = top["flux_up"], bottom["flux_down_diffuse"] + bottom["flux_down_direct"]
@@ -78,7 +78,7 @@ def isolated_rows(options, cloudbow, folder):
         for accuracy in options.accuracy:
             scene, output = folder / "isolated.toml", folder / "isolated.h5"
             scene.write_text(column_fluxes.scene(case, cloud, accuracy))
-            result = cloudbow.run(scene, output, accept=(0, 3))
+            result = cloudbow.run(scene, output, accept=(0, 3), error_estimate=True)
             true = {}
             means = []
             for flux, name, plane in (("columns_up", "up_top", result.upward_at_top()), ("columns_down", "down_bottom", result.downward_at_bottom())):
@@ -102,7 +102,7 @@ def field_rows(options, cloudbow, folder):
                     continue
                 scene, output = folder / "field.toml", folder / "field.h5"
                 scene.write_text(intercomparison.scene(case, options.reference / "fields", accuracy))
-                result = cloudbow.run(scene, output, accept=(0, 3))
+                result = cloudbow.run(scene, output, accept=(0, 3), error_estimate=True)
                 found = intercomparison.compare(case, result, intercomparison.read_reference(options.reference / case.reference))
                 true = {"domain": without_noise(found["domain"], found["domain_noise"]) / 100, "columns_up": found["up"] / 100, "columns_down": found["down"] / 100}
                 rows += row_of(name, case.name, accuracy, output, result, true)

@@ -87,7 +87,7 @@ def main():
     rows = []
     with support.Workspace(options.keep) as folder:
         for name in options.scenes or SCENES:
-            truth = cloudbow.run(ROOT / f"configs/{name}.toml", folder / f"{name}.h5", "--set", "solver.accuracy=reference", "--set", "output.error_estimate=false", *CHEAP, accept=(0, 3))
+            truth = cloudbow.run(ROOT / f"configs/{name}.toml", folder / f"{name}.h5", "--set", "solver.accuracy=reference", *CHEAP, accept=(0, 3))
             for of in options.of:
                 for target in options.target:
                     rows.append(row_of(name, target, of, cloudbow, folder, truth))

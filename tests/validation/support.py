@@ -69,9 +69,11 @@ class Cloudbow:
             raise Failure(f"cloudbow {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stderr}")
         return done
 
-    def run(self, scene, output, *options, accept=(0,)):
-        """Solves the scene file and reads the result. A child's own resource use is measured, not that of the whole test."""
+    def run(self, scene, output, *options, accept=(0,), error_estimate=False):
+        """Solves the scene file and reads the result; without its companions unless error_estimate. A child's own resource use is measured, not that of the whole test."""
         command = [self.program, "run", str(scene), "-o", str(output), "--quiet", *map(str, options)]
+        if not error_estimate:
+            command += ["--set", "output.error_estimate=false"]
         if self.threads:
             command += ["--threads", str(self.threads)]
         with tempfile.TemporaryFile() as messages:
