@@ -40,8 +40,10 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
     solved.solutions.push_back(solve_shown(assembled.options));
     if (scene.output.error_estimate) solved.errors.push_back(estimate(scene, assembled, solved.solutions.back()));
     if (options.compare) {
-      if (!options.quiet) fmt::print(stderr, "independent columns\n");
-      solved.by_columns.push_back(solve_shown(by_columns(assembled.options)));
+      // A single column is its own independent column.
+      const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
+      if (!options.quiet && !alone) fmt::print(stderr, "independent columns\n");
+      solved.by_columns.push_back(alone ? solved.solutions.back() : solve_shown(by_columns(assembled.options)));
     }
     if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
     InterruptGuard::check();
