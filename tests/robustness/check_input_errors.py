@@ -216,6 +216,9 @@ def main():
         checker.expect_error("output is a directory", ["run", scene, "--quiet", "-o", folder / "folder"], ["folder"], output)
         checker.expect_error("unknown key set", [*run, "--set", "sun.zenit_deg=3"], ["sun.zenit_deg"], output)
         checker.expect_error("value set out of range", [*run, "--set", "sun.zenith_deg=95"], ["sun.zenith_deg", "95"], output)
+        checker.expect_error("azimuths of columns that have none", [*run, "--set", "solver.mode=independent-diffuse", "--set", 'output.fields=["radiance_field"]'],
+                             ["solver.mode", "independent-diffuse", "radiance_field"], output)
+        checker.expect_error("storage that there is not", [*run, "--set", "solver.radiance_storage=float8"], ["solver.radiance_storage", "float8", "float16"], output)
         checker.expect_error("layer that is not there", [*run, "--set", "layer.0.optical_depth=2"], ["layer"], output)
         crashing = Path(__file__).resolve().parents[1] / "data" / "les_that_crashes_hdf5.nc"
         checker.expect_error("import: a file on which HDF5 crashes", ["cloud", "import", crashing, "--quiet", "-o", folder / "output.vdb"],

@@ -639,7 +639,7 @@ TEST(Solve, OpenSidesLeaveNoAxisOut) {
   EXPECT_EQ(solve(problem, options).report.left_out_axes, "");
 }
 
-// Eleven bits a radiance: each is off by 2^-12 at most when it is stored as radiance, and once more as source. Fluxes
+// Eleven bits a radiance: each is off by 2^-10 at most when it is stored as radiance, and once more as source. Fluxes
 // are means of some hundred of them.
 TEST(Solve, HalfPrecisionStorageChangesFluxesByItsRounding) {
   Problem problem = random_problem(true, .02, 1, .3);
