@@ -63,12 +63,31 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   auto* compare = run_app->add_flag("--compare", options->compare,
                                     "Solve as independent columns too; write the difference of the column fluxes");
   auto* dry_run = run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
+  auto* checkpoint =
+      run_app
+          ->add_option("--checkpoint", options->checkpoint,
+                       "Keep the state of the iteration here, for --resume: every few minutes, when a signal ends the "
+                       "run, and when the iteration is done")
+          ->type_name("FILE");
+  run_app->add_option("--checkpoint-every", options->checkpoint_minutes, "Minutes between checkpoints")
+      ->type_name("MINUTES")
+      ->needs(checkpoint)
+      ->capture_default_str()
+      ->check(finite_number(0, "minutes >= 0"));
+  auto* resume =
+      run_app
+          ->add_option("--resume", options->resume,
+                       "Go on from a checkpoint, to the same bits; that of another sun, surface or output is a first "
+                       "guess. May be the --checkpoint of the same command: not there yet, the run begins anew")
+          ->type_name("FILE");
   run_app
       ->add_option("--target-error", goal->error,
                    "Choose the cheapest level of accuracy that is expected to reach this error, as 1%")
       ->type_name("ERROR")
       ->excludes(compare)
-      ->excludes(dry_run);
+      ->excludes(dry_run)
+      ->excludes(checkpoint)
+      ->excludes(resume);
   run_app
       ->add_option(
           "--budget", goal->budget,
@@ -76,7 +95,9 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
           "2m, 1.5h")
       ->type_name("TIME")
       ->excludes(compare)
-      ->excludes(dry_run);
+      ->excludes(dry_run)
+      ->excludes(checkpoint)
+      ->excludes(resume);
   run_app->add_option("--of", goal->of, "Fluxes that the error is of: domain, columns")
       ->capture_default_str()
       ->check(CLI::IsMember({"domain", "columns"}));

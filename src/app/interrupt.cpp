@@ -28,6 +28,8 @@ InterruptGuard::~InterruptGuard() {
   for (std::size_t n = 0; n < kSignals.size(); ++n) sigaction(kSignals[n], &previous_[n], nullptr);
 }
 
+bool InterruptGuard::noted() { return noted_signal != 0; }
+
 void InterruptGuard::check() {
   if (noted_signal != 0) throw Interrupted{noted_signal};
 }

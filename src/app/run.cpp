@@ -16,6 +16,7 @@
 #include "cloudbow/transport/columns.hpp"
 #include "goal_run.hpp"
 #include "history.hpp"
+#include "run_checkpoints.hpp"
 #include "solve_scenes.hpp"
 
 namespace cloudbow {
@@ -133,7 +134,11 @@ int run(const RunOptions& options) {
   const std::filesystem::path output = output_file(options, first);
   check_not_an_input(output, first);
   if (options.compare) check_comparable(first);
-  if (!options.dry_run) check_writable(output);
+  if (!options.dry_run) {
+    check_writable(output);
+    check_checkpoints(options, scenes.size(), output);
+    if (!options.checkpoint.empty()) check_not_an_input(options.checkpoint, first);
+  }
 
   const std::uint64_t available = physical_memory_bytes();
   CloudFiles files(scenes.size() > 1);

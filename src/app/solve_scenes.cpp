@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "cloudbow/app/error_calibration.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/progress.hpp"
 #include "companions.hpp"
+#include "run_checkpoints.hpp"
 
 namespace cloudbow {
 namespace {
@@ -30,20 +33,29 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
         forecast.only ? std::move(*forecast.only) : assemble(scene, available, files, forecast.levels_m);
     assembled.options.threads = options.threads;
     if (scene.wavelength_um && !options.quiet) fmt::print(stderr, "wavelength {} um\n", *scene.wavelength_um);
-    const auto solve_shown = [&](const SolverOptions& how) {
+    const auto solve_shown = [&](const SolverOptions& how, Checkpoints* checkpoints) {
       ProgressDisplay display(options.quiet, how.tolerance);
-      return solve(assembled.problem, how, [&display](const SolverProgress& progress) {
-        InterruptGuard::check();
-        display.show(progress);
-      });
+      // Between sweeps a signal waits for the checkpoint.
+      const bool kept = checkpoints != nullptr && !options.checkpoint.empty();
+      return solve(
+          assembled.problem, how,
+          [&display, kept](const SolverProgress& progress) {
+            if (!kept || progress.phase != "sweep") InterruptGuard::check();
+            display.show(progress);
+          },
+          checkpoints);
     };
-    solved.solutions.push_back(solve_shown(assembled.options));
+    std::optional<RunCheckpoints> checkpoints;
+    if (!options.checkpoint.empty() || !options.resume.empty())
+      checkpoints.emplace(options, solved.solutions.size(), scenes.size());
+    solved.solutions.push_back(solve_shown(assembled.options, checkpoints ? &*checkpoints : nullptr));
     if (scene.output.error_estimate) solved.errors.push_back(estimate(scene, assembled, solved.solutions.back()));
     if (options.compare) {
       // A single column is its own independent column.
       const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
       if (!options.quiet && !alone) fmt::print(stderr, "independent columns\n");
-      solved.by_columns.push_back(alone ? solved.solutions.back() : solve_shown(by_columns(assembled.options)));
+      solved.by_columns.push_back(alone ? solved.solutions.back()
+                                        : solve_shown(by_columns(assembled.options), nullptr));
     }
     if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
     InterruptGuard::check();

@@ -58,6 +58,18 @@ Ground<Real>::Ground(const Surface& surface, const OrdinateSet& ordinates, const
 }
 
 template <class Real>
+void Ground<Real>::add_to(Digest& digest) const {
+  digest.add(albedo_);
+  digest.add(std::span<const float>(albedo_map_));
+  if (!table_) return;
+  for (const Eigen::MatrixXd* matrix : {&table_->points_from_down, &table_->up_from_down})
+    digest.add(std::span<const double>(matrix->data(), static_cast<std::size_t>(matrix->size())));
+  for (const Eigen::VectorXd* column : {&table_->points_from_beam, &table_->up_from_beam, &table_->albedo})
+    digest.add(std::span<const double>(column->data(), static_cast<std::size_t>(column->size())));
+  digest.add(table_->beam_albedo);
+}
+
+template <class Real>
 double Ground<Real>::mean_albedo() const {
   if (table_) return table_->bihemispherical_albedo;
   if (albedo_map_.empty()) return albedo_;

@@ -50,7 +50,8 @@ std::string mode_of(const BoxGrid& box, const SolverOptions& options) {
 }
 
 template <class Real>
-Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
+Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+                  Checkpoints* checkpoints) {
   const auto start = Clock::now();
   const double cpu_start = cpu_seconds();
   Solution solution;
@@ -88,7 +89,8 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
       system, {options.tolerance, options.energy_tolerance, options.max_sweeps, options.half_precision_radiance},
       [&](int sweep, double error, double residual) {
         if (progress) progress({"sweep", sweep, error, residual, 0});
-      });
+      },
+      checkpoints);
   solution.ledger = solved.ledger;
   report.converged = solved.report.converged;
   report.sweeps = solved.report.sweeps;
@@ -154,14 +156,15 @@ Solution solve_without_azimuths(const Problem& problem, const SolverOptions& opt
 
 }  // namespace
 
-Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
+Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+               Checkpoints* checkpoints) {
   if (const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
       uniform.any()) {
     SolverOptions less = options;
     less.leave_out_uniform_axes = false;
     const Problem small = without_axes(problem, uniform);
     less.double_precision = options.double_precision || one_column(small.grid.box);  // costs nothing there
-    Solution solution = solve(small, less, progress);
+    Solution solution = solve(small, less, progress, checkpoints);
     spread(problem, uniform, solution);
     solution.report.left_out_axes = uniform.x && uniform.y ? "x, y" : uniform.x ? "x" : "y";
     return solution;
@@ -174,11 +177,11 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
   if (options.actinic && problem.grid.active_cells() < cells) {
     Problem full = problem;
     full.grid = with_empty_cells(problem.grid);
-    return runs_in_double(full, options) ? solve_as<double>(full, options, progress)
-                                         : solve_as<float>(full, options, progress);
+    return runs_in_double(full, options) ? solve_as<double>(full, options, progress, checkpoints)
+                                         : solve_as<float>(full, options, progress, checkpoints);
   }
-  return runs_in_double(problem, options) ? solve_as<double>(problem, options, progress)
-                                          : solve_as<float>(problem, options, progress);
+  return runs_in_double(problem, options) ? solve_as<double>(problem, options, progress, checkpoints)
+                                          : solve_as<float>(problem, options, progress, checkpoints);
 }
 
 }  // namespace cloudbow

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "cloudbow/transport/anderson.hpp"
+#include "cloudbow/transport/iteration_state.hpp"
 #include "cloudbow/transport/low_order_correction.hpp"
 
 namespace cloudbow {
@@ -72,25 +73,39 @@ std::optional<Real> unit_of_halves(const TransportSystem<Real>& system, const It
   return static_cast<Real>(std::exp2(std::round(std::log2(system.power_in / std::numbers::pi)) - 6));
 }
 
+template <class Real>
+double relative_size(std::span<const Real> change, std::span<const Real> of) {
+  const double size = std::sqrt(ordered_dot<Real>(of, of));
+  return size > 0 ? std::sqrt(ordered_dot<Real>(change, change)) / size : 0;
+}
+
+// The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
+// rho/(1 - rho).
+double estimated_error(const std::vector<double>& steps) {
+  double rho = .5;
+  if (steps.size() >= 3 && steps[steps.size() - 3] > 0)
+    rho = std::clamp(std::sqrt(steps.back() / steps[steps.size() - 3]), .2, .95);
+  return steps.back() * std::max(least_safety, rho / (1 - rho));
+}
+
 }  // namespace
 
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
-                                     const IterationCallback& progress) {
+                                     const IterationCallback& progress, Checkpoints* checkpoints) {
   const std::size_t n = system.cells->size();
-  IterationResult<Real> result;
+  IterationState<Real> state(anderson_depth);
+  IterationResult<Real>& result = state.result;
   result.radiance = AngularField<Real>(system.ordinates.size(), n, unit_of_halves(system, options));
   result.moments.assign(low_moments * n, Real(0));
   IterationReport& report = result.report;
+  const bool restored = checkpoints != nullptr && restore_state(system, options, state, *checkpoints);
+  if (state.done) return std::move(result);
 
   std::optional<LowOrderCorrection<Real>> low_order;
   SweepWorkspace<Real> work;
-  AndersonMixer<Real> mixer(anderson_depth);
-  std::vector<Real> x(low_moments * n, Real(0));  // moments that scattered in this sweep
+  std::vector<Real>&x = state.x, &change = state.change;
   std::vector<Real> g(low_moments * n);
-  std::vector<Real> change;   // of the moments by a sweep; then what is added to them before they scatter again
-  std::vector<double> steps;  // relative size of each accelerated change
-  bool nearly_done = false;
   const double energy_tolerance = result.radiance.packed()
                                       ? std::max(options.energy_tolerance, energy_tolerance_of_halves)
                                       : options.energy_tolerance;
@@ -98,17 +113,20 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   {
     const Stopwatch watch(report.seconds_acceleration);
     low_order.emplace(system);
-    if (!system.beam.empty()) {
+    if (!restored) x.assign(low_moments * n, Real(0));
+    if (!restored && !system.beam.empty()) {
       low_order->guess(x);
       change = x;
     }
   }
 
-  for (report.sweeps = 1;; ++report.sweeps) {
-    const bool record = nearly_done || report.sweeps == options.max_sweeps;
+  for (;;) {
+    ++report.sweeps;
+    const bool record = state.nearly_done || report.sweeps == options.max_sweeps;
     {
       const Stopwatch watch(report.seconds_scattering);
-      system.scatter(result.radiance, change, report.sweeps == 1);
+      system.scatter(result.radiance, change, state.dark);
+      state.dark = false;
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
@@ -117,47 +135,49 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n));
 
-    const Stopwatch watch(report.seconds_acceleration);
-    change.resize(low_moments * n);
+    {
+      const Stopwatch watch(report.seconds_acceleration);
+      change.resize(low_moments * n);
 #pragma omp parallel for simd schedule(static)
-    for (std::size_t c = 0; c < change.size(); ++c) change[c] = result.moments[c] - x[c];
-    low_order->correct(change, g);
+      for (std::size_t c = 0; c < change.size(); ++c) change[c] = result.moments[c] - x[c];
+      low_order->correct(change, g);
 #pragma omp parallel for simd schedule(static)
-    for (std::size_t c = 0; c < change.size(); ++c) {
-      g[c] += result.moments[c];
-      change[c] = g[c] - x[c];
+      for (std::size_t c = 0; c < change.size(); ++c) {
+        g[c] += result.moments[c];
+        change[c] = g[c] - x[c];
+      }
+      state.steps.push_back(
+          relative_size<Real>(std::span<const Real>(change).first(n), std::span<const Real>(g).first(n)));
     }
-    const auto flux = [n](const std::vector<Real>& of) { return std::span<const Real>(of).first(n); };
-    const double size = std::sqrt(ordered_dot<Real>(flux(g), flux(g)));
-    const double step = size > 0 ? std::sqrt(ordered_dot<Real>(flux(change), flux(change))) / size : 0;
-    steps.push_back(step);
-    // The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
-    // rho/(1 - rho).
-    double rho = .5;
-    if (steps.size() >= 3 && steps[steps.size() - 3] > 0)
-      rho = std::clamp(std::sqrt(step / steps[steps.size() - 3]), .2, .95);
-    report.estimated_error = step * std::max(least_safety, rho / (1 - rho));
+    report.estimated_error = estimated_error(state.steps);
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
     const double imbalance = std::abs(result.ledger.residual);
     const bool within_tolerance = report.estimated_error <= options.tolerance && imbalance <= energy_tolerance;
     if (record && (within_tolerance || report.sweeps >= options.max_sweeps)) {
       report.converged = within_tolerance;
+      state.done = true;
       break;
     }
     // Recording costs a little of a sweep; a sweep within tolerance that was not recorded costs another.
-    nearly_done = report.estimated_error <= 100 * options.tolerance && imbalance <= 100 * energy_tolerance;
-    mixer.advance(std::span(x).first(mixed), std::span<const Real>(g).first(mixed));
-    std::copy(g.begin() + static_cast<std::ptrdiff_t>(mixed), g.end(), x.begin() + static_cast<std::ptrdiff_t>(mixed));
+    state.nearly_done = report.estimated_error <= 100 * options.tolerance && imbalance <= 100 * energy_tolerance;
+    {
+      const Stopwatch watch(report.seconds_acceleration);
+      state.mixer.advance(std::span(x).first(mixed), std::span<const Real>(g).first(mixed));
+      std::copy(g.begin() + static_cast<std::ptrdiff_t>(mixed), g.end(),
+                x.begin() + static_cast<std::ptrdiff_t>(mixed));
 #pragma omp parallel for simd schedule(static)
-    for (std::size_t c = 0; c < change.size(); ++c) change[c] = x[c] - result.moments[c];
+      for (std::size_t c = 0; c < change.size(); ++c) change[c] = x[c] - result.moments[c];
+    }
+    if (checkpoints != nullptr && checkpoints->due()) save_state(system, state, *checkpoints);
   }
-  return result;
+  if (checkpoints != nullptr) save_state(system, state, *checkpoints);
+  return std::move(result);
 }
 
 template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&,
-                                                      const IterationCallback&);
+                                                      const IterationCallback&, Checkpoints*);
 template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&,
-                                                        const IterationCallback&);
+                                                        const IterationCallback&, Checkpoints*);
 
 }  // namespace cloudbow

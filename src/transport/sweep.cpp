@@ -241,8 +241,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   const OrdinateSet& ordinates = system.ordinates;
   const std::size_t columns = box.columns();
   const int levels = box.nz() + 1;
-  const bool one_column = columns == 1 && box.periodic;
-  const bool keep_columns = record && (system.vertical || one_column);
+  const bool keep_columns = record && system.exchanges_no_light();
   std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
   std::vector<std::vector<Real>> exit(ordinates.size());
   std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height

@@ -19,7 +19,9 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// @throws Interrupted where a signal has come.
+  /// Whether a signal has come.
+  static bool noted();
+  /// @throws Interrupted where one has.
   static void check();
 
  private:

@@ -22,7 +22,10 @@ struct RunOptions {
   bool compare = false;      ///< solve as independent columns too and write the differences of the column fluxes
   bool dry_run = false;      ///< validate, predict memory and time, write nothing
   std::optional<Goal> goal;  ///< the level of accuracy is chosen, in place of the scene's
-  std::string command;       ///< as the user typed it, for the result's history
+  std::filesystem::path checkpoint;  ///< keeps the state of the iteration here; empty: nowhere
+  double checkpoint_minutes = 10;    ///< after so many, >= 0; and where a signal ends the run, and when it is done
+  std::filesystem::path resume;      ///< begins with the state here; empty: from nothing
+  std::string command;               ///< as the user typed it, for the result's history
 };
 
 /// Exit codes of the program.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cloudbow/core/digest.hpp"
 #include "cloudbow/medium/surface.hpp"
 #include "cloudbow/transport/scattering.hpp"
 
@@ -58,6 +59,8 @@ class Ground {
   double mean_albedo() const;
   double largest_albedo() const;  ///< over directions and columns
   const std::optional<ReflectionTable>& table() const { return table_; }
+  /// What its reflections depend on.
+  void add_to(Digest& digest) const;
 
  private:
   double albedo(std::size_t column) const { return albedo_map_.empty() ? albedo_ : albedo_map_[column]; }

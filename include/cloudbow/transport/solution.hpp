@@ -14,6 +14,7 @@
 #include "cloudbow/optics/phase_function.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/transport/camera.hpp"
+#include "cloudbow/transport/checkpoints.hpp"
 
 namespace cloudbow {
 
@@ -157,7 +158,9 @@ struct SolverProgress {
 using ProgressCallback = std::function<void(const SolverProgress&)>;
 
 /// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points).
-Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {});
+/// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
+Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
+               Checkpoints* checkpoints = nullptr);
 
 /// Peak memory in bytes that solve() will need, within about 10 %.
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options);

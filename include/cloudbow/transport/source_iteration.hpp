@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "cloudbow/transport/checkpoints.hpp"
 #include "cloudbow/transport/solution.hpp"
 #include "cloudbow/transport/sweep.hpp"
 
@@ -40,8 +41,10 @@ struct IterationResult {
 
 using IterationCallback = std::function<void(int sweep, double estimated_error, double energy_residual)>;
 
+/// @param checkpoints where the iteration begins and leaves its state: where they say that it is due, and at its end;
+/// or null.
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
-                                     const IterationCallback& progress);
+                                     const IterationCallback& progress, Checkpoints* checkpoints = nullptr);
 
 }  // namespace cloudbow

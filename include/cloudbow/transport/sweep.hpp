@@ -42,6 +42,8 @@ struct TransportSystem {
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
 
+  bool exchanges_no_light() const { return vertical || (box.periodic && box.columns() == 1); }
+
   /// Makes `low` and `folded`, once ordinates and scattering are there.
   void fold_scattering();
   /// Radiance, with this added to its moments (empty: nothing), becomes source.
