@@ -16,6 +16,7 @@
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/optics/phase_classes.hpp"
 #include "cloudbow/results/raster_file.hpp"
+#include "cloudbow/transport/columns.hpp"
 
 namespace cloudbow {
 namespace {
@@ -349,6 +350,19 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   return options;
 }
 
+// Layers alone are a column of their own, and have their fluxes without iteration, more exactly and sooner. Who sets
+// what the iteration alone has means the iteration. Voxels that do not vary agree with those that do a little, so they
+// are solved as these are.
+void solve_layers_without_iteration(const Scene& scene, const Problem& problem, SolverOptions& options) {
+  const SceneSolver& solver = scene.solver;
+  if (scene.cloud || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 || solver.control_points ||
+      solver.directions || solver.delta_m_order || solver.fit)
+    return;
+  SolverOptions by_columns = options;
+  by_columns.independent_columns = true;
+  if (solved_without_azimuths(problem, by_columns)) options = by_columns;
+}
+
 int nearest_edge(const std::vector<double>& edges, double z) {
   const auto nearest = std::min_element(edges.begin(), edges.end(),
                                         [z](double a, double b) { return std::abs(a - z) < std::abs(b - z); });
@@ -449,6 +463,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
     auto& listed = assembled.options.listed_levels;
     if (listed.empty() || listed.back() != level) listed.push_back(level);
   }
+  solve_layers_without_iteration(scene, problem, assembled.options);
   return assembled;
 }
 

@@ -11,7 +11,12 @@ namespace {
 constexpr double kTolerance = 1e-2;
 constexpr double kEnergyTolerance = 1e-3;
 
+// Columns without azimuths: of a field of them as few streams as still tell, for the time; of one column more than it
+// has, whose error their distance then is.
 constexpr int kFewStreams = 4;
+constexpr int kMostStreams = 16;
+int streams_of_field(int streams) { return streams > kFewStreams ? kFewStreams : 2 * kFewStreams; }
+int streams_of_column(int streams) { return streams < kMostStreams ? std::min(2 * streams, kMostStreams) : 12; }
 
 struct Directions {
   int control_points;
@@ -40,12 +45,14 @@ void set_directions(const Directions& directions, SolverOptions& options) {
 
 }  // namespace
 
-SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, bool one_column) {
+SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
   SolverOptions other = options;
   const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
-  if (one_column) {
+  other.column_streams = as == SolvedAs::column_by_its_streams ? streams_of_column(options.column_streams)
+                                                               : streams_of_field(options.column_streams);
+  if (as == SolvedAs::column) {
     set_directions(accuracy == "draft" ? kColumnOfDraft : accuracy == "balanced" ? kColumnOfBalanced : kColumn, other);
-  } else {
+  } else if (as == SolvedAs::field) {
     set_directions(kField, other);
     other.gather_directions = std::min(options.gather_directions, 32);
     other.beam_rays = 1;
@@ -66,11 +73,10 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
 }
 
 Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                            bool one_column, const ProgressCallback& progress) {
-  SolverOptions other = companion_options(options, accuracy, one_column);
+                            SolvedAs as, const ProgressCallback& progress) {
+  SolverOptions other = companion_options(options, accuracy, as);
   Companions companions;
   if (solved_without_azimuths(problem, other)) {  // exact in the vertical
-    other.column_streams = options.column_streams > kFewStreams ? kFewStreams : 2 * kFewStreams;
     companions.linear = solve(problem, other, progress);
     companions.constant = companions.linear;
     return companions;
@@ -82,8 +88,8 @@ Companions solve_companions(const Problem& problem, const SolverOptions& options
 }
 
 double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                                 bool one_column) {
-  return 2 * predict_seconds(problem, companion_options(options, accuracy, one_column));
+                                 SolvedAs as) {
+  return 2 * predict_seconds(problem, companion_options(options, accuracy, as));
 }
 
 }  // namespace cloudbow

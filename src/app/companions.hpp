@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "cloudbow/app/error_calibration.hpp"
 #include "cloudbow/results/error_estimate.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -10,15 +11,15 @@ namespace cloudbow {
 
 /// Other directions, fewer of everything (more for a single column at the coarser levels); fluxes at the highest and
 /// the lowest level alone.
-/// @param accuracy the level that `options` are of. @param one_column as accuracy_options() takes it.
-SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, bool one_column);
+/// @param accuracy the level that `options` are of.
+SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
 /// Both companions of a solution by `options`.
 Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                            bool one_column, const ProgressCallback& progress);
+                            SolvedAs as, const ProgressCallback& progress);
 
 /// Wall seconds of them, as predict_seconds().
 double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                                 bool one_column);
+                                 SolvedAs as);
 
 }  // namespace cloudbow

@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 
+#include "cloudbow/transport/columns.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -33,8 +35,17 @@ constexpr std::array<Calibration, 4> kColumns{{
     {"reference", {{.64, 1.7, 6.4}, {0, 0, 0}, {3e-5, 3e-5, 1e-4}}, {.026, .14, .4}},
 }};
 
-const Calibration& calibration(const std::string& accuracy, bool one_column) {
-  const auto& table = one_column ? kColumns : kFields;
+// Companions have twice the streams, so that distances are errors, with a third in reserve; `reference` is held against
+// three quarters of its streams, whose distance is more than its error.
+constexpr std::array<Calibration, 4> kColumnsByStreams{{
+    {"draft", {{1.3, 1.3, 1.3}, {0, 0, 0}, {1e-5, 1e-4, 3e-5}}, {1, 1, 1}},
+    {"balanced", {{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 0, 3e-5}}, {.073, .03, .16}},
+    {"fine", {{1.3, 1.7, 1.3}, {0, 0, 0}, {3e-6, 3e-5, 1e-5}}, {.019, .03, .03}},
+    {"reference", {{.3, .7, .3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}}, {.009, .01, .01}},
+}};
+
+const Calibration& calibration(const std::string& accuracy, SolvedAs as) {
+  const auto& table = as == SolvedAs::field ? kFields : as == SolvedAs::column ? kColumns : kColumnsByStreams;
   const auto* const found =
       std::find_if(table.begin(), table.end(), [&](const Calibration& c) { return accuracy == c.accuracy; });
   assert(found != table.end());
@@ -43,12 +54,15 @@ const Calibration& calibration(const std::string& accuracy, bool one_column) {
 
 }  // namespace
 
-ErrorWeights error_weights(const std::string& accuracy, bool one_column) {
-  return calibration(accuracy, one_column).weights;
+SolvedAs solved_as(const Problem& problem, const SolverOptions& options, bool one_column) {
+  if (one_column && solved_without_azimuths(problem, options)) return SolvedAs::column_by_its_streams;
+  return one_column ? SolvedAs::column : SolvedAs::field;
 }
 
-ByFlux error_ratio_to_draft(const std::string& accuracy, bool one_column) {
-  return calibration(accuracy, one_column).ratio_to_draft;
+ErrorWeights error_weights(const std::string& accuracy, SolvedAs as) { return calibration(accuracy, as).weights; }
+
+ByFlux error_ratio_to_draft(const std::string& accuracy, SolvedAs as) {
+  return calibration(accuracy, as).ratio_to_draft;
 }
 
 }  // namespace cloudbow

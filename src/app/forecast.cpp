@@ -68,9 +68,9 @@ Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int
     forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, assembled.options));
     forecast.seconds += predict_seconds(assembled.problem, assembled.options);
     if (scene.output.error_estimate) {
-      forecast.seconds +=
-          predict_companion_seconds(assembled.problem, assembled.options, scene.solver.accuracy, assembled.one_column);
-      const SolverOptions companion = companion_options(assembled.options, scene.solver.accuracy, assembled.one_column);
+      const SolvedAs as = solved_as(assembled.problem, assembled.options, assembled.one_column);
+      forecast.seconds += predict_companion_seconds(assembled.problem, assembled.options, scene.solver.accuracy, as);
+      const SolverOptions companion = companion_options(assembled.options, scene.solver.accuracy, as);
       forecast.memory =
           std::max(forecast.memory, predict_memory(assembled.problem, companion) + solution_bytes(assembled));
     }

@@ -104,7 +104,7 @@ class GoalRunner {
     for (std::size_t n = 1; n < names_.size(); ++n) {
       LevelForecast level = forecast_of(names_[n]);
       level.seconds *= pace;
-      level.error = expected_error(of_draft, goal_.of, error_ratio_to_draft(names_[n], one_column_));
+      level.error = expected_error(of_draft, goal_.of, error_ratio_to_draft(names_[n], solved_as_));
       levels_.push_back(level);
     }
     levels_.front().error = error_of(of_draft, goal_.of);
@@ -115,7 +115,7 @@ class GoalRunner {
     result_.scenes = scenes_at(options_, names_[level]);
     result_.solved = {};
     Forecast expected = forecast(result_.scenes, available_, options_.threads, false, files_);
-    if (expected.only) one_column_ = expected.only->one_column;
+    if (const auto& only = expected.only) solved_as_ = solved_as(only->problem, only->options, only->one_column);
     const auto start = Clock::now();
     result_.solved = solve_all(result_.scenes, std::move(expected), options_, available_, files_);
     result_.plan.seconds = seconds_since(start) - table_seconds(result_.solved);
@@ -159,7 +159,7 @@ class GoalRunner {
   const Clock::time_point start_ = Clock::now();
   std::vector<LevelForecast> levels_;
   double first_seconds_ = 0;
-  bool one_column_ = false;
+  SolvedAs solved_as_ = SolvedAs::field;
   GoalRun result_;
 };
 

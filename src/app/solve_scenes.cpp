@@ -14,11 +14,11 @@ namespace cloudbow {
 namespace {
 
 ErrorEstimate estimate(const Scene& scene, const AssembledScene& assembled, const Solution& solution) {
-  const Companions companions =
-      solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, assembled.one_column,
-                       [](const SolverProgress&) { InterruptGuard::check(); });
-  ErrorEstimate error = estimate_error(solution, companions, error_weights(scene.solver.accuracy, assembled.one_column),
-                                       scene.output.errors);
+  const SolvedAs as = solved_as(assembled.problem, assembled.options, assembled.one_column);
+  const Companions companions = solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, as,
+                                                 [](const SolverProgress&) { InterruptGuard::check(); });
+  ErrorEstimate error =
+      estimate_error(solution, companions, error_weights(scene.solver.accuracy, as), scene.output.errors);
   error.calibrated_for = scene.solver.accuracy;
   return error;
 }

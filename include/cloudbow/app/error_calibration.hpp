@@ -8,11 +8,20 @@
 
 namespace cloudbow {
 
-/// Weights for estimate_error() at a level of accuracy.
+/// How a scene is solved, which is how its companions are.
+enum class SolvedAs {
+  field,
+  column,                ///< one, with iteration
+  column_by_its_streams  ///< one, without
+};
+
 /// @param one_column as accuracy_options() takes it.
-ErrorWeights error_weights(const std::string& accuracy, bool one_column);
+SolvedAs solved_as(const Problem& problem, const SolverOptions& options, bool one_column);
+
+/// Weights for estimate_error() at a level of accuracy.
+ErrorWeights error_weights(const std::string& accuracy, SolvedAs as);
 
 /// Estimated error of a level over that of `draft` in the same scene, as expected before the level is solved.
-ByFlux error_ratio_to_draft(const std::string& accuracy, bool one_column);
+ByFlux error_ratio_to_draft(const std::string& accuracy, SolvedAs as);
 
 }  // namespace cloudbow

@@ -210,7 +210,10 @@ TEST(CommandLine, RunsASlab) {
   const Outcome outcome = cloudbow({"run", scene, "-o", result, "--threads", "1"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_TRUE(std::filesystem::exists(result));
-  EXPECT_THAT(outcome.errors, HasSubstr("sweep"));
+  EXPECT_THAT(outcome.errors, HasSubstr("columns"));
+  const Outcome iterated = cloudbow({"run", scene, "-o", result, "--set", "solver.mode=3d"});
+  EXPECT_EQ(iterated.exit_code, 0) << iterated.errors;
+  EXPECT_THAT(iterated.errors, HasSubstr("sweep"));
   const Outcome quiet = cloudbow({"run", scene, "-o", result, "--quiet", "--set", "sun.zenith_deg=10"});
   EXPECT_EQ(quiet.exit_code, 0);
   EXPECT_EQ(quiet.output + quiet.errors, "");
@@ -239,7 +242,8 @@ TEST(CommandLine, DryRunWritesNothing) {
 TEST(CommandLine, NotConvergedIsThreeAndStillWritten) {
   const TemporaryFolder folder;
   const Outcome outcome = cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--quiet",
-                                    "--set", "solver.max_sweeps=1", "--set", "layer.0.optical_depth=50"});
+                                    "--set", "solver.mode=3d", "--set", "solver.max_sweeps=1", "--set",
+                                    "layer.0.optical_depth=50"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.errors, HasSubstr("not converged"));
   EXPECT_TRUE(std::filesystem::exists(folder / "result.h5"));
