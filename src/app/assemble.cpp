@@ -329,6 +329,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.fit.cache_directory = cache_directory();
   options.gather_directions = solver.gather_directions.value_or(options.gather_directions);
   options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
+  options.largest_level_depth = solver.largest_level_depth.value_or(options.largest_level_depth);
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
   options.half_precision_radiance = solver.half_precision_radiance;

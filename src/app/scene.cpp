@@ -538,8 +538,8 @@ class SceneReader {
 
   void read_solver(const ConfigReader& reader) {
     reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
-                       "beam_rays", "column_streams", "tolerance", "class_tolerance", "max_sweeps",
-                       "radiance_storage"});
+                       "beam_rays", "column_streams", "largest_level_depth", "tolerance", "class_tolerance",
+                       "max_sweeps", "radiance_storage"});
     SceneSolver& solver = scene_.solver;
     const std::string mode =
         reader.find_choice("mode", {"auto", "3d", "independent-columns", "independent-diffuse"}).value_or("auto");
@@ -568,6 +568,7 @@ class SceneReader {
       }
     }
     solver.column_streams = reader.find_integer("column_streams", 2, 16);
+    solver.largest_level_depth = reader.find_number("largest_level_depth", {">= 0", 0, 1e9});
     solver.tolerance = reader.find_number("tolerance", kTolerance);
     solver.class_tolerance = reader.find_number("class_tolerance", {"0 to 0.1", 0, 0.1});
     solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);

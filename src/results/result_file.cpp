@@ -472,6 +472,7 @@ class ResultWriter {
                                {"radiance_storage", first_.report.radiance_storage},
                                {"mode", first_.report.mode},
                                {"left_out_axes", first_.report.left_out_axes},
+                               {"added_levels", whole(&R::added_levels)},
                                {"active_voxels", size(&R::active_voxels)},
                                {"threads", whole(&R::threads)},
                                {"seconds_total", real(&R::seconds_total)},

@@ -21,6 +21,8 @@ std::string summary_table(const Solution& solution) {
     line("side gain", fraction(ledger.side_gain));
     line("side loss", fraction(ledger.side_loss));
   }
+  if (report.added_levels > 0)
+    line("levels", fmt::format(" {} more, where the direct beam fades within a voxel", report.added_levels));
   if (!report.left_out_axes.empty())
     line("solved as", fmt::format(" {}: nothing varies along {}", report.mode, report.left_out_axes));
   line("energy residual", fmt::format("{:9.1e}", ledger.residual));

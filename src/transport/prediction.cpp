@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/camera_view.hpp"
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/thick_levels.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 #include "cloudbow/transport/uniform_axes.hpp"
 
@@ -24,6 +25,14 @@ std::optional<std::pair<Problem, SolverOptions>> without_uniform_axes(const Prob
   return std::pair(without_axes(problem, uniform), less);
 }
 
+// What is solved, where levels are cut.
+std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& problem, const SolverOptions& options) {
+  if (options.largest_level_depth <= 0 || solved_without_azimuths(problem, options)) return std::nullopt;
+  const CutLevels cut = cut_thick_levels(problem, options, options.largest_level_depth);
+  if (cut.added(problem.grid.box) == 0) return std::nullopt;
+  return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
+}
+
 }  // namespace
 
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options) {
@@ -32,6 +41,10 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
     const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
     // Fluxes and absorption of the whole, and on their way into the file.
     return predict_memory(less->first, less->second) + grid + 8 * cells * sizeof(float);
+  }
+  if (const auto fine = in_cut_levels(problem, options)) {
+    const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
+    return predict_memory(fine->first, fine->second) + grid;
   }
   // Libraries; reading a cloud takes another one.
   constexpr std::size_t libraries = 20'000'000;
@@ -83,6 +96,7 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
   if (const auto less = without_uniform_axes(problem, options)) return predict_seconds(less->first, less->second);
+  if (const auto fine = in_cut_levels(problem, options)) return predict_seconds(fine->first, fine->second);
   if (solved_without_azimuths(problem, options))
     return columns_seconds(problem, options, runs_in_double(problem, options));
   // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest

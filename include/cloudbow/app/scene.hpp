@@ -81,6 +81,7 @@ struct SceneSolver {
   std::optional<int> gather_directions;
   std::optional<int> beam_rays;
   std::optional<int> column_streams;
+  std::optional<double> largest_level_depth;
   std::optional<double> tolerance;
   std::optional<double> class_tolerance;
   int max_sweeps = 200;

@@ -67,6 +67,9 @@ struct SolverOptions {
   bool half_precision_radiance = false;
   /// Whether the source changes within a cell; false: constant in each, which shows what the cells' size matters.
   bool linear_source = true;
+  /// Levels in which the direct beam fades are solved in parts, the first of this slant optical depth
+  /// (thick_levels.hpp); 0: as they are.
+  double largest_level_depth = 0;
   bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells take it by themselves
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, where flux_levels is listed
@@ -101,6 +104,7 @@ struct SolverReport {
   std::string directions;
   std::string mode;           ///< "1d", "2d", "3d", "independent-columns" or "independent-diffuse"
   std::string left_out_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
+  int added_levels = 0;       ///< by cutting levels in which the direct beam fades
   std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;
   int threads = 1;

@@ -69,6 +69,7 @@ inline Solution solution(int nx, int ny, int nz, std::vector<int> flux_level = {
               .directions = "double-gauss-8x16",
               .mode = "3d",
               .left_out_axes = "x",
+              .added_levels = 3,
               .radiance_storage = "float32",
               .active_voxels = 5'000'000'000,
               .threads = 2,

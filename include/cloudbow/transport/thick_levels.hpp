@@ -1,0 +1,33 @@
+// Levels in which the direct beam fades within a cell are cut where it does: the source there, as straight as cells
+// have it, would be too even. Nothing is cut where little light is left, or where cells are thin.
+#pragma once
+
+#include <vector>
+
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+/// The levels of a box, some of them in parts.
+struct CutLevels {
+  std::vector<double> z_edge_m;  ///< of the parts, ascending
+  std::vector<int> level;        ///< [parts] the level that each is of
+
+  int added(const BoxGrid& box) const { return static_cast<int>(level.size()) - box.nz(); }
+};
+
+/// The first part of a level, from above, has the slant optical depth `largest` (delta-M scaled, over mu0; mean over
+/// the cells by the power that the beam leaves there), each further one twice that of the part above it. Levels in
+/// which less than a hundredth of the incident beam is scattered or absorbed stay whole.
+/// @param largest > 0; 0: all levels stay whole.
+CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options, double largest);
+
+/// The same problem with cells for each part.
+Problem with_cut_levels(const Problem& problem, const CutLevels& cut);
+/// Its options: listed levels have other indices.
+SolverOptions with_cut_levels(const SolverOptions& options, const CutLevels& cut);
+
+/// The solution of a problem with cut levels becomes that of the whole: fluxes at its levels, means of its cells.
+void join_levels(const Problem& whole, const CutLevels& cut, Solution& solution);
+
+}  // namespace cloudbow
