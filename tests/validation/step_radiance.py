@@ -4,7 +4,7 @@
 Truth: local estimates of an independent photon-by-photon model on the same cells. Its noise is known (standard errors) and is taken out of the RMS
 over columns: RMS^2 minus the mean of se^2. Needs CLOUDBOW_REFERENCE_DIR; skipped without.
 
-usage: step_radiance.py [--accuracy fine] [--limits 1.5 2] [--table FILE NAME]
+usage: step_radiance.py [--accuracy fine] [--limits 1.5 2]
 """
 import csv
 import math
@@ -36,18 +36,21 @@ def reference(path):
     return {name: (values[:, head.index(name)], values[:, head.index(name) + 1]) for name, _, _ in VIEWS}
 
 
-def main():
+def arguments():
     parser = support.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("--accuracy", default="fine")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a key of the scene for all cases")
     parser.add_argument("--limits", nargs=2, type=float, default=(1.5, 2.0), help="RMS over columns in %%: straight up, slanted")
-    parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"))
-    options = parser.parse_args()
+    return parser
+
+
+def figures(options):
+    """A row for every case and view, in per cent."""
     folder = support.reference_folder()
     if folder is None:
         support.skip("CLOUDBOW_REFERENCE_DIR is not set; it names the folder with i3rc/step_radiance_*.csv")
     cloudbow = support.Cloudbow(options.cloudbow, options.threads or 1)
-    rows, failed = [], False
+    rows = []
     with support.Workspace(options.keep) as workspace:
         for albedo, mu0 in CASES:
             path = workspace / f"step_{albedo}_{mu0}.toml"
@@ -61,15 +64,18 @@ def main():
                 rms = 100 * math.copysign(math.sqrt(abs(square)), square) / wanted.mean()
                 noise = 100 * math.sqrt(np.mean(error**2)) / wanted.mean()
                 mean = 100 * (found.mean() / wanted.mean() - 1)
-                limit = options.limits[0 if zenith == 0 else 1]
-                failed = failed or rms > limit
-                rows.append([f"mu0 {mu0}, ssa {albedo}", f"zenith {zenith:.0f}, azimuth {azimuth:.0f}", f"{mean:+.2f}", f"{rms:.2f}", f"{noise:.2f}",
-                             f"{limit:g}"])
-    text = support.markdown_table(["step cloud", "sensor", "mean %", "RMS over columns %, noise taken out", "noise %", "allowed"], rows)
-    print(text)
-    if options.table:
-        support.write_between_markers(*options.table, text)
-    return 1 if failed else 0
+                mean_noise = 100 * math.sqrt((error**2).sum()) / wanted.sum()
+                rows.append({"case": f"mu0 {mu0}, ssa {albedo}", "sensor": f"zenith {zenith:.0f}, azimuth {azimuth:.0f}", "mean": mean, "rms": rms,
+                             "noise": noise, "mean_noise": mean_noise, "limit": options.limits[0 if zenith == 0 else 1]})
+    return rows
+
+
+def main():
+    rows = figures(arguments().parse_args())
+    print(support.markdown_table(["step cloud", "sensor", "mean %", "RMS over columns %, noise taken out", "noise %", "allowed"],
+                                 [[row["case"], row["sensor"], f"{row['mean']:+.2f}", f"{row['rms']:.2f}", f"{row['noise']:.2f}", f"{row['limit']:g}"]
+                                  for row in rows]))
+    return 1 if any(row["rms"] > row["limit"] for row in rows) else 0
 
 
 if __name__ == "__main__":
