@@ -181,11 +181,12 @@ def plot(path, studies):
         for order, style in ((2, ":"), (4, "-.")):
             axis.loglog(steps, 0.02 * (steps / steps[1]) ** order, style, color="0.6", lw=1, label=f"order {order}")
         axis.set_xlim(steps)
+        axis.set_ylim(bottom=axis.get_ylim()[0] / 300)  # room for the legend
         axis.set_title(title)
         axis.set_xlabel("cell / field or layer" if title == "space" else "distance of control points / that of 42; 1 / polar angles")
         axis.set_ylabel("error (fluxes: of incident)")
         axis.grid(True, which="major", alpha=0.3)
-        axis.legend(fontsize=7)
+        axis.legend(fontsize=7, loc="lower right")
     figure.savefig(path, dpi=110)
 
 

@@ -20,7 +20,7 @@ from support import ROOT
 FLUXES = ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux")
 AZIMUTHS = (37.0, 180.0)
 DOMAIN_LIMIT = 0.03  # % of incident: ordinates and fitted moments turn with the scene, so only the fit's higher moments differ
-COLUMN_LIMIT = 1.5   # % RMS / mean: the error of column fluxes at `balanced` (docs/accuracy.md), in both of the two solutions
+COLUMN_LIMIT = 1.5   # % RMS / mean: the error of column fluxes at `balanced` (docs/validation.md), in both of the two solutions
 
 
 def scene(cloud, sun, **solver):
@@ -47,10 +47,11 @@ class Driver:
         self.cloudbow.call("cloud", "make", "cumulus", "--cells", 30, 24, 16, "--voxel-size-m", 50, 50, 50, "--cover", 0.3, "--seed", 7, "-o", cloud)
         return cloud
 
-    def solve(self, name, text, *options):
+    def solve(self, name, text, threads=None):
         path = self.folder / f"{name}.toml"
         path.write_text(text)
-        return self.cloudbow.run(path, self.folder / f"{name}.h5", *options)
+        cloudbow = support.Cloudbow(self.cloudbow.program, threads or self.cloudbow.threads)
+        return cloudbow.run(path, self.folder / f"{name}.h5")
 
     def check(self, what, found, limit, unit=""):
         """Good where |found| <= limit; of bits the number that differ."""
@@ -109,7 +110,7 @@ def check_bearing(driver):
 
 
 def check_threads(driver):
-    one, two = (driver.solve(f"threads_{n}", scene(driver.cloud, {"azimuth_deg": 37.0}), "--threads", n) for n in (1, 2))
+    one, two = (driver.solve(f"threads_{n}", scene(driver.cloud, {"azimuth_deg": 37.0}), n) for n in (1, 2))
     driver.check("1 and 2 threads give the same bits", different_values(one, two), 0, "values differ")
 
 
