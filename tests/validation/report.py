@@ -11,10 +11,11 @@ import io
 import json
 import math
 import re
+import resource
+import shlex
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import convergence
@@ -34,6 +35,9 @@ from support import ROOT, markdown_table
 PAGE = ROOT / "docs/validation.md"
 TEMPLATE = Path(__file__).with_suffix("").parent / "validation.md.in"
 IMAGES = ROOT / "docs/images"
+# Of the build's folder of tests, by the option that drivers have for them.
+PROGRAMS = {"monte_carlo": "reference/monte_carlo", "cloud_cells": "reference/cloud_cells", "plane_parallel": "reference/plane_parallel",
+            "turn_cloud": "validation/turn_cloud"}
 LEVELS = ("draft", "balanced", "fine", "reference")
 # Single-layer cases that are solved as voxels in 3D: without the columns of optical depth 1000 and more, which take minutes.
 VOXEL_CASES = "a_*,b_*,c_*,d_*,e_ext_tau1e-06*,e_ext_tau0.001*,g_*,i_*"
@@ -51,15 +55,14 @@ class Section:
         self.commands = []
 
     def figures(self, driver, *words):
-        parser = driver.arguments()
-        known = {action.dest for action in parser._actions}
-        common = ["--cloudbow", self.options.cloudbow, "--threads", self.options.threads]
-        common += ["--jobs", 1] if "jobs" in known else []
-        common += [word for dest in ("monte_carlo", "cloud_cells", "plane_parallel", "turn_cloud") if dest in known
-                   for word in (f"--{dest.replace('_', '-')}", getattr(self.options, dest))]
         self.tell(f"tests/validation/{driver.__name__}.py", *words)
+        options = driver.arguments().parse_args([str(word) for word in words])
+        programs = {name: self.options.tests / path for name, path in PROGRAMS.items()}
+        for name, value in {"cloudbow": self.options.cloudbow, "threads": self.options.threads, "jobs": 1, **programs}.items():
+            if hasattr(options, name):
+                setattr(options, name, value)
         try:
-            return driver.figures(parser.parse_args([str(word) for word in (*words, *common)]))
+            return driver.figures(options)
         except SystemExit as end:
             if end.code == support.SKIPPED:
                 raise Skipped(f"{driver.__name__}.py was skipped") from None
@@ -72,7 +75,7 @@ class Section:
         return folder
 
     def tell(self, *words):
-        command = " ".join(str(word) if re.fullmatch(r"[\w./=,-]+", str(word)) else f"'{word}'" for word in words)
+        command = " ".join(shlex.quote(str(word).replace(f"{ROOT}/", "")) for word in words)
         self.commands.append(command)
         print(f"    {command}", file=sys.stderr, flush=True)
 
@@ -175,8 +178,7 @@ def plane_parallel_section(section):
 
 def voxels(section):
     levels = LEVELS[:2]
-    subset = ("--reference", "tests/data/plane_parallel_subset.json") if Path("tests/data").exists() else ("--reference", str(ROOT / "tests/data/plane_parallel_subset.json"))
-    found = {level: section.figures(plane_parallel, "--voxels", *subset, "--cases", VOXEL_CASES, "--accuracy", level) for level in levels}
+    found = {level: section.figures(plane_parallel, "--voxels", "--reference", ROOT / "tests/data/plane_parallel_subset.json", "--cases", VOXEL_CASES, "--accuracy", level) for level in levels}
     lines = []
     for group in [*sorted({row["case"][0] for row in found[levels[0]]}), None]:
         of = [[row for row in found[level] if group in (None, row["case"][0])] for level in levels]
@@ -243,7 +245,7 @@ def landsat(section):
     section.references()
     rows = [{"accuracy": level, **row} for level in LEVELS[:2] for row in section.figures(intercomparison, "landsat", "--accuracy", level)]
     rows.sort(key=lambda row: row["case"])
-    return markdown_table(CLOUD_HEADER, cloud_lines(rows)) + over(rows)
+    return markdown_table(CLOUD_HEADER, cloud_lines(rows))
 
 
 def made(section):
@@ -372,8 +374,13 @@ def blocks_of(page):
     return {name: text for name, text in re.findall(r"<!-- begin ([\w-]+) -->\n(.*?)\n<!-- end \1 -->", page, re.DOTALL)}
 
 
+def cpu_seconds():
+    """Of this process and of those it started."""
+    return sum(usage.ru_utime + usage.ru_stime for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)))
+
+
 def seconds_of(block):
-    match = re.search(r"took (\d+) s", block)
+    match = re.search(r"took (\d+) CPU s", block)
     return int(match.group(1)) if match else 0
 
 
@@ -381,17 +388,17 @@ def make(name, options):
     """The block of a section, with its commands and the time it took; None where it cannot be made."""
     section = Section(options)
     print(f"{name} ...", file=sys.stderr, flush=True)
-    start = time.monotonic()
+    start = cpu_seconds()
     try:
         with contextlib.redirect_stdout(io.StringIO() if not options.verbose else sys.stderr):
             text = SECTIONS[name](section)
     except Skipped as reason:
         print(f"{name}: left as it is: {reason}", file=sys.stderr)
         return None
-    seconds = time.monotonic() - start
-    print(f"{name}: {seconds:.0f} s", file=sys.stderr, flush=True)
+    seconds = cpu_seconds() - start
+    print(f"{name}: {seconds:.0f} CPU s", file=sys.stderr, flush=True)
     commands = "; ".join(f"`{command}`" for command in dict.fromkeys(section.commands))
-    return f"{text.strip()}\n\nBy `scripts/validate --section {name}`, which took {seconds:.0f} s: {commands}."
+    return f"{text.strip()}\n\nBy `scripts/validate --section {name}`, which took {seconds:.0f} CPU s: {commands}."
 
 
 def write(blocks):
@@ -426,8 +433,6 @@ def main():
     unknown = set(wanted) - set(SECTIONS)
     if unknown:
         sys.exit(f"unknown section {', '.join(sorted(unknown))} (there are {', '.join(SECTIONS)})")
-    options.monte_carlo, options.cloud_cells = options.tests / "reference/monte_carlo", options.tests / "reference/cloud_cells"
-    options.plane_parallel, options.turn_cloud = options.tests / "reference/plane_parallel", options.tests / "validation/turn_cloud"
     blocks = blocks_of(PAGE.read_text()) if PAGE.exists() else {}
     for name in wanted:
         block = make(name, options)
