@@ -114,13 +114,14 @@ def histogram(path, panels):
         axis.set_xlabel("error, %")
         axis.set_ylabel("share of the cases, %")
         axis.set_title(title)
-        axis.legend(fontsize=8, loc="upper left")
+        axis.set_ylim(top=1.35 * axis.get_ylim()[1])  # room for the legend
+        axis.legend(fontsize=8, loc="upper left", ncol=2)
     figure.savefig(path, dpi=110)
 
 
 def plane_parallel_source():
     """Where its cases are: the reference folder's file, else the subset of tests/data."""
-    return "all cases" if support.reference_folder() else "the subset in tests/data"
+    return "all that have no thermal light" if support.reference_folder() else "the subset in `tests/data`"
 
 
 # ---- sections -------------------------------------------------------------------------------------------------------
@@ -159,7 +160,7 @@ def plane_parallel_section(section):
     found = {level: [row for row in rows if "failure" not in row] for level, rows in found.items()}
     edge = lambda row: max(row["up"], row["diffuse"], row["direct"])
     inside = lambda row: row["profile"]
-    text = f"{len(found[LEVELS[0]])} cases ({plane_parallel_source()}). In % of the incident flux, median / worst.\n"
+    text = f"{len(found[LEVELS[0]])} cases, {plane_parallel_source()}. In % of the incident flux, median / worst.\n"
     for title, error in (("top and bottom: upward, diffuse and direct", edge), ("whole profile: every level, every flux", inside)):
         lines = []
         for group in [*sorted({row["case"][0] for row in found[LEVELS[0]]}), None]:
@@ -249,7 +250,7 @@ def landsat(section):
 
 
 def made(section):
-    rows = section.figures(made_fields, "--accuracy", "draft", "balanced")
+    rows = section.figures(made_fields)
     return markdown_table(CLOUD_HEADER, cloud_lines(rows)) + over(rows)
 
 
