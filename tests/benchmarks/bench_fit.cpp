@@ -21,7 +21,7 @@ struct Level {
   int control_points, delta_m_order, beam_delta_m_order, exact_moments, half_range_rows;
   bool minimax;
 };
-// As docs/accuracy.md.
+// As src/app/accuracy.cpp.
 constexpr Level levels[] = {{"draft", "double-gauss-6x8", 42, 6, 8, 2, 2, true},
                             {"balanced", "double-gauss-8x16", 162, 8, 12, 3, 3, true},
                             {"fine", "double-gauss-12x24", 162, 10, 14, 3, 3, true},

@@ -70,7 +70,7 @@ def against_the_best(scene, cloudbow, folder):
 
 
 def monte_carlo_point(case, references, options):
-    solution = monte_carlo.MonteCarlo(options.monte_carlo).run(job(case, references, options), options.photons, seed=11)
+    solution = monte_carlo.MonteCarlo(options.monte_carlo).run(job(case, references / "fields", options), options.photons, seed=11)
     up, down = solution.up[1], solution.down[0]
     percent = lambda plane: 100 * math.sqrt(np.mean(intercomparison.blocks(plane.error, case.block, error=True) ** 2)) / plane.mean
     return Point(f"Monte Carlo, {solution.photons:.0e} photons", solution.cpu_seconds, math.nan, 100 * max(up.mean_error, down.mean_error), percent(up), percent(down))

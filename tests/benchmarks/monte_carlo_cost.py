@@ -38,7 +38,7 @@ class Race:
 
     def __init__(self, case, references, cloudbow, options, folder, image):
         program = monte_carlo.MonteCarlo(options.monte_carlo)
-        task = job(case, references, options, [NADIR] if image else [])
+        task = job(case, references / "fields", options, [NADIR] if image else [])
         self.results = {accuracy: [] for accuracy in ACCURACIES}
         solutions = []
         for _ in range(REPEATS):
@@ -86,7 +86,7 @@ def images(references, cloudbow, options, folder):
     rows = []
     for name, case in CASES.items():
         race = Race(case, references, cloudbow, options, folder, image=True)
-        truth = monte_carlo.MonteCarlo(options.monte_carlo).run(job(case, references, options, [NADIR]), options.reference_photons, seed=202).radiance[0]
+        truth = monte_carlo.MonteCarlo(options.monte_carlo).run(job(case, references / "fields", options, [NADIR]), options.reference_photons, seed=202).radiance[0]
         image = race.solution.radiance[0]
         report(name, race, image, truth.value, truth.error)
         print(f"{name}: noise of the reference image {noise_percent(truth):.2f} %", file=sys.stderr)

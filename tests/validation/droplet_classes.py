@@ -7,13 +7,13 @@ reflectance, transmittance and absorptance must stay below the limit, and below 
 
 usage: droplet_classes.py --cloudbow PROGRAM [--wavelength-um 2.13] [--step-um 0.5] [--limit 0.1]
 """
-import argparse
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from support import ROOT, SKIPPED, Result
+import support
+from support import ROOT, Result
 
 SCENE = """\
 [cloud]
@@ -31,19 +31,21 @@ albedo = 0.05
 """
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cloudbow", required=True)
+def arguments():
+    parser = support.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("--wavelength-um", default="2.13")
     parser.add_argument("--columns", default="16")
     parser.add_argument("--step-um", default="0.5", help="of the table; the finer the slower: each row is fitted once")
     parser.add_argument("--limit", type=float, default=0.1, help="per cent of the incident light")
-    options = parser.parse_args()
+    return parser
+
+
+def figures(options):
+    """Classes, estimated and found error in per cent of the incident."""
     try:
         import netCDF4  # noqa: F401
     except ImportError:
-        print("netCDF4 for Python is not there")
-        return SKIPPED
+        support.skip("netCDF4 for Python is not there")
 
     program = Path(options.cloudbow).resolve()
 
@@ -71,9 +73,16 @@ def main():
         top = 100 * abs(few.upward_at_top() - all_rows.upward_at_top())
         print(f"largest difference {worst:.4f} % of the incident, of a column at the top {top.max() / 0.5:.4f} %")
         estimate = 100 * few.solver["phase_class_error"]
-        is_good = worst <= options.limit and worst <= 2 * estimate and few.solver["phase_classes"] < all_rows.solver["phase_classes"]
-        print("pass" if is_good else f"FAIL: allowed {options.limit} % and twice the estimate, with fewer classes")
-        return 0 if is_good else 1
+        return {"error": worst, "estimate": estimate, "allowed": min(options.limit, 2 * estimate), "classes": few.solver["phase_classes"],
+                "all_classes": all_rows.solver["phase_classes"]}
+
+
+def main():
+    options = arguments().parse_args()
+    found = figures(options)
+    is_good = found["error"] <= found["allowed"] and found["classes"] < found["all_classes"]
+    print("pass" if is_good else f"FAIL: allowed {options.limit} % and twice the estimate, with fewer classes")
+    return 0 if is_good else 1
 
 
 if __name__ == "__main__":

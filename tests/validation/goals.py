@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """`cloudbow run --target-error` on the scenes of configs/: whether what was asked for is met or refused, and whether time and memory are as foreseen.
 
-Truth: the result at `reference`, whose own distance from the truth (docs/accuracy.md) is no part of it. Time and memory are those of the level's own
+Truth: the result at `reference`, whose own distance from the truth (docs/validation.md) is no part of it. Time and memory are those of the level's own
 solve, against what was predicted before it (`/plan`); seconds of solves under a fifth of a second are not judged.
 
 usage: goals.py [SCENE ...] [--target 5 1 0.3] [--of domain columns] [--document docs/accuracy-and-speed.md]

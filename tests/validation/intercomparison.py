@@ -10,10 +10,8 @@ towards +x (so the sun stands at azimuth 180).
 usage: intercomparison.py [step] [rico] [landsat] [--accuracy fine]
 """
 import csv
-import json
 import sys
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -89,6 +87,11 @@ def blocks(plane, size, error=False):
     return np.sqrt((parts**2).sum(axis=(1, 3))) / size**2 if error else parts.mean(axis=(1, 3))
 
 
+def noise_percent(plane, error, block):
+    """RMS over the blocks of what the reference's own noise is, in per cent of its mean."""
+    return 100 * float(np.sqrt(np.mean(blocks(error, block, error=True) ** 2)) / plane.mean())
+
+
 def scene(case, fields, accuracy):
     return support.scene_text([
         ("", {"title": case.name}),
@@ -113,6 +116,8 @@ def compare(case, result, reference):
         "dT": 100 * (down.mean() - mean_down),
         "domain": 100 * max(abs(up.mean() - mean_up), abs(down.mean() - mean_down)),
         "domain_noise": 100 * float(np.sqrt((reference.up_error**2).sum()) / reference.up.size),
+        "up_noise": noise_percent(reference.up, reference.up_error, n),
+        "down_noise": noise_percent(reference.down, reference.down_error, n),
         "up": support.rms_percent(blocks(up, n), blocks(reference.up, n), blocks(reference.up_error, n, error=True)),
         "down": support.rms_percent(blocks(down, n), blocks(reference.down, n), blocks(reference.down_error, n, error=True)),
         "ledger": abs(result.summary["energy_residual"]),
@@ -125,12 +130,17 @@ def compare(case, result, reference):
     }
 
 
-def solve_case(case, references, cloudbow, folder, accuracy, settings=()):
+def solve(case, fields, cloudbow, folder, accuracy, settings=()):
+    """The result for a case whose cloud lies in the folder `fields`."""
     name = "".join(c if c.isalnum() else "_" for c in f"{case.name}_{accuracy}")
     path = folder / f"{name}.toml"
-    path.write_text(scene(case, references / "fields", accuracy))
+    path.write_text(scene(case, fields, accuracy))
     options = [argument for setting in settings for argument in ("--set", setting)]
-    result = cloudbow.run(path, folder / f"{name}.h5", *options, accept=(0, 3))
+    return cloudbow.run(path, folder / f"{name}.h5", *options, accept=(0, 3))
+
+
+def solve_case(case, references, cloudbow, folder, accuracy, settings=()):
+    result = solve(case, references / "fields", cloudbow, folder, accuracy, settings)
     return compare(case, result, read_reference(references / case.reference))
 
 
@@ -153,38 +163,42 @@ def table(rows):
          f"{row['cpu_seconds']:.2f}", f"{row['wall_seconds']:.2f}", f"{row['memory_mb']:.0f}"] for row in rows])
 
 
-def main():
+def arguments():
     parser = support.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("fields", nargs="*", metavar="FIELD", help="step, rico, landsat (default: all)")
     parser.add_argument("--accuracy", default="balanced")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="passed on to `cloudbow run`")
-    parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"), help="write the table between the markers NAME of a document")
-    parser.add_argument("--json", type=Path, help="write all figures to this file")
-    options = parser.parse_args()
+    return parser
+
+
+def figures(options):
+    """A row of figures for every case."""
     unknown = set(options.fields) - set(CASES)
     if unknown:
-        parser.error(f"unknown field {', '.join(sorted(unknown))} (there are {', '.join(CASES)})")
+        sys.exit(f"unknown field {', '.join(sorted(unknown))} (there are {', '.join(CASES)})")
     references = support.reference_folder()
     if references is None:
         support.skip("CLOUDBOW_REFERENCE_DIR is not set; it names the folder with fields/, i3rc/ and montecarlo/")
 
     cloudbow = support.Cloudbow(options.cloudbow, options.threads)
-    rows, bad = [], []
+    rows = []
     with support.Workspace(options.keep) as folder:
         for name in options.fields or CASES:
             for case in CASES[name]:
                 row = solve_case(case, references, cloudbow, folder, options.accuracy, options.set)
+                row["faults"] = [f"{case.name}: {fault}" for fault in faults(row, case.limits.get(options.accuracy))]
                 rows.append(row)
-                found = faults(row, case.limits.get(options.accuracy))
-                bad += [f"{case.name}: {fault}" for fault in found]
                 print(f"{case.name}: domain {row['domain']:.3f} % (noise {row['domain_noise']:.3f}), columns up {row['up']:.2f} %, down {row['down']:.2f} %, "
                       f"{row['sweeps']} sweeps, {row['cpu_seconds']:.2f} CPU s", flush=True)
+    return rows
+
+
+def main():
+    options = arguments().parse_args()
+    rows = figures(options)
+    bad = [fault for row in rows for fault in row["faults"]]
     print("\nErrors in % (domain means: of the incident flux; columns: RMS / mean"
           f", without the reference's noise), accuracy {options.accuracy}:\n\n{table(rows)}")
-    if options.table:
-        support.write_between_markers(*options.table, table(rows))
-    if options.json:
-        options.json.write_text(json.dumps(rows, indent=1))
     print("\n".join(bad))
     return 1 if bad else 0
 

@@ -150,7 +150,7 @@ std::vector<PhysicalCheck> column_checks() {
       // Light scattered twice: some tau. The rest is the delta-M correction of the first order.
       {"azimuth", "a sensor at the sun's azimuth sees light scattered back, one opposite light scattered forward",
        "of radiance", 1e-3, azimuths_of_thin_air},
-      // Of these eight .006 %; of all such cases .07 % (docs/accuracy.md).
+      // Of these eight .006 %; of all such cases .07 % (docs/validation.md).
       {"plane-parallel", "fluxes of layers are those that discrete ordinates find", "of incident", 3e-4,
        plane_parallel_table},
       // 400 levels, the thickest of an optical depth of 200; .13 % as measured.

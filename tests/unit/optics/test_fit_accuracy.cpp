@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cloudbow/optics/scattering_table.hpp"
-#include "reference/doubling.hpp"
+#include "reference/plane_parallel.hpp"
 
 namespace cloudbow {
 namespace {

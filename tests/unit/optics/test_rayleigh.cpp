@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "../told_nearness.hpp"
 #include "cloudbow/optics/rayleigh.hpp"
 
 namespace cloudbow {

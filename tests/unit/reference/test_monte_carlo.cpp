@@ -7,9 +7,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "../told_nearness.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
-#include "reference/doubling.hpp"
 #include "reference/monte_carlo.hpp"
+#include "reference/plane_parallel.hpp"
 
 namespace cloudbow::reference {
 namespace {

@@ -1,31 +1,16 @@
 #!/usr/bin/env python3
-"""Error against time and memory over the accuracy ladder, and the sweeps that an iteration takes: remakes these tables of docs/accuracy.md.
+"""The sweeps that an iteration takes: remakes that table of docs/accuracy.md.
 
-usage: CLOUDBOW_REFERENCE_DIR=... tradeoff.py [--document docs/accuracy.md]
+usage: CLOUDBOW_REFERENCE_DIR=... sweeps.py [--table docs/accuracy.md sweeps]
 """
 import sys
-from pathlib import Path
 
 import intercomparison
 import support
 
-LEVELS = ("draft", "balanced", "fine", "reference")
-LADDER_CASES = (intercomparison.CASES["step"][0], intercomparison.CASES["step"][1], intercomparison.CASES["rico"][0])
 SLAB_OPTICAL_DEPTHS = (1, 10, 100, 1000)
 SLAB_ALBEDOS = (1.0, 0.99)
 SWEEP_TOLERANCE = 1e-4
-
-
-def ladder(references, cloudbow, folder):
-    rows = []
-    for case in LADDER_CASES:
-        for level in LEVELS:
-            row = intercomparison.solve_case(case, references, cloudbow, folder, level)
-            print(f"{case.name}, {level}: {row}", file=sys.stderr, flush=True)
-            rows.append([case.name, level, row["sweeps"], f"{row['cpu_seconds']:.2f}", f"{row['wall_seconds']:.2f}", f"{row['memory_mb']:.0f}",
-                         f"{row['domain']:.3f}", f"{row['up']:.2f}", f"{row['down']:.2f}", f"{row['ledger']:.0e}"])
-    return support.markdown_table(["scene", "accuracy", "sweeps", "CPU s", "wall s", "MB", "domain error %", "columns up %", "columns down %",
-                                   "energy residual"], rows)
 
 
 def slab_sweeps(optical_depth, albedo, cloudbow, folder):
@@ -61,18 +46,17 @@ def sweeps(references, cloudbow, folder):
 
 def main():
     parser = support.argument_parser(__doc__.splitlines()[0])
-    parser.add_argument("--document", type=Path, help="write the tables between the markers `ladder` and `sweeps` of this document")
+    parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"), help="write the table between the markers NAME of a document")
     options = parser.parse_args()
     references = support.reference_folder()
     if references is None:
         support.skip("CLOUDBOW_REFERENCE_DIR is not set; it names the folder with fields/, i3rc/ and montecarlo/")
     cloudbow = support.Cloudbow(options.cloudbow, options.threads)
     with support.Workspace(options.keep) as folder:
-        for name, make in (("ladder", ladder), ("sweeps", sweeps)):
-            text = make(references, cloudbow, folder)
-            print(f"{text}", flush=True)
-            if options.document:
-                support.write_between_markers(options.document, name, text)
+        text = sweeps(references, cloudbow, folder)
+    print(text)
+    if options.table:
+        support.write_between_markers(*options.table, text)
     return 0
 
 

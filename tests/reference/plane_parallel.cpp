@@ -1,0 +1,173 @@
+#include "reference/plane_parallel.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cloudbow/sphere/gauss_legendre.hpp"
+
+namespace cloudbow::reference {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using std::numbers::pi;
+
+constexpr double kLastMode = 1e-8;  // of the incident flux: azimuth modes below it end the series
+
+/// Directions of a solution: Gauss angles in each half range, and views among them with no weight, which receive light
+/// and send none.
+struct Angles {
+  VectorXd mu, weight;  // downward first; weights in sr
+  Index half = 0;       // of them downward, in the same order as upward
+};
+
+Angles make_angles(int count, std::span<const double> views) {
+  const GaussLegendre rule = make_gauss_legendre(count);
+  Angles angles;
+  angles.half = count + static_cast<Index>(views.size());
+  angles.mu.resize(2 * angles.half);
+  angles.weight.setZero(2 * angles.half);
+  for (Index i = 0; i < angles.half; ++i) {
+    const bool is_view = i >= count;
+    const double mu = is_view ? views[i - count] : (1 + rule.node[i]) / 2;
+    angles.mu[i] = -mu;
+    angles.mu[angles.half + i] = mu;
+    if (!is_view) angles.weight[i] = angles.weight[angles.half + i] = pi * rule.weight[i];
+  }
+  return angles;
+}
+
+/// Associated Legendre functions of degree m to order - 1 (columns; below m nought) at mu, normalised so that their
+/// products are the azimuth modes of a Legendre series: sqrt((l-m)!/(l+m)!) P_l^m.
+MatrixXd associated_legendre(const VectorXd& mu, int order, int m) {
+  MatrixXd p = MatrixXd::Zero(mu.size(), order);
+  if (m >= order) return p;
+  VectorXd sectoral = VectorXd::Ones(mu.size());
+  for (int k = 1; k <= m; ++k) {
+    sectoral = std::sqrt((2.0 * k - 1) / (2.0 * k)) * sectoral.cwiseProduct((1 - mu.array().square()).sqrt().matrix());
+  }
+  p.col(m) = sectoral;
+  if (m + 1 < order) p.col(m + 1) = std::sqrt(2.0 * m + 1) * mu.cwiseProduct(sectoral);
+  for (int l = m + 2; l < order; ++l) {
+    const double a = std::sqrt((l - 1.0) * (l - 1.0) - 1.0 * m * m), b = std::sqrt(1.0 * l * l - 1.0 * m * m);
+    p.col(l) = ((2 * l - 1) * mu.cwiseProduct(p.col(l - 1)) - a * p.col(l - 2)) / b;
+  }
+  return p;
+}
+
+/// The layer, delta-scaled at `order` moments, for azimuth mode m.
+Slab make_slab(const PlaneParallelLayer& layer, const Angles& angles, const VectorXd& beam_mu, int order, int m) {
+  const double ssa = layer.single_scattering_albedo, f = std::max(0.0, layer.moments(order));
+  const double scattered = ssa * (1 - f) / (1 - ssa * f);
+  VectorXd factor(order);
+  for (int l = 0; l < order; ++l) factor[l] = (2 * l + 1) * (layer.moments(l) - f) / (1 - f) * scattered / (4 * pi);
+  const MatrixXd p = associated_legendre(angles.mu, order, m), p_beam = associated_legendre(-beam_mu, order, m);
+
+  Slab slab;
+  slab.mu = angles.mu;
+  slab.weight = angles.weight;
+  slab.scatter = p * factor.asDiagonal() * p.transpose() * angles.weight.asDiagonal();
+  slab.beam_mu = beam_mu;
+  slab.beam_source = (m == 0 ? 1 : 2) * p * factor.asDiagonal() * p_beam.transpose();
+  slab.optical_depth = (1 - ssa * f) * layer.optical_depth;
+  return slab;
+}
+
+/// Light at the planes between slices, top first: states as in Response.
+struct Light {
+  std::vector<VectorXd> down, up;
+};
+
+/// Adding: what lies below a plane reflects as a whole, plane by plane from the ground up; then light comes down.
+Light add(const std::vector<Response>& responses, int slices, const MatrixXd& ground, const VectorXd& incident) {
+  const std::size_t planes = responses.size() * slices;
+  const auto response = [&](std::size_t plane) -> const Response& { return responses[plane / slices]; };
+  std::vector<MatrixXd> below(planes + 1);
+  below[planes] = ground;
+  for (std::size_t k = planes; k-- > 0;) {
+    const Response& r = response(k);
+    const MatrixXd to_and_fro =
+        MatrixXd::Identity(r.reflect_up.rows(), r.reflect_up.rows()) - r.reflect_up * below[k + 1];
+    below[k] = r.reflect_down + r.transmit_up * (below[k + 1] * to_and_fro.lu().solve(r.transmit_down));
+  }
+  Light light;
+  light.down.push_back(incident);
+  light.up.push_back(below[0] * incident);
+  for (std::size_t k = 0; k < planes; ++k) {
+    const Response& r = response(k);
+    const MatrixXd to_and_fro =
+        MatrixXd::Identity(r.reflect_up.rows(), r.reflect_up.rows()) - r.reflect_up * below[k + 1];
+    light.down.push_back(to_and_fro.lu().solve(r.transmit_down * light.down.back()));
+    light.up.push_back(below[k + 1] * light.down.back());
+  }
+  return light;
+}
+
+/// Light of azimuth mode m.
+Light solve_mode(const PlaneParallelScene& scene, const PlaneParallelEffort& effort, const Angles& angles, int m) {
+  const VectorXd sun = VectorXd::Constant(1, scene.sun_mu);
+  std::vector<Response> responses;
+  for (PlaneParallelLayer layer : scene.layers) {
+    layer.optical_depth /= effort.slices;
+    responses.push_back(response_by_doubling(make_slab(layer, angles, sun, 2 * effort.angles, m)));
+  }
+  MatrixXd ground = MatrixXd::Zero(angles.half, angles.half + 1);
+  VectorXd incident = VectorXd::Zero(angles.half + 1);
+  incident[angles.half] = scene.irradiance;
+  if (m == 0) {
+    const VectorXd flux = angles.weight.head(angles.half).cwiseProduct(angles.mu.head(angles.half).cwiseAbs());
+    ground.leftCols(angles.half).rowwise() = scene.surface_albedo / pi * flux.transpose();
+    ground.col(angles.half).setConstant(scene.surface_albedo / pi * scene.sun_mu);
+    incident.head(angles.half).setConstant(scene.sky_radiance);
+  }
+  return add(responses, effort.slices, ground, incident);
+}
+
+}  // namespace
+
+PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, const PlaneParallelEffort& effort) {
+  const Angles angles = make_angles(effort.angles, effort.view_mu);
+  const Index half = angles.half, views = static_cast<Index>(effort.view_mu.size());
+  const VectorXd flux = angles.weight.head(half).cwiseProduct(angles.mu.head(half).cwiseAbs());
+  const Light light = solve_mode(scene, effort, angles, 0);
+
+  PlaneParallelSolution solution;
+  double depth = 0;
+  for (std::size_t k = 0; k < light.up.size(); ++k) {
+    if (k > 0) depth += scene.layers[(k - 1) / effort.slices].optical_depth / effort.slices;
+    const double direct = scene.sun_mu * scene.irradiance * std::exp(-depth / scene.sun_mu);
+    const double down = flux.dot(light.down[k].head(half)) + scene.sun_mu * light.down[k][half];
+    solution.levels.push_back({depth, flux.dot(light.up[k]), down - direct, direct});
+  }
+
+  const auto azimuths = static_cast<Index>(effort.view_azimuth_deg.size());
+  solution.radiance_up_top = light.up.front().tail(views).replicate(1, azimuths);
+  solution.radiance_down_bottom = light.down.back().segment(half - views, views).replicate(1, azimuths);
+  const double negligible = kLastMode * (scene.sun_mu * scene.irradiance + pi * scene.sky_radiance);
+  int faint = 0;
+  for (int m = 1; views > 0 && m < 2 * effort.angles && faint < 2; ++m) {
+    const Light mode = solve_mode(scene, effort, angles, m);
+    const VectorXd up = mode.up.front().tail(views), down = mode.down.back().segment(half - views, views);
+    for (Index a = 0; a < azimuths; ++a) {
+      const double cosine = std::cos(m * effort.view_azimuth_deg[a] * pi / 180);
+      solution.radiance_up_top.col(a) += cosine * up;
+      solution.radiance_down_bottom.col(a) += cosine * down;
+    }
+    // Even modes alone vanish for some functions.
+    faint = std::max(up.cwiseAbs().maxCoeff(), down.cwiseAbs().maxCoeff()) < negligible ? faint + 1 : 0;
+  }
+  return solution;
+}
+
+std::vector<SlabFluxes> plane_parallel_fluxes(const Moments& moments, std::span<const double> beam_mu,
+                                              double optical_depth, double single_scattering_albedo) {
+  const int angles = PlaneParallelEffort().angles;
+  const VectorXd suns = Eigen::Map<const VectorXd>(beam_mu.data(), static_cast<Index>(beam_mu.size()));
+  return solve_by_doubling(
+      make_slab({optical_depth, single_scattering_albedo, moments}, make_angles(angles, {}), suns, 2 * angles, 0));
+}
+
+}  // namespace cloudbow::reference
