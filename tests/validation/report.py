@@ -154,8 +154,9 @@ def truths(section):
     return text
 
 
-def plane_parallel_section(section):
-    found = {level: [row for row in section.figures(plane_parallel, "--accuracy", level)] for level in LEVELS}
+def plane_parallel_errors(section, picture, *settings):
+    """Tables of all cases at every level, and a picture of that name."""
+    found = {level: [row for row in section.figures(plane_parallel, "--accuracy", level, *settings)] for level in LEVELS}
     failed = [f"`{row['case']}` at {level}" for level, rows in found.items() for row in rows if "failure" in row or not row["converged"]]
     found = {level: [row for row in rows if "failure" not in row] for level, rows in found.items()}
     edge = lambda row: max(row["up"], row["diffuse"], row["direct"])
@@ -169,12 +170,20 @@ def plane_parallel_section(section):
                           *(f"{number(support.median([error(r) for r in rows]))} / {number(max(error(r) for r in rows))}" for rows in of.values())])
         text += "\n" + markdown_table([title, "cases", "truth's own, worst", *LEVELS], lines)
     worst = {level: max(rows, key=inside) for level, rows in found.items()}
-    text += "\nWorst of all: " + "; ".join(f"{level} `{row['case']}` {row['profile']:.2f} %" for level, row in worst.items()) + ".\n"
+    text += "\nWorst of all: " + "; ".join(f"{level} `{row['case']}` {number(row['profile'])} %" for level, row in worst.items()) + ".\n"
     text += f"Worst energy residual: {max(row['ledger'] for rows in found.values() for row in rows):.0e} of incident. Not converged: {', '.join(failed) or 'none'}.\n"
-    histogram(IMAGES / "validation_plane_parallel.png",
+    histogram(IMAGES / picture,
               {"fluxes at top and bottom": {"truth": [row["truth"] for row in found[LEVELS[0]]], **{level: [edge(row) for row in rows] for level, rows in found.items()}},
                "whole profile": {"truth": [row["truth"] for row in found[LEVELS[0]]], **{level: [inside(row) for row in rows] for level, rows in found.items()}}})
-    return text + "\n![Errors of plane-parallel fluxes](images/validation_plane_parallel.png)\n"
+    return text + f"\n![Errors of plane-parallel fluxes](images/{picture})\n"
+
+
+def plane_parallel_section(section):
+    return plane_parallel_errors(section, "validation_plane_parallel.png")
+
+
+def ordinates(section):
+    return plane_parallel_errors(section, "validation_ordinates.png", "--set", "solver.mode=3d")
 
 
 def voxels(section):
@@ -363,7 +372,7 @@ def self_built(options, name):
     return program
 
 
-SECTIONS = {"truths": truths, "plane-parallel": plane_parallel_section, "voxels": voxels, "radiances": radiances, "clouds": clouds, "landsat": landsat, "made-fields": made,
+SECTIONS = {"truths": truths, "plane-parallel": plane_parallel_section, "ordinates": ordinates, "voxels": voxels, "radiances": radiances, "clouds": clouds, "landsat": landsat, "made-fields": made,
             "step-radiances": step_radiances, "convergence": order, "symmetry": symmetries, "surfaces": ground, "unit-tests": unit_tests, "droplets": droplets}
 
 
