@@ -59,6 +59,7 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
     other.tolerance = std::max(options.tolerance, kTolerance);
     other.energy_tolerance = kEnergyTolerance;
   }
+  other.column_streams = options.column_streams > kFewStreams ? kFewStreams : 2 * kFewStreams;
   other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
   other.absorption = other.actinic = other.radiance_field = false;
   other.views.clear();
@@ -76,12 +77,12 @@ Companions solve_companions(const Problem& problem, const SolverOptions& options
                             SolvedAs as, const ProgressCallback& progress) {
   SolverOptions other = companion_options(options, accuracy, as);
   Companions companions;
+  companions.linear = solve(problem, other, progress);
   if (solved_without_azimuths(problem, other)) {  // exact in the vertical
-    companions.linear = solve(problem, other, progress);
     companions.constant = companions.linear;
+    companions.constant.report = {};  // one solve
     return companions;
   }
-  companions.linear = solve(problem, other, progress);
   other.linear_source = false;
   companions.constant = solve(problem, other, progress);
   return companions;
@@ -89,7 +90,8 @@ Companions solve_companions(const Problem& problem, const SolverOptions& options
 
 double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
                                  SolvedAs as) {
-  return 2 * predict_seconds(problem, companion_options(options, accuracy, as));
+  const SolverOptions other = companion_options(options, accuracy, as);
+  return (solved_without_azimuths(problem, other) ? 1 : 2) * predict_seconds(problem, other);
 }
 
 }  // namespace cloudbow

@@ -48,9 +48,22 @@ std::vector<double> read_coordinate(hid_t file, const std::string& name) {
   return value;
 }
 
-std::string read_units(hid_t dataset) {
+/// That of a dimension of this length.
+std::vector<double> read_axis(hid_t file, const std::string& where, const std::string& name, hsize_t length) {
+  std::vector<double> value = read_coordinate(file, name);
+  if (value.empty() || value.size() != length) {
+    throw InputError(fmt::format("{}: coordinate {} is damaged (found {} numbers, allowed {}, as its variables have)",
+                                 where, name, value.size(), length));
+  }
+  return value;
+}
+
+std::string read_units(hid_t dataset, const std::string& where) {
   const Handle attribute(H5Aopen(dataset, "units", H5P_DEFAULT), H5Aclose, "read units");
   const Handle type(H5Aget_type(attribute), H5Tclose, "read units");
+  const Handle space(H5Aget_space(attribute), H5Sclose, "read units");
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || H5Sget_simple_extent_npoints(space) != 1)
+    throw InputError(where + ": units are damaged (allowed: one text of fixed length)");
   std::string text(H5Tget_size(type), '\0');
   check(H5Aread(attribute, type, text.data()), "read units");
   return text;
@@ -169,18 +182,18 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
   }
   const Handle dataset = hdf5::open_dataset(file, variable.c_str());
   const ImageShape kind = *image_shape(dataset);
-  const auto x = read_coordinate(file, kind.x);
-  const auto y = read_coordinate(file, kind.y);
+  std::vector<hsize_t> size = shape_of(dataset);
+  const auto x = read_axis(file, where, kind.x, size[size.size() - 1]);
+  const auto y = read_axis(file, where, kind.y, size[size.size() - 2]);
   const double dx = spacing(x, spacing(y, 1));
   const double dy = spacing(y, dx);
 
   FluxImage image;
   image.variable = variable;
-  image.units = read_units(dataset);
-  std::vector<hsize_t> size = shape_of(dataset);
+  image.units = read_units(dataset, where);
   std::vector<hsize_t> start(size.size(), 0);
   if (kind.spectral) {
-    const auto there_um = wavelengths(file);
+    const auto there_um = read_axis(file, where, "wavelength", size[0]);
     const double wanted = choice.wavelength_um.value_or(there_um.front());
     const auto nearest = std::min_element(there_um.begin(), there_um.end(), [wanted](double a, double b) {
       return std::abs(a - wanted) < std::abs(b - wanted);
@@ -197,12 +210,13 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
     image.columns = static_cast<int>(std::max(x.size(), y.size()));
     image.rows = static_cast<int>(size[vertical]);
     image.column_width_m = x.size() > 1 ? dx : dy;
-    image.row_edge_m = name == "z" ? read_coordinate(file, "z_edge") : edges_between(read_coordinate(file, name));
+    image.row_edge_m = name == "z" ? read_axis(file, where, "z_edge", size[vertical] + 1)
+                                   : edges_between(read_axis(file, where, name, size[vertical]));
     image.value = read_block(dataset, start, size);
     return image;
   }
   if (kind.levels) {
-    const auto height = read_coordinate(file, dimension_name(dataset, vertical));
+    const auto height = read_axis(file, where, dimension_name(dataset, vertical), size[vertical]);
     start[vertical] = find_level(height, choice.level, where);
     size[vertical] = 1;
     image.place = fmt::format("z = {:g} m", height[start[vertical]]);

@@ -41,6 +41,8 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
 
 double number_attribute(hid_t dataset, const char* name) {
   const Handle attribute(H5Aopen(dataset, name, H5P_DEFAULT), H5Aclose, "read an attribute");
+  const Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
+  if (H5Sget_simple_extent_npoints(space) != 1) throw hdf5::Error(fmt::format("attribute {} is not one number", name));
   double value = 0;
   check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), "read an attribute");
   return value;

@@ -114,11 +114,15 @@ class Likeness {
   void visit(std::size_t column, const Take& take) const {
     if (!albedo_.empty() && !take(0, albedo_[column])) return;
     if (beam_) {
-      for (const auto* flux : {&beam_->carried, &beam_->direct}) {
-        for (std::size_t c = column; c < flux->size(); c += grid_.box.columns()) {
-          if (!take(0, static_cast<float>((*flux)[c]))) return;
+      const auto take_levels = [&](const auto& of_box) {
+        for (std::size_t c = column; c < of_box.size(); c += grid_.box.columns()) {
+          if (!take(0, static_cast<float>(of_box[c]))) return false;
         }
-      }
+        return true;
+      };
+      if (!take_levels(beam_->carried) || !take_levels(beam_->direct)) return;
+      // A shadow may pass a column between two levels.
+      if (beam_->everywhere && !take_levels(beam_->irradiance)) return;
     }
     std::size_t level = 0;
     for (const std::uint32_t cell : columns_.of(column)) {

@@ -213,6 +213,20 @@ TEST_F(FieldExport, UnevenLevelsWithoutACloudAreNamed) {
   EXPECT_FALSE(fs::exists(options_.vdb_file));
 }
 
+TEST_F(FieldExport, SeveralNumbersInPlaceOfOneAreRefused) {
+  write_result(options_.result_file, even_solution(), sample::info());
+  const hid_t file = H5Fopen(options_.result_file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Adelete_by_name(file, "x", "cell_size_m", H5P_DEFAULT), 0);
+  const hsize_t eight = 8;
+  const hid_t many = H5Screate_simple(1, &eight, nullptr);
+  H5Aclose(H5Acreate_by_name(file, "x", "cell_size_m", H5T_NATIVE_DOUBLE, many, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Sclose(many);
+  H5Fclose(file);
+  options_.actinic = true;
+  EXPECT_THAT(exporting(),
+              ThrowsMessage<InputError>(AllOf(HasSubstr("result.h5"), HasSubstr("cell_size_m is not one number"))));
+}
+
 TEST_F(FieldExport, WhatIsMissingOrWrongIsNamedAndLeavesNothing) {
   options_.travel = Direction(0, 0, 1);
   EXPECT_THAT(exporting(), ThrowsMessage<InputError>(AllOf(HasSubstr("result.h5"), HasSubstr("no such file"))));

@@ -1,6 +1,7 @@
 // Truth: pictures small enough to know every pixel; for the colours the definition of the CIE 1976 lightness, inverted
 // here.
 #include <gmock/gmock.h>
+#include <hdf5.h>
 #include <png.h>
 
 #include <array>
@@ -236,6 +237,32 @@ TEST_F(Render, NamesFilesThatAreNoResults) {
   fs::copy(whole, folder_ / "cut.h5");
   fs::resize_file(folder_ / "cut.h5", fs::file_size(whole) / 2);
   expect(folder_ / "cut.h5", "can't be read as a result file");
+}
+
+TEST_F(Render, RefusesFilesWhosePartsDoNotFit) {
+  const auto expect = [this](const std::string& reason) {
+    EXPECT_THAT([&] { render(options_); }, ThrowsMessage<InputError>(AllOf(HasSubstr("r.h5"), HasSubstr(reason))));
+  };
+  write(sample::solution(3, 2, 2));
+  hid_t file = H5Fopen(options_.result_file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Lmove(file, "x", file, "other", H5P_DEFAULT, H5P_DEFAULT), 0);  // the scale's own name stays
+  const hsize_t two = 2, eight = 8;
+  const hid_t short_axis = H5Screate_simple(1, &two, nullptr);
+  H5Dclose(H5Dcreate2(file, "x", H5T_NATIVE_DOUBLE, short_axis, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Fclose(file);
+  expect("coordinate x is damaged (found 2 numbers, allowed 3");
+
+  write(sample::solution(3, 2, 2));
+  file = H5Fopen(options_.result_file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Adelete_by_name(file, "upwelling_flux", "units", H5P_DEFAULT), 0);
+  const hid_t many = H5Screate_simple(1, &eight, nullptr);
+  const hid_t text = H5Tcopy(H5T_C_S1);
+  H5Aclose(H5Acreate_by_name(file, "upwelling_flux", "units", text, many, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Tclose(text);
+  H5Sclose(many);
+  H5Sclose(short_axis);
+  H5Fclose(file);
+  expect("units are damaged");
 }
 
 /// L* of an sRGB colour under D65 (IEC 61966-2-1 and CIE 1976).

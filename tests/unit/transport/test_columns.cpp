@@ -257,6 +257,29 @@ TEST(Columns, DiffuseColumnsUnderASlantedBeamKeepEnergy) {
   }
 }
 
+TEST(Columns, ShadowsThatPassBetweenLevelsTellColumnsApart) {
+  // The shadow of a thin black voxel moves by 5.9 columns on its way to the ground: it crosses columns whose faces it
+  // does not touch.
+  BoxGrid box = make_box(12, 1, 2);
+  box.z_edge_m = {0, 1.2, 1.3};
+  std::vector<float> extinction(24, 0.F);
+  extinction[12] = 1000;
+  Problem problem = problem_of(make_grid(box, extinction, 0), PhaseFunction::isotropic());
+  problem.sun->travel = travel_along(-.2, 0);
+  SolverOptions options = by_columns();
+  options.beam_crosses_columns = true;
+  options.actinic = true;
+  const Solution solution = solve(problem, options);
+  // What passes the level between them goes through the empty cells below, at the sun's slant.
+  double actinic = 0, direct = 0;
+  for (std::size_t c = 0; c < 12; ++c) {
+    actinic += static_cast<double>(solution.actinic_flux[c]) / 12;
+    direct += static_cast<double>(solution.direct_flux[12 + c]) / 12;
+  }
+  EXPECT_NEAR(actinic, direct / .2, 1e-5);  // in float
+  EXPECT_LT(solution.actinic_flux[3], .9F * solution.actinic_flux[10]);
+}
+
 TEST(Columns, ASlantedBeamThroughASlabIsThatOfItsColumns) {
   const BoxGrid box = make_box(3, 2, 40);
   const Problem problem = problem_of(make_grid(box, std::vector<float>(cells_of(box), .05F), .99),
