@@ -6,6 +6,7 @@
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/progress.hpp"
 #include "companions.hpp"
+#include "messages.hpp"
 
 namespace cloudbow {
 namespace {
@@ -29,7 +30,7 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
     AssembledScene assembled =
         forecast.only ? std::move(*forecast.only) : assemble(scene, available, files, forecast.levels_m);
     assembled.options.threads = options.threads;
-    if (scene.wavelength_um && !options.quiet) fmt::print(stderr, "wavelength {} um\n", *scene.wavelength_um);
+    if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
     const auto solve_shown = [&](const SolverOptions& how) {
       ProgressDisplay display(options.quiet, how.tolerance);
       return solve(assembled.problem, how, [&display](const SolverProgress& progress) {
@@ -42,7 +43,7 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
     if (options.compare) {
       // A single column is its own independent column.
       const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
-      if (!options.quiet && !alone) fmt::print(stderr, "independent columns\n");
+      if (!options.quiet && !alone) tell("independent columns\n");
       solved.by_columns.push_back(alone ? solved.solutions.back() : solve_shown(by_columns(assembled.options)));
     }
     if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);

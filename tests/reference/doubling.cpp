@@ -115,27 +115,24 @@ std::vector<SlabFluxes> solve(const SlabOf<Real>& slab) {
 }
 
 /// A node of the Gauss-Legendre rule, known in 64 bits, and its weight: one step of Newton's method.
-std::pair<long double, long double> in_full(int n, long double x) {
-  long double below = 1, p = x;
+template <class Real>
+std::pair<Real, Real> in_full(int n, Real x) {
+  Real below = 1, p = x;
   for (int l = 2; l <= n; ++l) {
-    const long double next = ((2 * l - 1) * x * p - (l - 1) * below) / l;
+    const Real next = ((2 * l - 1) * x * p - (l - 1) * below) / l;
     below = p;
     p = next;
   }
-  const long double slope = n * (below - x * p) / (1 - x * x);
+  const Real slope = n * (below - x * p) / (1 - x * x);
   // At a root the slope changes by 2 x / (1 - x^2) of itself per unit of x.
-  const long double step = -p / slope, node = x + step, slope_there = slope * (1 + 2 * x * step / (1 - x * x));
+  const Real step = -p / slope, node = x + step, slope_there = slope * (1 + 2 * x * step / (1 - x * x));
   return {node, 2 / ((1 - node * node) * slope_there * slope_there)};
 }
 
-}  // namespace
-
-std::vector<SlabFluxes> solve_by_doubling(const Slab& slab) { return solve(slab); }
-
-std::vector<SlabFluxes> plane_parallel_fluxes(const std::function<double(int)>& chi, std::span<const double> beam_mu,
-                                              double optical_depth, double single_scattering_albedo,
-                                              double surface_albedo, int angles) {
-  using Real = long double;
+template <class Real>
+std::vector<SlabFluxes> solve_plane_parallel(const std::function<double(int)>& chi, std::span<const double> beam_mu,
+                                             double optical_depth, double single_scattering_albedo,
+                                             double surface_albedo, int angles) {
   const int order = 2 * angles;
   const Real ssa = single_scattering_albedo;
   // Exact for any phase function as far as these quadratures can tell: what they cannot resolve is forward light or
@@ -147,7 +144,7 @@ std::vector<SlabFluxes> plane_parallel_fluxes(const std::function<double(int)>& 
   slab.weight.resize(2 * angles);
   const GaussLegendre rule = make_gauss_legendre(angles);
   for (int i = 0; i < angles; ++i) {
-    const auto [node, weight] = in_full(angles, rule.node[i]);
+    const auto [node, weight] = in_full(angles, Real(rule.node[i]));
     slab.mu[i] = -(1 + node) / 2;
     slab.mu[angles + i] = (1 + node) / 2;
     slab.weight[i] = slab.weight[angles + i] = std::numbers::pi_v<Real> * weight;
@@ -173,6 +170,18 @@ std::vector<SlabFluxes> plane_parallel_fluxes(const std::function<double(int)>& 
   slab.scatter = at_ordinates * factor.asDiagonal() * at_ordinates.transpose() * slab.weight.asDiagonal();
   slab.beam_source = at_ordinates * factor.asDiagonal() * at_beams.transpose();
   return solve(slab);
+}
+
+}  // namespace
+
+std::vector<SlabFluxes> solve_by_doubling(const Slab& slab) { return solve(slab); }
+
+std::vector<SlabFluxes> plane_parallel_fluxes(const std::function<double(int)>& chi, std::span<const double> beam_mu,
+                                              double optical_depth, double single_scattering_albedo,
+                                              double surface_albedo, int angles) {
+  const bool delicate = optical_depth > 100 && single_scattering_albedo > 0.99;
+  const auto solve_in = delicate ? solve_plane_parallel<long double> : solve_plane_parallel<double>;
+  return solve_in(chi, beam_mu, optical_depth, single_scattering_albedo, surface_albedo, angles);
 }
 
 }  // namespace cloudbow::reference

@@ -36,8 +36,8 @@ using Slab = SlabOf<double>;
 std::vector<SlabFluxes> solve_by_doubling(const Slab& slab);
 
 /// Fluxes of a slab with Legendre moments chi(l), solved to about 1e-6: azimuth-averaged, `angles` double-Gauss angles
-/// a hemisphere, delta-M at twice that order. In 80 bits, so that a conservative slab of optical depth 1e5 still loses
-/// nothing.
+/// a hemisphere, delta-M at twice that order. Thick ones that hardly absorb in 80 bits, so that a conservative slab of
+/// optical depth 1e5 still loses nothing.
 std::vector<SlabFluxes> plane_parallel_fluxes(const std::function<double(int)>& chi, std::span<const double> beam_mu,
                                               double optical_depth, double single_scattering_albedo,
                                               double surface_albedo = 0, int angles = 48);

@@ -13,7 +13,7 @@ Parts:
   together  two runs write one file: it is the result of one of them.
   over      an older result is there, whole, until the new one is.
 
-Truth: the undisturbed run, whose numbers are the same bits each time (seconds and memory are not compared), and docs/conventions of exit codes.
+Truth: the undisturbed run, whose numbers are the same bits each time (seconds and memory are not compared), and what exit codes mean (`cloudbow --help`).
 
 usage: faults.py --cloudbow PROGRAM [--part kills ...] [--kills 100] [--disks 20] [--seed 1]
 """
@@ -53,13 +53,14 @@ type = "lambertian"
 albedo = 0.05
 [solver]
 accuracy = "draft"
+control_points = 162
 [output]
 error_estimate = false
 fields = ["fluxes", "absorption", "radiance_field"]
 """
-CELLS = (48, 48, 16)  # a second of solving, a result of some ten megabytes
+CELLS = (32, 32, 12)  # half a second of solving, some megabytes of result
 UNLIKE = re.compile("seconds|memory|history|scene")  # attributes that may differ between equal runs
-TEMPORARY = re.compile(r"^\.[^/]+\.\d+-\d+\.tmp$")
+TEMPORARY = re.compile(r"^\.[^/]+\.(\d+)-\d+\.tmp$")  # with the number of the process
 NOBODY = 65534
 
 
@@ -155,10 +156,10 @@ class Bench:
         return messages[0] if messages else ""
 
 
-def writing(folder):
-    """Whether a temporary file of a result is being filled."""
+def writing(folder, process):
+    """Whether a temporary file of the process is being filled."""
     try:
-        return any(TEMPORARY.match(entry.name) and entry.stat().st_size > 0 for entry in os.scandir(folder))
+        return any((name := TEMPORARY.match(entry.name)) and int(name[1]) == process.pid and entry.stat().st_size > 0 for entry in os.scandir(folder))
     except FileNotFoundError:
         return False
 
@@ -172,7 +173,7 @@ def write_seconds(bench):
     """How long the result is being written, of an undisturbed run."""
     folder = bench.fresh("measure")
     process = subprocess.Popen(bench.command(folder / "result.h5"), env=bench.environment)
-    wait_until(process, lambda: writing(folder))
+    wait_until(process, lambda: writing(folder, process))
     start = time.monotonic()
     process.wait()
     return time.monotonic() - start
@@ -195,13 +196,13 @@ def kills(bench, count):
                 shutil.rmtree(folder.parent / "cache", ignore_errors=True)
             process = subprocess.Popen(bench.command(output, *protocol.first), env=bench.environment, stderr=subprocess.DEVNULL)
             if during_write:
-                wait_until(process, lambda: writing(folder))
+                wait_until(process, lambda: writing(folder, process))
                 delay = bench.random.uniform(0, 1.05 * seconds_of_writing)
             else:
                 delay = bench.random.uniform(0, 1.05 * bench.seconds)
             deadline = time.monotonic() + delay
             wait_until(process, lambda: time.monotonic() >= deadline)
-            in_write = writing(folder) and process.poll() is None
+            in_write = writing(folder, process) and process.poll() is None
             process.kill()
             killed = process.wait() == -signal.SIGKILL
             state = bench.state(output, older)
@@ -346,11 +347,10 @@ def folders(bench, count):
         during_write = number % 2 == 1
         process, text = started(bench, folder / "result.h5")
         if during_write:
-            drain = threading.Thread(target=process.stderr.read)  # so that it does not wait for its reader
-            text, lines = "", []
-            drain = threading.Thread(target=lambda: lines.extend(process.stderr))
+            lines = []
+            drain = threading.Thread(target=lambda: lines.extend(process.stderr))  # so that it does not wait for its reader
             drain.start()
-            wait_until(process, lambda: writing(folder))
+            wait_until(process, lambda: writing(folder, process))
             shutil.rmtree(folder, ignore_errors=True)
             process.wait()
             drain.join()
@@ -416,16 +416,16 @@ def together(bench, count):
     for _ in range(count):
         folder = bench.fresh("together")
         output = folder / "result.h5"
-        first = subprocess.Popen(bench.command(output, "--threads", 1), env=bench.environment)
-        second = subprocess.Popen(bench.command(output, "--threads", 1, "--set", "surface.albedo=0.9"), env=bench.environment)
-        codes = first.wait(), second.wait()
+        albedos = bench.random.sample(("0.05", "0.9"), 2)
+        runs = [subprocess.Popen(bench.command(output, "--threads", 1, "--set", f"surface.albedo={albedo}"), env=bench.environment) for albedo in albedos]
+        codes = tuple(run.wait() for run in runs)
         bench.check(codes == (0, 0), f"two runs at once: exit codes {codes}")
         with h5py.File(output) as file:
-            seen["the second" if "0.9" in file.attrs["scene"].decode() else "the first"] += 1
+            seen["the bright ground" if "albedo = 0.9" in file.attrs["scene"].decode() else "the dark ground"] += 1
             whole = file["radiance_field/radiance"][...]
         bench.check(np.all(np.isfinite(whole)), "two runs at once: the file is not whole")
         bench.check([entry.name for entry in folder.iterdir()] == ["result.h5"], "two runs at once: something is left")
-    print("together: " + ", ".join(f"the file is that of {which} {n} times" for which, n in seen.items()), flush=True)
+    print("together: " + ", ".join(f"the file is that over {which} {n} times" for which, n in seen.items()), flush=True)
 
 
 def over(bench, _):
