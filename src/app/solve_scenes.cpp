@@ -5,6 +5,7 @@
 #include "cloudbow/app/error_calibration.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/progress.hpp"
+#include "cloudbow/transport/thick_cells.hpp"
 #include "companions.hpp"
 #include "messages.hpp"
 
@@ -15,8 +16,9 @@ ErrorEstimate estimate(const Scene& scene, const AssembledScene& assembled, cons
   const Companions companions =
       solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, assembled.one_column,
                        [](const SolverProgress&) { InterruptGuard::check(); });
-  ErrorEstimate error = estimate_error(solution, companions, error_weights(scene.solver.accuracy, assembled.one_column),
-                                       scene.output.errors);
+  ErrorEstimate error =
+      estimate_error(solution, companions, error_weights(scene.solver.accuracy, assembled.one_column),
+                     scene.output.errors, light_lost_in_thick_cells(assembled.problem, assembled.options));
   error.calibrated_for = scene.solver.accuracy;
   return error;
 }

@@ -1,0 +1,95 @@
+#include "cloudbow/transport/thick_cells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/transport/columns.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double kLargestOpticalDepth = 1e6;
+constexpr double kResolved = .5;
+
+/// Of one cell.
+struct Thickness {
+  double absorption = 0;  ///< optical depths, from bottom to top
+  double scattering = 0;
+  double transport = 0;  ///< of scattering: times 1 - g
+
+  double diffusion() const { return std::sqrt(3 * absorption * (absorption + transport)); }
+  double lost() const {
+    const double x = diffusion();
+    if (x < kResolved || scattering <= 0) return 0;
+    const double s = std::sqrt(absorption / (absorption + transport));
+    const double half_space = (1 - s) * (1 - .139 * s) / (1 + 1.17 * s);
+    const double excess = .12 * x * x / (1 + .3 * x);
+    return half_space * excess / (1 + excess);
+  }
+};
+
+/// Calls see(column, thickness) for all active cells, from the top down.
+template <class See>
+void look_down(const Problem& problem, See see) {
+  const OpticalGrid& grid = problem.grid;
+  const BoxGrid& box = grid.box;
+  for (int k = box.nz() - 1; k >= 0; --k) {
+    const double height = box.thickness_m(k);
+    for (int j = 0; j < box.ny; ++j) {
+      const std::size_t row = static_cast<std::size_t>(k) * box.ny + j;
+      for (std::uint32_t s = grid.row_begin[row]; s < grid.row_begin[row + 1]; ++s) {
+        const RowSpan& span = grid.spans[s];
+        for (int n = 0; n < span.n; ++n) {
+          const std::size_t c = span.offset + static_cast<std::size_t>(n);
+          Thickness thickness{height * static_cast<double>(grid.absorption[c])};
+          for (std::size_t p = 0; p < grid.scattering.size(); ++p) {
+            const double scattering = height * static_cast<double>(grid.scattering[p][c]);
+            thickness.scattering += scattering;
+            thickness.transport += scattering * (1 - problem.phase[p].asymmetry_parameter());
+          }
+          see(static_cast<std::size_t>(j) * box.nx + span.i + n, thickness);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double light_lost_in_thick_cells(const Problem& problem, const SolverOptions& options) {
+  if (solved_without_azimuths(problem, options)) return 0;
+  /// Of a column so far.
+  struct Above {
+    double diffusion = 0, transport = 0, lost = 0;
+  };
+  std::vector<Above> columns(problem.grid.box.columns());
+  look_down(problem, [&](std::size_t column, const Thickness& thickness) {
+    Above& above = columns[column];
+    // There and back through what lies above.
+    const double seen = std::exp(-above.diffusion) / (1 + .75 * above.transport);
+    above.lost = std::max(above.lost, thickness.lost() * seen * seen);
+    above.diffusion += thickness.diffusion();
+    above.transport += thickness.transport;
+  });
+  double sum = 0;
+  for (const Above& above : columns) sum += above.lost;
+  return sum / static_cast<double>(columns.size());
+}
+
+void check_cell_thickness(const Problem& problem) {
+  double largest = 0;
+  look_down(problem, [&](std::size_t, const Thickness& thickness) {
+    if (thickness.scattering > 0) largest = std::max(largest, thickness.absorption + thickness.scattering);
+  });
+  if (largest > kLargestOpticalDepth) {
+    throw InputError(
+        fmt::format("cell: too thick to be solved (found an optical depth of {:.4g}, allowed up to {:g} where light "
+                    "scatters) thinner cells, or solver.mode = \"independent-columns\", which takes any",
+                    largest, kLargestOpticalDepth));
+  }
+}
+
+}  // namespace cloudbow
