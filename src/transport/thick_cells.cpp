@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLargestOpticalDepth = 1e6;
 constexpr double kResolved = .5;
+constexpr double kNeighbour = .1;  // of a cell's scattering: less beside it is as good as nothing
 
 /// Of one cell.
 struct Thickness {
@@ -21,7 +22,13 @@ struct Thickness {
   double transport = 0;  ///< of scattering: times 1 - g
 
   double diffusion() const { return std::sqrt(3 * absorption * (absorption + transport)); }
-  double lost() const {
+  /// Without a neighbour above or below a cell has no slope: about half of what it scatters goes on downwards, however
+  /// thick it is.
+  double lost_alone() const {
+    const double ratio = .49 * transport * transport / (transport + .78);
+    return .5 * ratio / (1 + ratio);
+  }
+  double lost_in_depth() const {
     const double x = diffusion();
     if (x < kResolved || scattering <= 0) return 0;
     const double s = std::sqrt(absorption / (absorption + transport));
@@ -31,7 +38,7 @@ struct Thickness {
   }
 };
 
-/// Calls see(column, thickness) for all active cells, from the top down.
+/// Calls see(column, k, thickness) for all active cells, from the top down.
 template <class See>
 void look_down(const Problem& problem, See see) {
   const OpticalGrid& grid = problem.grid;
@@ -50,7 +57,7 @@ void look_down(const Problem& problem, See see) {
             thickness.scattering += scattering;
             thickness.transport += scattering * (1 - problem.phase[p].asymmetry_parameter());
           }
-          see(static_cast<std::size_t>(j) * box.nx + span.i + n, thickness);
+          see(static_cast<std::size_t>(j) * box.nx + span.i + n, k, thickness);
         }
       }
     }
@@ -61,27 +68,42 @@ void look_down(const Problem& problem, See see) {
 
 double light_lost_in_thick_cells(const Problem& problem, const SolverOptions& options) {
   if (solved_without_azimuths(problem, options)) return 0;
-  /// Of a column so far.
+  /// Of a column so far, and of its last cell, which has not been counted.
   struct Above {
     double diffusion = 0, transport = 0, lost = 0;
+    int k = -2;
+    Thickness last;
+    bool alone = false;
+
+    void count(const Thickness& below) {
+      // There and back through what lies above.
+      const double seen = std::exp(-diffusion) / (1 + .75 * transport);
+      const bool lone = alone && below.scattering < kNeighbour * last.scattering;
+      lost = std::max(lost, std::max(last.lost_in_depth(), lone ? last.lost_alone() : 0) * seen * seen);
+      diffusion += last.diffusion();
+      transport += last.transport;
+    }
   };
   std::vector<Above> columns(problem.grid.box.columns());
-  look_down(problem, [&](std::size_t column, const Thickness& thickness) {
+  look_down(problem, [&](std::size_t column, int k, const Thickness& thickness) {
     Above& above = columns[column];
-    // There and back through what lies above.
-    const double seen = std::exp(-above.diffusion) / (1 + .75 * above.transport);
-    above.lost = std::max(above.lost, thickness.lost() * seen * seen);
-    above.diffusion += thickness.diffusion();
-    above.transport += thickness.transport;
+    const bool touches = above.k == k + 1;
+    if (above.k >= 0) above.count(touches ? thickness : Thickness{});
+    above.alone = !touches || above.last.scattering < kNeighbour * thickness.scattering;
+    above.last = thickness;
+    above.k = k;
   });
   double sum = 0;
-  for (const Above& above : columns) sum += above.lost;
+  for (Above& above : columns) {
+    if (above.k >= 0) above.count(Thickness{});
+    sum += above.lost;
+  }
   return sum / static_cast<double>(columns.size());
 }
 
 void check_cell_thickness(const Problem& problem) {
   double largest = 0;
-  look_down(problem, [&](std::size_t, const Thickness& thickness) {
+  look_down(problem, [&](std::size_t, int, const Thickness& thickness) {
     if (thickness.scattering > 0) largest = std::max(largest, thickness.absorption + thickness.scattering);
   });
   if (largest > kLargestOpticalDepth) {

@@ -48,6 +48,23 @@ TEST(ThickCells, LoseAboutWhatIsTold) {
   }
 }
 
+TEST(ThickCells, LoseAboutWhatIsToldWhereTheyAreAlone) {
+  SolverOptions columns;
+  columns.independent_columns = true;
+  columns.column_streams = 16;
+  for (const double g : {0., .85}) {
+    for (const float depth : {2.F, 10.F, 100.F}) {
+      for (const std::vector<float>& extinction : {std::vector<float>{depth}, {.001F, depth, .001F}, {0, 0, depth}}) {
+        const Problem problem = slab(extinction, 1, g);
+        const double lost = solve(problem, columns).ledger.reflectance - solve(problem, sweeps()).ledger.reflectance;
+        const double told = light_lost_in_thick_cells(problem, sweeps());
+        EXPECT_GT(told, .6 * lost - .01) << g << ' ' << depth << ' ' << extinction.size();
+        EXPECT_LT(told, 2.5 * lost + .02) << g << ' ' << depth << ' ' << extinction.size();
+      }
+    }
+  }
+}
+
 TEST(ThickCells, NothingIsLostWhereCellsAreThinOrDoNotAbsorbOrAreNotSeen) {
   EXPECT_EQ(light_lost_in_thick_cells(slab({1, 1, 1, 1}, .9, .85), sweeps()), 0);
   EXPECT_EQ(light_lost_in_thick_cells(slab({500, 500, 500, 500}, 1, .85), sweeps()), 0);
