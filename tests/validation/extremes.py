@@ -518,11 +518,11 @@ def line(row):
 
 
 def verdict_table(rows):
-    """By part; the errors are of what was solved and has a truth."""
+    """By part; the errors are of all that has a truth."""
     table = []
     for part in [*dict.fromkeys(row.part for row in rows), None]:
         here = [row for row in rows if part in (None, row.part)]
-        errors = sorted((row.error, row.name) for row in here if row.verdict == "solved" and not math.isnan(row.error))
+        errors = sorted((row.error, row.name) for row in here if not math.isnan(row.error))
         table.append([part or "**all**", len(here), *(sum(row.verdict == verdict for row in here) for verdict in VERDICTS), len(errors),
                       f"{support.median([e for e, _ in errors]):.4f}" if errors else "", f"{errors[-1][0]:.3f}" if errors else "", errors[-1][1] if errors else ""])
     return support.markdown_table(["part", "tried", *VERDICTS, "with a truth", "median error %", "worst %", "worst case"], table)
@@ -547,6 +547,81 @@ def read_csv(path):
                 row.values["column"] = Column(tau, ssa, g, mu0, surface)
             rows.append(row)
     return rows
+
+
+def worst_errors(rows, mu0, what):
+    """Of one sun, [asymmetry][optical depth]: the worst over single-scattering and surface albedo; and whether all converged."""
+    worst, whole = np.full((len(ASYMMETRIES), len(OPTICAL_DEPTHS)), np.nan), np.ones((len(ASYMMETRIES), len(OPTICAL_DEPTHS)), bool)
+    for row in rows:
+        column = row.values["column"]
+        if column.mu0 != mu0:
+            continue
+        if what == "relative" and min(row.values.get("true_reflectance", 0), row.values.get("true_transmittance", 0)) < 1e-10:
+            continue
+        at = ASYMMETRIES.index(column.g), OPTICAL_DEPTHS.index(column.tau)
+        worst[at] = np.fmax(worst[at], getattr(row, what))
+        whole[at] &= row.verdict != "not converged"
+    return worst, whole
+
+
+def plot(path, rows):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.colors import LogNorm
+    figure, axes = plt.subplots(2, 3, figsize=(15, 7.6), sharex=True, sharey=True, constrained_layout=True)
+    panels = [(f"mu0 {mu0:g}", *worst_errors(rows, mu0, "error")) for mu0 in SUNS]
+    high = [worst_errors(rows, mu0, "relative") for mu0 in SUNS if mu0 >= 0.5]
+    panels.append(("the smaller of R and T, in % of itself, from 1e-10, mu0 .5 and 1", np.fmax(*(worst for worst, _ in high)), np.logical_and(*(whole for _, whole in high))))
+    for axis, (title, worst, whole) in zip(axes.flat, panels):
+        image = axis.imshow(np.maximum(worst, 1e-4), origin="lower", aspect="auto", cmap="viridis", norm=LogNorm(1e-4, 10))
+        axis.set_title(title, fontsize=10)
+        for (g, tau), error in np.ndenumerate(worst):
+            if not math.isnan(error):
+                text = "0" if error < 5e-5 else f"{error:.0e}".replace("e-0", "e-") if error < 0.00095 else f"{error:.2g}".replace("0.", ".", 1)
+                axis.text(tau, g, text + ("" if whole[g, tau] else "*"), ha="center", va="center", fontsize=7, color="black" if error > 0.1 else "white")
+        axis.set_xticks(range(len(OPTICAL_DEPTHS)))
+        axis.set_xticklabels([f"{tau:g}" for tau in OPTICAL_DEPTHS], rotation=45, fontsize=8)
+        axis.set_yticks(range(len(ASYMMETRIES)))
+        axis.set_yticklabels([f"{g:g}" for g in ASYMMETRIES], fontsize=8)
+    for axis in axes[-1]:
+        axis.set_xlabel("optical depth")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("asymmetry parameter")
+    figure.colorbar(image, ax=axes, label="error of reflectance and transmittance, % of the incident flux (*: some not converged)", shrink=0.8)
+    figure.savefig(path, dpi=90)
+
+
+def map_table(rows):
+    """Worst errors by optical depth and sun, with the asymmetry where they are."""
+    table = []
+    for n, tau in enumerate(OPTICAL_DEPTHS):
+        cells = []
+        for mu0 in SUNS:
+            worst = worst_errors(rows, mu0, "error")[0][:, n]
+            cells.append("" if np.all(np.isnan(worst)) else f"{np.nanmax(worst):.4f} ({ASYMMETRIES[int(np.nanargmax(worst))]:g})")
+        table.append([f"{tau:g}", *cells])
+    return support.markdown_table(["optical depth", *(f"mu0 {mu0:g}" for mu0 in SUNS)], table)
+
+
+def field_table(rows):
+    """Of the small clouds that have a truth."""
+    def both(row, name):
+        return f"{row.values[name]:.4f} ({row.values['true_' + name]:.4f})"
+    return support.markdown_table(["part", "scene", "reflectance", "transmittance", "error %", "its own estimate %", "verdict"], [
+        [row.part, row.name, both(row, "reflectance"), both(row, "transmittance"), f"{row.error:.2f}",
+         f"{row.values['estimate']:.2g}" if "estimate" in row.values else "", row.verdict]
+        for row in rows if row.part in ("aspect", "contrast") and not math.isnan(row.error)])
+
+
+def write_document(path, rows):
+    support.write_between_markers(path, "extremes-verdicts", verdict_table(rows))
+    columns = [row for row in rows if row.part == "columns"]
+    if columns:
+        support.write_between_markers(path, "extremes-map", map_table(columns))
+        plot(path.parent / "images/extremes.png", columns)
+    if any(row.part in ("aspect", "contrast") for row in rows):
+        support.write_between_markers(path, "extremes-fields", field_table(rows))
 
 
 def main():
@@ -576,7 +651,7 @@ def main():
             rows += PARTS[part](options, runner) if part else []
             if options.csv:
                 write_csv(options.csv, rows)
-            print(f"{part or 'read'}: {support.now() - start:.0f} s", flush=True)
+            print(f"{part or 'before'}: {support.now() - start:.0f} s", flush=True)
     print("\n".join(line(row) for row in rows if row.verdict in ("refused", "not converged")))
     print(verdict_table(rows))
     if options.document:
