@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <functional>
 #include <optional>
+#include <system_error>
 
 #include "cloud_commands.hpp"
 #include "cloudbow/app/interrupt.hpp"
@@ -19,6 +22,7 @@
 #include "cloudbow/results/render.hpp"
 #include "command_checks.hpp"
 #include "export_command.hpp"
+#include "messages.hpp"
 #include "phase_command.hpp"
 #include "tradeoff_command.hpp"
 #include "verify_command.hpp"
@@ -206,6 +210,12 @@ std::string command_text(int argc, const char* const* argv) {
   return text;
 }
 
+/// What was printed may wait for room on a disk that has none. Whoever closes stdout wants nothing of it.
+void check_printed() {
+  if (std::fflush(stdout) != 0 && errno != EBADF)
+    throw InputError(fmt::format("stdout: can't be written ({})", std::generic_category().message(errno)));
+}
+
 int parse_and_act(int argc, const char* const* argv) {
   CLI::App app("Sunlight in cloudy air, solved deterministically", "cloudbow");
   app.set_version_flag("--version", version_text());
@@ -230,25 +240,29 @@ int parse_and_act(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", error.what()));
   }
-  return action();
+  const int code = action();
+  check_printed();
+  return code;
 }
 
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
+  // A file over the limit of its size is to be told, as a full disk is.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return parse_and_act(argc, argv);
   } catch (const InputError& error) {
-    fmt::print(stderr, "cloudbow: {}\n", error.what());
+    tell("cloudbow: {}\n", error.what());
     return kExitInputError;
   } catch (const Interrupted& interrupted) {
-    fmt::print(stderr, "cloudbow: interrupted\n");
+    tell("cloudbow: interrupted\n");
     return 128 + interrupted.signal;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "cloudbow: internal error: out of memory\n");
+    tell("cloudbow: internal error: out of memory\n");
     return kExitInternalError;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "cloudbow: internal error: {}\n", error.what());
+    tell("cloudbow: internal error: {}\n", error.what());
     return kExitInternalError;
   }
 }

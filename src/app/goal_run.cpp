@@ -8,6 +8,7 @@
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/error_calibration.hpp"
 #include "cloudbow/core/error.hpp"
+#include "messages.hpp"
 
 namespace cloudbow {
 namespace {
@@ -121,8 +122,8 @@ class GoalRunner {
     result_.plan.seconds = seconds_since(start) - table_seconds(result_.solved);
     result_.plan.levels_solved += (level == 0 ? "" : ", ") + names_[level];
     if (!options_.quiet) {
-      fmt::print(stderr, "cloudbow: `{}`: estimated error of {} {}, in {:.2g} s\n", names_[level], name_of(goal_.of),
-                 percent(error_of(result_.solved.errors, goal_.of)), result_.plan.seconds);
+      tell("cloudbow: `{}`: estimated error of {} {}, in {:.2g} s\n", names_[level], name_of(goal_.of),
+           percent(error_of(result_.solved.errors, goal_.of)), result_.plan.seconds);
     }
   }
 
@@ -133,9 +134,9 @@ class GoalRunner {
     if (goal_.budget_seconds)
       wish += fmt::format("{}{:.3g} s of {:.3g} s left", wish.empty() ? "" : ", ",
                           *goal_.budget_seconds - means().spent_seconds, *goal_.budget_seconds);
-    fmt::print(stderr, "cloudbow: chose `{}`: {} of {} expected, in {:.2g} s and {:.2g} GB ({})\n", names_[level],
-               percent(levels_[level].error), name_of(goal_.of), levels_[level].seconds,
-               levels_[level].memory_bytes / 1e9, wish);
+    tell("cloudbow: chose `{}`: {} of {} expected, in {:.2g} s and {:.2g} GB ({})\n", names_[level],
+         percent(levels_[level].error), name_of(goal_.of), levels_[level].seconds, levels_[level].memory_bytes / 1e9,
+         wish);
   }
 
   void finish(std::size_t level) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "messages.hpp"
+
 namespace cloudbow {
 
 ProgressDisplay::ProgressDisplay(bool quiet, double tolerance)
@@ -44,17 +46,17 @@ void ProgressDisplay::show_bar(const SolverProgress& progress) {
     text += fmt::format(" {:3}  error {:.1e}  energy {:.1e}", progress.sweep, progress.estimated_error,
                         progress.energy_residual);
   }
-  fmt::print(stderr, "{}\x1b[K", text);
+  tell("{}\x1b[K", text);
   std::fflush(stderr);
   bar_open_ = true;
 }
 
 void ProgressDisplay::show_line(const SolverProgress& progress) {
   if (progress.phase == "sweep") {
-    fmt::print(stderr, "sweep {}: estimated error {:.2e}, energy residual {:.2e}\n", progress.sweep,
-               progress.estimated_error, progress.energy_residual);
+    tell("sweep {}: estimated error {:.2e}, energy residual {:.2e}\n", progress.sweep, progress.estimated_error,
+         progress.energy_residual);
   } else if (progress.phase != last_phase_) {
-    fmt::print(stderr, "{}\n", progress.phase);
+    tell("{}\n", progress.phase);
   }
   last_phase_ = progress.phase;
 }

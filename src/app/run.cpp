@@ -16,6 +16,7 @@
 #include "cloudbow/transport/columns.hpp"
 #include "goal_run.hpp"
 #include "history.hpp"
+#include "messages.hpp"
 #include "run_checkpoints.hpp"
 #include "solve_scenes.hpp"
 
@@ -97,10 +98,10 @@ int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solutio
     const Solution& solution = solutions[n];
     if (solution.report.converged) continue;
     const std::string at = which + (scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "");
-    fmt::print(stderr,
-               "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
-               "marked so\n",
-               at, solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
+    tell(
+        "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
+        "marked so\n",
+        at, solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
     code = kExitNotConverged;
   }
   return code;
@@ -109,8 +110,8 @@ int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solutio
 /// Exit code.
 int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
   if (plan.met) return kExitDone;
-  fmt::print(stderr, "cloudbow: `{}` misses what was asked for, and no better level fits: {} is marked so\n",
-             plan.accuracy, output.string());
+  tell("cloudbow: `{}` misses what was asked for, and no better level fits: {} is marked so\n", plan.accuracy,
+       output.string());
   return kExitNotConverged;
 }
 

@@ -7,7 +7,9 @@
 #include "cloudbow/app/error_calibration.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/progress.hpp"
+#include "cloudbow/transport/thick_cells.hpp"
 #include "companions.hpp"
+#include "messages.hpp"
 #include "run_checkpoints.hpp"
 
 namespace cloudbow {
@@ -18,7 +20,8 @@ ErrorEstimate estimate(const Scene& scene, const AssembledScene& assembled, cons
   const Companions companions = solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, as,
                                                  [](const SolverProgress&) { InterruptGuard::check(); });
   ErrorEstimate error =
-      estimate_error(solution, companions, error_weights(scene.solver.accuracy, as), scene.output.errors);
+      estimate_error(solution, companions, error_weights(scene.solver.accuracy, as), scene.output.errors,
+                     light_lost_in_thick_cells(assembled.problem, assembled.options));
   error.calibrated_for = scene.solver.accuracy;
   return error;
 }
@@ -32,7 +35,7 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
     AssembledScene assembled =
         forecast.only ? std::move(*forecast.only) : assemble(scene, available, files, forecast.levels_m);
     assembled.options.threads = options.threads;
-    if (scene.wavelength_um && !options.quiet) fmt::print(stderr, "wavelength {} um\n", *scene.wavelength_um);
+    if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
     const auto solve_shown = [&](const SolverOptions& how, Checkpoints* checkpoints) {
       ProgressDisplay display(options.quiet, how.tolerance);
       // Between sweeps a signal waits for the checkpoint.
@@ -53,7 +56,7 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
     if (options.compare) {
       // A single column is its own independent column.
       const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
-      if (!options.quiet && !alone) fmt::print(stderr, "independent columns\n");
+      if (!options.quiet && !alone) tell("independent columns\n");
       solved.by_columns.push_back(alone ? solved.solutions.back()
                                         : solve_shown(by_columns(assembled.options), nullptr));
     }

@@ -16,6 +16,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/tradeoff.hpp"
+#include "messages.hpp"
 
 namespace cloudbow {
 namespace {
@@ -129,7 +130,7 @@ std::optional<BoundaryResult> solve_level(const Level& level, const TradeoffOpti
   arguments.insert(arguments.end(), {"--set", "output.error_estimate=false"});
   if (options.threads > 0) arguments.insert(arguments.end(), {"--threads", std::to_string(options.threads)});
   if (options.quiet) arguments.emplace_back("--quiet");
-  if (!options.quiet) fmt::print(stderr, "level {}\n", level.name);
+  if (!options.quiet) tell("level {}\n", level.name);
   const int code = run_child(arguments);
   InterruptGuard::check();
   if (code != kExitDone && code != kExitNotConverged)

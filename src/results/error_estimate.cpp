@@ -11,6 +11,9 @@
 namespace cloudbow {
 namespace {
 
+// Of incident: errors of columns whose mean is less are not in terms of it.
+constexpr double kLeastMean = 1e-6;
+
 /// W m-2 through the horizontal top.
 double incident(const Solution& solution) {
   return solution.profile_downwelling_diffuse_flux.back() + solution.profile_direct_flux.back();
@@ -35,11 +38,12 @@ double mean(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-double rms_over_mean(const std::vector<double>& one, const std::vector<double>& other) {
+/// @param least of the mean: less is no light to speak of.
+double rms_over_mean(const std::vector<double>& one, const std::vector<double>& other, double least) {
   assert(one.size() == other.size());
   double square = 0;
   for (std::size_t n = 0; n < one.size(); ++n) square += (one[n] - other[n]) * (one[n] - other[n]);
-  return square == 0 ? 0 : std::sqrt(square / static_cast<double>(one.size())) / mean(one);
+  return square == 0 ? 0 : std::sqrt(square / static_cast<double>(one.size())) / std::max(mean(one), least);
 }
 
 double largest_difference(const std::vector<double>& one, const std::vector<double>& other) {
@@ -104,8 +108,8 @@ ByFlux flux_distance(const Solution& solution, const Solution& other) {
          std::abs(solution.ledger.reflectance - other.ledger.reflectance),
          std::abs(solution.ledger.transmittance - other.ledger.transmittance)});
   }
-  distance.up = rms_over_mean(up_at_top(solution), up_at_top(other));
-  distance.down = rms_over_mean(down_at_bottom(solution), down_at_bottom(other));
+  distance.up = rms_over_mean(up_at_top(solution), up_at_top(other), kLeastMean * power);
+  distance.down = rms_over_mean(down_at_bottom(solution), down_at_bottom(other), kLeastMean * power);
   return distance;
 }
 
@@ -114,7 +118,7 @@ double ErrorParts::total() const { return std::hypot(angular, spatial, iteration
 double ErrorEstimate::columns() const { return std::max(up.total(), down.total()); }
 
 ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
-                             bool fields) {
+                             bool fields, double lost) {
   ErrorEstimate estimate;
   estimate.angular_distance = flux_distance(solution, companions.linear);
   estimate.spatial_distance = flux_distance(companions.linear, companions.constant);
@@ -125,6 +129,9 @@ ErrorEstimate estimate_error(const Solution& solution, const Companions& compani
   estimate.domain = parts(&ByFlux::domain);
   estimate.up = parts(&ByFlux::up);
   estimate.down = parts(&ByFlux::down);
+  estimate.domain.spatial = std::max(estimate.domain.spatial, lost);
+  if (lost > 0)
+    estimate.up.spatial = std::max(estimate.up.spatial, lost / std::max(solution.ledger.reflectance, kLeastMean));
   estimate.cpu_seconds = companions.linear.report.cpu_seconds + companions.constant.report.cpu_seconds;
   estimate.table_seconds = companions.linear.report.seconds_tables + companions.constant.report.seconds_tables;
   if (fields) {

@@ -10,6 +10,7 @@
 #include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/flux_fields.hpp"
 #include "cloudbow/transport/images.hpp"
+#include "cloudbow/transport/thick_cells.hpp"
 #include "cloudbow/transport/thick_levels.hpp"
 #include "cloudbow/transport/threads.hpp"
 #include "cloudbow/transport/uniform_axes.hpp"
@@ -185,6 +186,7 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
   const std::size_t solved = options.actinic ? cells : problem.grid.active_cells();
   omp_set_num_threads(std::max(solved, problem.grid.box.columns()) < worth_threads ? 1 : threads);
   if (solved_without_azimuths(problem, options)) return solve_without_azimuths(problem, options, progress);
+  check_cell_thickness(problem);
   if (options.actinic && problem.grid.active_cells() < cells) {
     Problem full = problem;
     full.grid = with_empty_cells(problem.grid);

@@ -87,6 +87,7 @@ def add_programs(parser):
     folder = Path(os.environ.get("CLOUDBOW_TEST_PROGRAMS", ROOT / "build/release/tests/reference"))
     parser.add_argument("--monte-carlo", type=Path, default=folder / "monte_carlo", metavar="PROGRAM")
     parser.add_argument("--cloud-cells", type=Path, default=folder / "cloud_cells", metavar="PROGRAM")
+    parser.add_argument("--thick-slabs", type=Path, default=folder / "thick_slabs", metavar="PROGRAM")
 
 
 def henyey_greenstein(g):

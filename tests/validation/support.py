@@ -31,6 +31,7 @@ class Result:
             self.profile = {name: node[...] for name, node in file["profile"].items()} if "profile" in file else {}
             self.summary = {name: plain(value) for name, value in file["summary"].attrs.items()}
             self.solver = {name: plain(value) for name, value in file["solver"].attrs.items()}
+            self.error_estimate = {name: plain(value) for name, value in file["error_estimate"].attrs.items()} if "error_estimate" in file else {}
         # Of a spectrum there is one number a wavelength.
         self.cpu_seconds = float(np.sum(self.solver.get("cpu_seconds", cpu_seconds)))
         self.wall_seconds = float(np.sum(self.solver["seconds_total"]))

@@ -55,8 +55,10 @@ struct Companions {
 };
 
 /// @param fields whether the errors of single columns are asked for.
+/// @param lost light that thick cells do not send back, fraction of incident (thick_cells.hpp): companions on the same
+/// cells know nothing of it. It counts as a spatial error of domain and flux up.
 ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
-                             bool fields);
+                             bool fields, double lost = 0);
 
 /// "estimated error ..." as one line in per cent, for the summary; ends with a newline.
 std::string error_line(const ErrorEstimate& estimate);
