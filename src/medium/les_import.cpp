@@ -96,7 +96,9 @@ std::optional<double> factor_of(const UnitTable& table, const std::string& spell
 }
 
 /// A file that says "1" or nothing leaves the unit to be guessed.
-bool is_unit_given(const std::string& units) { return units != "" && units != "1" && units != "-" && units != "none"; }
+bool is_unit_given(const std::string& units) {
+  return !units.empty() && units != "1" && units != "-" && units != "none";
+}
 
 std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),

@@ -226,7 +226,7 @@ template <class Real, bool keep_mean, bool linear>
 [[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
                                                std::size_t cell, const Real* source, Real* ray, Real* mean) {
   const auto cross = [&g](const auto& t, const auto& phi, const auto& s, const auto& x, const auto& y, const auto& z,
-                          const auto& in, auto& more, auto& out) {
+                          const auto& in, [[maybe_unused]] auto& more, auto& out) {
     if constexpr (linear) {
       const auto entry = s * (1 + g.from_x * x + g.from_y * y + g.from_z * z);
       const auto exit = s * (1 + g.to_x * x + g.to_y * y + g.to_z * z);
