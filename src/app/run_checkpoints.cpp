@@ -7,6 +7,7 @@
 #include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/result_file.hpp"
+#include "messages.hpp"
 
 namespace cloudbow {
 namespace {
@@ -67,9 +68,9 @@ void RunCheckpoints::loaded(int sweeps) {
   input_.reset();
   if (quiet_) return;
   if (sweeps > 0) {
-    fmt::print(stderr, "cloudbow: goes on after sweep {} of {}\n", sweeps, from_.string());
+    tell("cloudbow: goes on after sweep {} of {}\n", sweeps, from_.string());
   } else {
-    fmt::print(stderr, "cloudbow: begins with the light of {}, another problem or tolerance\n", from_.string());
+    tell("cloudbow: begins with the light of {}, another problem or tolerance\n", from_.string());
   }
 }
 
@@ -81,10 +82,9 @@ void RunCheckpoints::save(const StateKey& key, std::span<const StateArray> state
   if (to_.empty()) return;
   try {
     write_checkpoint(to_, source_, of_this_version(key, source_), state);
-    if (InterruptGuard::noted() && !quiet_)
-      fmt::print(stderr, "cloudbow: the run can go on with --resume {}\n", to_.string());
+    if (InterruptGuard::noted() && !quiet_) tell("cloudbow: the run can go on with --resume {}\n", to_.string());
   } catch (const InputError& error) {
-    fmt::print(stderr, "cloudbow: no checkpoint: {}\n", error.what());
+    tell("cloudbow: no checkpoint: {}\n", error.what());
   }
   last_ = std::chrono::steady_clock::now();
   InterruptGuard::check();

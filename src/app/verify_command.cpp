@@ -16,6 +16,7 @@
 #include "cloudbow/core/error.hpp"
 #include "command_checks.hpp"
 #include "machine_speed.hpp"
+#include "messages.hpp"
 #include "verify/checks.hpp"
 
 namespace cloudbow {
@@ -109,7 +110,7 @@ int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& option
   std::size_t failed = 0;
   std::string entries;
   for (const PhysicalCheck& check : those) {
-    if (seconds_since(start) > kSlowSeconds) fmt::print(stderr, "cloudbow: checking {}\n", check.name);
+    if (seconds_since(start) > kSlowSeconds) tell("cloudbow: checking {}\n", check.name);
     const CheckOutcome outcome = carry_out(check);
     if (!outcome.passed) ++failed;
     if (options.json) {

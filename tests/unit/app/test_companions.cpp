@@ -21,23 +21,31 @@ TEST(Companions, OfColumnsAreOneSolve) {
   const Problem problem = small_field();
   SolverOptions options = accuracy_options("balanced", false, false);
   options.independent_columns = true;
-  const Companions companions = solve_companions(problem, options, "balanced", false, {});
+  const Companions companions = solve_companions(problem, options, "balanced", SolvedAs::field, {});
   EXPECT_EQ(companions.constant.upwelling_flux, companions.linear.upwelling_flux);
   EXPECT_EQ(companions.linear.report.sweeps + companions.constant.report.sweeps, 1);
   EXPECT_EQ(companions.constant.report.cpu_seconds, 0);
-  const SolverOptions other = companion_options(options, "balanced", false);
+  const SolverOptions other = companion_options(options, "balanced", SolvedAs::field);
   EXPECT_LT(other.column_streams, options.column_streams);
-  EXPECT_EQ(predict_companion_seconds(problem, options, "balanced", false), predict_seconds(problem, other));
+  EXPECT_EQ(predict_companion_seconds(problem, options, "balanced", SolvedAs::field), predict_seconds(problem, other));
+}
+
+TEST(Companions, OfOneColumnByItsStreamsHaveMoreStreams) {
+  SolverOptions options = accuracy_options("balanced", true, false);
+  options.independent_columns = true;
+  EXPECT_EQ(companion_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams,
+            2 * options.column_streams);
 }
 
 TEST(Companions, OfFieldsAreTwo) {
   const Problem problem = small_field();
   const SolverOptions options = accuracy_options("balanced", false, false);
-  const Companions companions = solve_companions(problem, options, "balanced", false, {});
+  const Companions companions = solve_companions(problem, options, "balanced", SolvedAs::field, {});
   EXPECT_NE(companions.constant.upwelling_flux, companions.linear.upwelling_flux);
   EXPECT_GE(companions.constant.report.sweeps, 1);
-  const SolverOptions other = companion_options(options, "balanced", false);
-  EXPECT_EQ(predict_companion_seconds(problem, options, "balanced", false), 2 * predict_seconds(problem, other));
+  const SolverOptions other = companion_options(options, "balanced", SolvedAs::field);
+  EXPECT_EQ(predict_companion_seconds(problem, options, "balanced", SolvedAs::field),
+            2 * predict_seconds(problem, other));
 }
 
 }  // namespace
