@@ -59,7 +59,6 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
     other.tolerance = std::max(options.tolerance, kTolerance);
     other.energy_tolerance = kEnergyTolerance;
   }
-  other.column_streams = options.column_streams > kFewStreams ? kFewStreams : 2 * kFewStreams;
   other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
   other.absorption = other.actinic = other.radiance_field = false;
   other.views.clear();
