@@ -14,6 +14,7 @@ namespace {
 
 constexpr double least_share_of_beam = .01;
 constexpr int most_parts = 6;
+constexpr double parts_of_most = 63;  // 1 + 2 + 4 + ... + 32
 
 // What the beam leaves in a level.
 struct BeamInLevel {
@@ -52,7 +53,8 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
 // Share of the thickness at which each part ends, from above; the last is 1.
 std::vector<double> ends_of_parts(double depth, double largest) {
   std::vector<double> ends;
-  double end = 0, part = largest;
+  // No part is more than twice its neighbour: a thin one beside a very thick one would set the iteration off.
+  double end = 0, part = std::max(largest, depth / parts_of_most);
   while (static_cast<int>(ends.size()) + 1 < most_parts && end + part * 1.5 < depth) {
     end += part;
     ends.push_back(end / depth);

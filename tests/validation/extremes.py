@@ -285,11 +285,11 @@ def columns_part(options, runner):
     return column_part(options, runner, columns[::67] if options.quick else columns)
 
 
-def columns_by_columns_part(options, runner):
-    """The same without azimuths and iteration."""
+def columns_by_ordinates_part(options, runner):
+    """Some of them by ordinates and iteration, as scenes with images or uneven ground are solved."""
     columns = [Column(*values) for values in itertools.product(OPTICAL_DEPTHS, ALBEDOS, ASYMMETRIES, SUNS, SURFACES)]
-    return column_part(options, runner, columns[::371] if options.quick else columns[::7], "independent columns",
-                       lambda name, c, estimate: runner.run(name, c.tables(mode="independent-columns"), estimate))
+    return column_part(options, runner, columns[::371] if options.quick else columns[::7], "ordinates",
+                       lambda name, c, estimate: runner.run(name, c.tables(mode="3d"), estimate))
 
 
 def levels_part(options, runner):
@@ -508,7 +508,7 @@ def fields_part(options, runner):
     return rows
 
 
-PARTS = {"columns": columns_part, "independent columns": columns_by_columns_part, "accuracy fine": levels_part, "voxels": voxels_part, "shapes": shapes_part, "aspect": aspect_part,
+PARTS = {"columns": columns_part, "ordinates": columns_by_ordinates_part, "accuracy fine": levels_part, "voxels": voxels_part, "shapes": shapes_part, "aspect": aspect_part,
          "contrast": contrast_part, "densities": densities_part, "offset": offset_part, "fields": fields_part}
 
 

@@ -17,8 +17,9 @@ struct CutLevels {
 };
 
 /// The first part of a level, from above, has the slant optical depth `largest` (delta-M scaled, over mu0; mean over
-/// the cells by the power that the beam leaves there), each further one twice that of the part above it. Levels in
-/// which less than a hundredth of the incident beam is scattered or absorbed stay whole.
+/// the cells by the power that the beam leaves there), each further one twice that of the part above it, six at most
+/// (thicker ones where these do not reach). Levels in which less than a hundredth of the incident beam is scattered or
+/// absorbed stay whole.
 /// @param largest > 0; 0: all levels stay whole.
 CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options, double largest);
 
