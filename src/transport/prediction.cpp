@@ -50,7 +50,8 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   constexpr std::size_t libraries = 20'000'000;
   constexpr std::size_t reading = 33'000'000;
   if (solved_without_azimuths(problem, options)) {
-    return libraries + (problem.grid.box.columns() > 1 ? reading : 0) +
+    constexpr std::size_t program_of_columns = 17'500'000;
+    return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) +
            columns_memory(problem, options, runs_in_double(problem, options));
   }
   const BoxGrid& box = problem.grid.box;
