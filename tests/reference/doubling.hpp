@@ -1,6 +1,6 @@
 // Light in a homogeneous slab by doubling: an independent check of whatever scatters light among directions. It knows
-// nothing of rays, voxels or sweeps; a thin slab's response is doubled until the slab is as thick as wanted (van de
-// Hulst 1963; Hansen & Travis 1974).
+// nothing of rays, voxels or sweeps; a thin slab's response, exact but for rounding, is doubled until the slab is as
+// thick as wanted (van de Hulst 1963; Hansen & Travis 1974).
 #pragma once
 
 #include <Eigen/Core>
@@ -8,33 +8,50 @@
 
 namespace cloudbow::reference {
 
-/// Fractions of the power that enters through the top: what leaves upwards, and downwards with the direct beam.
+template <class Real>
+using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+template <class Real>
+using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+
+/// Fractions of the power that enters through the top: what leaves upwards, and what arrives at the bottom with the
+/// direct beam (over a bright surface, light that it has reflected before counts again).
 struct SlabFluxes {
   double reflectance;
   double transmittance;
 };
 
-/// A homogeneous slab of unit extinction, lit from above by parallel beams, each solved by itself.
-struct Slab {
-  Eigen::VectorXd mu;           ///< D: z component of the direction of travel, not 0; those downward first
-  Eigen::VectorXd weight;       ///< D: quadrature weights [sr]
-  Eigen::MatrixXd scatter;      ///< D x D: source at the ordinates from radiance at the ordinates, ssa included
-  Eigen::VectorXd beam_mu;      ///< B: cosines of the solar zenith angle, positive
-  Eigen::MatrixXd beam_source;  ///< D x B: source from beams of unit normal irradiance, ssa included
-  double beam_extinction = 1;   ///< relative to the diffuse light's
-  double optical_depth = 1;
+/// A homogeneous slab of unit extinction over a Lambertian surface, lit from above by parallel beams, each solved by
+/// itself.
+template <class Real>
+struct SlabOf {
+  Vector<Real> mu;           ///< D: z component of the direction of travel, not 0; those downward first
+  Vector<Real> weight;       ///< D: quadrature weights [sr]
+  Matrix<Real> scatter;      ///< D x D: source at the ordinates from radiance at the ordinates, ssa included
+  Vector<Real> beam_mu;      ///< B: cosines of the solar zenith angle, positive
+  Matrix<Real> beam_source;  ///< D x B: source from beams of unit normal irradiance, ssa included
+  Real beam_extinction = 1;  ///< relative to the diffuse light's
+  Real optical_depth = 1;
+  Real surface_albedo = 0;
 };
+using Slab = SlabOf<double>;
 
-/// What leaves a slab below and above for what enters above (down) and below (up). States of the downward light are
-/// radiances at the downward ordinates, then normal irradiances of the beams; of the upward light, radiances.
-struct Response {
-  Eigen::MatrixXd transmit_down, reflect_up;  ///< leaves below: of light that enters above, of light that enters below
-  Eigen::MatrixXd reflect_down, transmit_up;  ///< leaves above: of light that enters above, of light that enters below
+/// What leaves a slab below and above for what enters above (down) and below (up), without its surface. States of the
+/// downward light are radiances at the downward ordinates, then normal irradiances of the beams; of the upward light,
+/// radiances.
+template <class Real>
+struct ResponseOf {
+  Matrix<Real> transmit_down, reflect_up;  ///< leaves below: of light that enters above, of light that enters below
+  Matrix<Real> reflect_down, transmit_up;  ///< leaves above: of light that enters above, of light that enters below
 };
+using Response = ResponseOf<double>;
 
-Response response_by_doubling(const Slab& slab);
+// Real: double, or long double for slabs whose light survives so many scatterings that rounding would show.
 
-/// Of the slab over a black surface, for each beam.
-std::vector<SlabFluxes> solve_by_doubling(const Slab& slab);
+template <class Real>
+ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab);
+
+/// Of the slab over its surface, for each beam.
+template <class Real>
+std::vector<SlabFluxes> solve_by_doubling(const SlabOf<Real>& slab);
 
 }  // namespace cloudbow::reference

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "cloudbow/sphere/gauss_legendre.hpp"
 
@@ -17,61 +18,85 @@ using std::numbers::pi;
 
 constexpr double kLastMode = 1e-8;  // of the incident flux: azimuth modes below it end the series
 
+/// A node of the Gauss-Legendre rule, known as a double, and its weight: one step of Newton's method.
+template <class Real>
+std::pair<Real, Real> in_full(int n, Real x) {
+  Real below = 1, p = x;
+  for (int l = 2; l <= n; ++l) {
+    const Real next = ((2 * l - 1) * x * p - (l - 1) * below) / l;
+    below = p;
+    p = next;
+  }
+  const Real slope = n * (below - x * p) / (1 - x * x);
+  // At a root the slope changes by 2 x / (1 - x^2) of itself per unit of x.
+  const Real step = -p / slope, node = x + step, slope_there = slope * (1 + 2 * x * step / (1 - x * x));
+  return {node, 2 / ((1 - node * node) * slope_there * slope_there)};
+}
+
 /// Directions of a solution: Gauss angles in each half range, and views among them with no weight, which receive light
 /// and send none.
+template <class Real>
 struct Angles {
-  VectorXd mu, weight;  // downward first; weights in sr
-  Index half = 0;       // of them downward, in the same order as upward
+  Vector<Real> mu, weight;  // downward first; weights in sr
+  Index half = 0;           // of them downward, in the same order as upward
 };
 
-Angles make_angles(int count, std::span<const double> views) {
+template <class Real>
+Angles<Real> make_angles(int count, std::span<const double> views) {
   const GaussLegendre rule = make_gauss_legendre(count);
-  Angles angles;
+  Angles<Real> angles;
   angles.half = count + static_cast<Index>(views.size());
   angles.mu.resize(2 * angles.half);
   angles.weight.setZero(2 * angles.half);
   for (Index i = 0; i < angles.half; ++i) {
     const bool is_view = i >= count;
-    const double mu = is_view ? views[i - count] : (1 + rule.node[i]) / 2;
+    const auto [node, weight] = is_view ? std::pair<Real, Real>{} : in_full(count, Real(rule.node[i]));
+    const Real mu = is_view ? Real(views[i - count]) : (1 + node) / 2;
     angles.mu[i] = -mu;
     angles.mu[angles.half + i] = mu;
-    if (!is_view) angles.weight[i] = angles.weight[angles.half + i] = pi * rule.weight[i];
+    angles.weight[i] = angles.weight[angles.half + i] = std::numbers::pi_v<Real> * weight;
   }
   return angles;
 }
 
 /// Associated Legendre functions of degree m to order - 1 (columns; below m nought) at mu, normalised so that their
 /// products are the azimuth modes of a Legendre series: sqrt((l-m)!/(l+m)!) P_l^m.
-MatrixXd associated_legendre(const VectorXd& mu, int order, int m) {
-  MatrixXd p = MatrixXd::Zero(mu.size(), order);
+template <class Real>
+Matrix<Real> associated_legendre(const Vector<Real>& mu, int order, int m) {
+  Matrix<Real> p = Matrix<Real>::Zero(mu.size(), order);
   if (m >= order) return p;
-  VectorXd sectoral = VectorXd::Ones(mu.size());
+  Vector<Real> sectoral = Vector<Real>::Ones(mu.size());
   for (int k = 1; k <= m; ++k) {
-    sectoral = std::sqrt((2.0 * k - 1) / (2.0 * k)) * sectoral.cwiseProduct((1 - mu.array().square()).sqrt().matrix());
+    const Vector<Real> sine = (1 - mu.array().square()).sqrt().matrix();
+    sectoral = std::sqrt(Real(2 * k - 1) / Real(2 * k)) * sectoral.cwiseProduct(sine);
   }
   p.col(m) = sectoral;
-  if (m + 1 < order) p.col(m + 1) = std::sqrt(2.0 * m + 1) * mu.cwiseProduct(sectoral);
+  if (m + 1 < order) p.col(m + 1) = std::sqrt(Real(2 * m + 1)) * mu.cwiseProduct(sectoral);
   for (int l = m + 2; l < order; ++l) {
-    const double a = std::sqrt((l - 1.0) * (l - 1.0) - 1.0 * m * m), b = std::sqrt(1.0 * l * l - 1.0 * m * m);
-    p.col(l) = ((2 * l - 1) * mu.cwiseProduct(p.col(l - 1)) - a * p.col(l - 2)) / b;
+    const Real a = std::sqrt(Real(l - 1) * Real(l - 1) - Real(m) * Real(m));
+    const Real b = std::sqrt(Real(l) * Real(l) - Real(m) * Real(m));
+    p.col(l) = (Real(2 * l - 1) * mu.cwiseProduct(p.col(l - 1)) - a * p.col(l - 2)) / b;
   }
   return p;
 }
 
 /// The layer, delta-scaled at `order` moments, for azimuth mode m.
-Slab make_slab(const PlaneParallelLayer& layer, const Angles& angles, const VectorXd& beam_mu, int order, int m) {
-  const double ssa = layer.single_scattering_albedo, f = std::max(0.0, layer.moments(order));
-  const double scattered = ssa * (1 - f) / (1 - ssa * f);
-  VectorXd factor(order);
-  for (int l = 0; l < order; ++l) factor[l] = (2 * l + 1) * (layer.moments(l) - f) / (1 - f) * scattered / (4 * pi);
-  const MatrixXd p = associated_legendre(angles.mu, order, m), p_beam = associated_legendre(-beam_mu, order, m);
+template <class Real>
+SlabOf<Real> make_slab(const PlaneParallelLayer& layer, const Angles<Real>& angles, const Vector<Real>& beam_mu,
+                       int order, int m) {
+  const Real ssa = layer.single_scattering_albedo, f = std::max(0.0, layer.moments(order));
+  Vector<Real> factor(order);
+  for (int l = 0; l < order; ++l)
+    factor[l] = Real(2 * l + 1) * (layer.moments(l) - f) * ssa / (1 - ssa * f) / (4 * std::numbers::pi_v<Real>);
+  const Matrix<Real> p = associated_legendre(angles.mu, order, m);
+  const Matrix<Real> p_beam = associated_legendre<Real>(-beam_mu, order, m);
 
-  Slab slab;
+  SlabOf<Real> slab;
   slab.mu = angles.mu;
   slab.weight = angles.weight;
   slab.scatter = p * factor.asDiagonal() * p.transpose() * angles.weight.asDiagonal();
   slab.beam_mu = beam_mu;
-  slab.beam_source = (m == 0 ? 1 : 2) * p * factor.asDiagonal() * p_beam.transpose();
+  slab.beam_source = Real(m == 0 ? 1 : 2) * p * factor.asDiagonal() * p_beam.transpose();
   slab.optical_depth = (1 - ssa * f) * layer.optical_depth;
   return slab;
 }
@@ -107,7 +132,8 @@ Light add(const std::vector<Response>& responses, int slices, const MatrixXd& gr
 }
 
 /// Light of azimuth mode m.
-Light solve_mode(const PlaneParallelScene& scene, const PlaneParallelEffort& effort, const Angles& angles, int m) {
+Light solve_mode(const PlaneParallelScene& scene, const PlaneParallelEffort& effort, const Angles<double>& angles,
+                 int m) {
   const VectorXd sun = VectorXd::Constant(1, scene.sun_mu);
   std::vector<Response> responses;
   for (PlaneParallelLayer layer : scene.layers) {
@@ -129,7 +155,7 @@ Light solve_mode(const PlaneParallelScene& scene, const PlaneParallelEffort& eff
 }  // namespace
 
 PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, const PlaneParallelEffort& effort) {
-  const Angles angles = make_angles(effort.angles, effort.view_mu);
+  const Angles<double> angles = make_angles<double>(effort.angles, effort.view_mu);
   const Index half = angles.half, views = static_cast<Index>(effort.view_mu.size());
   const VectorXd flux = angles.weight.head(half).cwiseProduct(angles.mu.head(half).cwiseAbs());
   const Light light = solve_mode(scene, effort, angles, 0);
@@ -163,11 +189,18 @@ PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, cons
 }
 
 std::vector<SlabFluxes> plane_parallel_fluxes(const Moments& moments, std::span<const double> beam_mu,
-                                              double optical_depth, double single_scattering_albedo) {
-  const int angles = PlaneParallelEffort().angles;
-  const VectorXd suns = Eigen::Map<const VectorXd>(beam_mu.data(), static_cast<Index>(beam_mu.size()));
-  return solve_by_doubling(
-      make_slab({optical_depth, single_scattering_albedo, moments}, make_angles(angles, {}), suns, 2 * angles, 0));
+                                              double optical_depth, double single_scattering_albedo,
+                                              double surface_albedo, int angles) {
+  const auto solve = [&]<class Real>(Real) {
+    Vector<Real> suns(static_cast<Index>(beam_mu.size()));
+    std::copy(beam_mu.begin(), beam_mu.end(), suns.begin());
+    SlabOf<Real> slab = make_slab<Real>({optical_depth, single_scattering_albedo, moments},
+                                        make_angles<Real>(angles, {}), suns, 2 * angles, 0);
+    slab.surface_albedo = surface_albedo;
+    return solve_by_doubling(slab);
+  };
+  const bool delicate = optical_depth > 100 && single_scattering_albedo > 0.99;
+  return delicate ? solve(0.0L) : solve(0.0);
 }
 
 }  // namespace cloudbow::reference

@@ -50,8 +50,10 @@ struct PlaneParallelSolution {
 
 PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, const PlaneParallelEffort& effort);
 
-/// Fluxes of one layer over a black surface for several suns, solved to about 1e-6 with 48 angles.
+/// Fluxes of one layer over a Lambertian surface for several suns, solved to about 1e-6 with 48 angles. Thick layers
+/// that hardly absorb are solved in 80 bits, so that a conservative one of optical depth 1e5 still loses nothing.
 std::vector<SlabFluxes> plane_parallel_fluxes(const Moments& moments, std::span<const double> beam_mu,
-                                              double optical_depth, double single_scattering_albedo);
+                                              double optical_depth, double single_scattering_albedo,
+                                              double surface_albedo = 0, int angles = 48);
 
 }  // namespace cloudbow::reference

@@ -12,6 +12,9 @@
 namespace cloudbow::reference {
 namespace {
 
+// Doubled forty times, a thin slab's rounding is a few hundred times that of double.
+constexpr double kRounding = 1e-12;
+
 double henyey_greenstein_moment(int l) { return std::pow(0.85, l); }
 double isotropic_moment(int l) { return l == 0 ? 1 : 0; }
 double rayleigh_moment(int l) { return l == 0 ? 1 : l == 2 ? 0.1 : 0; }
@@ -20,16 +23,47 @@ TEST(PlaneParallel, AbsorbingSlabObeysBeer) {
   const std::vector<double> mu = {1, 0.3};
   const auto fluxes = plane_parallel_fluxes(isotropic_moment, mu, 2, 0);
   for (std::size_t i = 0; i < mu.size(); ++i) {
-    EXPECT_NEAR(fluxes[i].transmittance, std::exp(-2 / mu[i]), 1e-7);  // second order in a first slab of 2/8192
+    EXPECT_NEAR(fluxes[i].transmittance, std::exp(-2 / mu[i]), kRounding);
     EXPECT_NEAR(fluxes[i].reflectance, 0, 1e-15);
   }
 }
 
 TEST(PlaneParallel, ConservativeSlabLosesNothing) {
   const std::vector<double> mu = {1, 0.1};
-  for (const double tau : {0.1, 10.0, 100.0}) {
-    for (const auto& [r, t] : plane_parallel_fluxes(henyey_greenstein_moment, mu, tau, 1)) EXPECT_NEAR(r + t, 1, 1e-8);
+  for (const double tau : {0.1, 10.0, 1e5}) {
+    for (const auto& [r, t] : plane_parallel_fluxes(henyey_greenstein_moment, mu, tau, 1)) EXPECT_NEAR(r + t, 1, 1e-10);
+    for (const auto& [r, t] : plane_parallel_fluxes(henyey_greenstein_moment, mu, tau, 1, 1)) EXPECT_NEAR(r, 1, 1e-10);
   }
+}
+
+TEST(PlaneParallel, ThickConservativeSlabTransmitsAsDiffusionSays) {
+  // van de Hulst, Multiple Light Scattering (1980): T (tau + 2 q0) is the same for all thick slabs, q0 = .7104461 being
+  // Hopf's constant for isotropic scattering.
+  const std::vector<double> mu = {1, 0.5};
+  const double q0 = 0.7104460896;
+  const auto thick = plane_parallel_fluxes(isotropic_moment, mu, 100, 1),
+             thicker = plane_parallel_fluxes(isotropic_moment, mu, 1e5, 1);
+  for (std::size_t i = 0; i < mu.size(); ++i)
+    EXPECT_NEAR(thicker[i].transmittance / thick[i].transmittance * (1e5 + 2 * q0) / (100 + 2 * q0), 1, 1e-5);
+}
+
+TEST(PlaneParallel, ThinSlabScattersOnce) {
+  // R = ssa b tau / mu0 to first order in tau / mu0, b = 1/2 of isotropic scattering.
+  const std::vector<double> mu = {1, 0.01};
+  const auto fluxes = plane_parallel_fluxes(isotropic_moment, mu, 1e-8, 0.7);
+  for (std::size_t i = 0; i < mu.size(); ++i) {
+    const double scattered = 0.7 * 1e-8 / mu[i];
+    EXPECT_NEAR(fluxes[i].reflectance / scattered, 0.5, 1e-5);
+    EXPECT_NEAR((1 - fluxes[i].transmittance) / scattered, 1 / 0.7 - 0.5, 1e-5);
+  }
+}
+
+TEST(PlaneParallel, SurfaceReflectsThroughAnAbsorber) {
+  // What comes back is A T(mu0) 2 E3(tau): 2 E3(1) = .2193839 (Abramowitz & Stegun, table 5.1).
+  const std::vector<double> mu = {0.5};
+  const auto fluxes = plane_parallel_fluxes(isotropic_moment, mu, 1, 0, 0.3);
+  EXPECT_NEAR(fluxes[0].reflectance, 0.3 * std::exp(-2) * 0.2193839, 1e-7);
+  EXPECT_NEAR(fluxes[0].transmittance, std::exp(-2), kRounding);
 }
 
 TEST(PlaneParallel, DeepIsotropicSlabHasTheAlbedoOfChandrasekhar) {
