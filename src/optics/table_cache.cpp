@@ -11,16 +11,17 @@
 #include <system_error>
 #include <utility>
 
+#include "cloudbow/core/digest.hpp"
+
 namespace cloudbow {
 namespace {
 
-constexpr std::string_view magic = "cloudbow scattering table 2\n";
+constexpr std::string_view magic = "cloudbow scattering table 3\n";
 
-/// FNV-1a.
-std::uint64_t hash(std::string_view text) {
-  std::uint64_t h = 14695981039346656037u;
-  for (const unsigned char c : text) h = (h ^ c) * 1099511628211u;
-  return h;
+std::uint64_t digest_of(std::string_view text) {
+  Digest digest;
+  digest.add_bytes(text.data(), text.size());
+  return digest.value();
 }
 
 void put(std::string& out, const auto& value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); }
@@ -68,7 +69,7 @@ class Reader {
 }  // namespace
 
 TableCache::TableCache(const std::filesystem::path& directory, std::string key) : key_(std::move(key)) {
-  if (!directory.empty()) file_ = directory / fmt::format("scattering-{:016x}.table", hash(key_));
+  if (!directory.empty()) file_ = directory / fmt::format("scattering-{:016x}.table", digest_of(key_));
 }
 
 std::optional<FittedColumns> TableCache::load() const {
@@ -77,13 +78,13 @@ std::optional<FittedColumns> TableCache::load() const {
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad()) return std::nullopt;
 
-  // magic, key, body, hash of all before it
+  // magic, key, body, digest of all before it
   const std::string head = std::string(magic) + key_ + '\n';
   if (text.size() < head.size() + sizeof(std::uint64_t) || !text.starts_with(head)) return std::nullopt;
   const std::string_view hashed = std::string_view(text).substr(0, text.size() - sizeof(std::uint64_t));
   std::uint64_t written = 0;
   std::memcpy(&written, text.data() + hashed.size(), sizeof written);
-  if (written != hash(hashed)) return std::nullopt;
+  if (written != digest_of(hashed)) return std::nullopt;
 
   FittedColumns columns;
   Reader reader(hashed.substr(head.size()));
@@ -104,7 +105,7 @@ void TableCache::store(const FittedColumns& columns) const {
   put(text, columns.report.fallbacks);
   put(text, columns.report.least_value);
   put(text, columns.report.max_error);
-  put(text, hash(text));
+  put(text, digest_of(text));
 
   std::error_code failure;
   std::filesystem::create_directories(file_.parent_path(), failure);
