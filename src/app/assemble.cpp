@@ -17,6 +17,7 @@
 #include "cloudbow/optics/phase_classes.hpp"
 #include "cloudbow/results/raster_file.hpp"
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/thick_cells.hpp"
 
 namespace cloudbow {
 namespace {
@@ -465,6 +466,13 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
     if (listed.empty() || listed.back() != level) listed.push_back(level);
   }
   solve_layers_without_iteration(scene, problem, assembled.options);
+  if (!solved_without_azimuths(problem, assembled.options)) {
+    try {
+      check_cell_thickness(problem);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+    }
+  }
   return assembled;
 }
 

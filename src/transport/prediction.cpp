@@ -27,8 +27,7 @@ std::optional<std::pair<Problem, SolverOptions>> without_uniform_axes(const Prob
 
 // What is solved, where levels are cut.
 std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& problem, const SolverOptions& options) {
-  if (options.largest_level_depth <= 0 || solved_without_azimuths(problem, options)) return std::nullopt;
-  const CutLevels cut = cut_thick_levels(problem, options, options.largest_level_depth);
+  const CutLevels cut = cut_thick_levels(problem, options);
   if (cut.added(problem.grid.box) == 0) return std::nullopt;
   return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
 }

@@ -171,15 +171,12 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
     solution.report.left_out_axes = uniform.x && uniform.y ? "x, y" : uniform.x ? "x" : "y";
     return solution;
   }
-  if (options.largest_level_depth > 0 && !solved_without_azimuths(problem, options)) {
-    const CutLevels cut = cut_thick_levels(problem, options, options.largest_level_depth);
-    if (const int added = cut.added(problem.grid.box); added > 0) {
-      const SolverOptions fine = with_cut_levels(options, cut);
-      Solution solution = solve(with_cut_levels(problem, cut), fine, progress, checkpoints);
-      join_levels(problem, cut, solution);
-      solution.report.added_levels = added;
-      return solution;
-    }
+  const CutLevels cut = cut_thick_levels(problem, options);
+  if (const int added = cut.added(problem.grid.box); added > 0) {
+    Solution solution = solve(with_cut_levels(problem, cut), with_cut_levels(options, cut), progress, checkpoints);
+    join_levels(problem, cut, solution);
+    solution.report.added_levels = added;
+    return solution;
   }
   const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());

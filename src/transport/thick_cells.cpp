@@ -69,11 +69,9 @@ void look_down(const Problem& problem, See see) {
 
 double light_lost_in_thick_cells(const Problem& problem, const SolverOptions& options) {
   if (solved_without_azimuths(problem, options)) return 0;
-  if (options.largest_level_depth > 0) {  // cells as they are solved
-    const CutLevels cut = cut_thick_levels(problem, options, options.largest_level_depth);
-    if (cut.added(problem.grid.box) > 0)
-      return light_lost_in_thick_cells(with_cut_levels(problem, cut), with_cut_levels(options, cut));
-  }
+  // Of cells as they are solved.
+  if (const CutLevels cut = cut_thick_levels(problem, options); cut.added(problem.grid.box) > 0)
+    return light_lost_in_thick_cells(with_cut_levels(problem, cut), with_cut_levels(options, cut));
   /// Of a column so far, and of its last cell, which has not been counted.
   struct Above {
     double diffusion = 0, transport = 0, lost = 0;

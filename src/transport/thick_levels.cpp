@@ -7,6 +7,7 @@
 
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/transport/cells.hpp"
+#include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 
 namespace cloudbow {
@@ -120,11 +121,13 @@ void mean_of_parts(const Problem& whole, const CutLevels& cut, RadianceField& fi
 
 }  // namespace
 
-CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options, double largest) {
+CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options) {
   const BoxGrid& box = problem.grid.box;
   CutLevels cut;
+  const double largest = options.largest_level_depth;
+  const bool looked_at = largest > 0 && problem.sun && !solved_without_azimuths(problem, options);
   const std::vector<BeamInLevel> beam =
-      problem.sun && largest > 0 ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
+      looked_at ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
   for (int k = 0; k < box.nz(); ++k) {
     const bool thick = beam[k].share >= least_share_of_beam;
     const std::vector<double> ends = thick ? ends_of_parts(beam[k].depth, largest) : std::vector<double>{1};

@@ -36,23 +36,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-SCENE = """\
-title = "a run that is disturbed"
-[cloud]
-file = "cloud.vdb"
-single_scattering_albedo = 0.99
-phase_function = "droplets"
-[phase_function.droplets]
-type = "henyey-greenstein"
-asymmetry_parameter = 0.85
-[sun]
-zenith_deg = 60.0
-azimuth_deg = 0.0
-[surface]
-type = "lambertian"
-albedo = 0.05
-[solver]
-accuracy = "draft"
+import sound_scene
+
+SCENE = sound_scene.SCENE + """\
 control_points = 162
 [output]
 error_estimate = false

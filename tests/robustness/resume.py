@@ -18,24 +18,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-SCENE = """\
-[cloud]
-file = "cloud.vdb"
-single_scattering_albedo = 0.9999
-phase_function = "droplets"
-[phase_function.droplets]
-type = "henyey-greenstein"
-asymmetry_parameter = 0.85
-[domain]
-boundary = "periodic"
-[sun]
-zenith_deg = 60.0
-azimuth_deg = 20.0
-[surface]
-type = "lambertian"
-albedo = 0.2
-[solver]
-accuracy = "draft"
+import sound_scene
+
+SCENE = sound_scene.SCENE + """\
 tolerance = 1e-6
 [output]
 error_estimate = false

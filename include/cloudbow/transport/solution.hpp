@@ -161,7 +161,8 @@ struct SolverProgress {
 };
 using ProgressCallback = std::function<void(const SolverProgress&)>;
 
-/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points).
+/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points)
+/// and for cells too thick to be solved (thick_cells.hpp).
 /// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
                Checkpoints* checkpoints = nullptr);

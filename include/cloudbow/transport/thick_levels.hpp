@@ -16,12 +16,12 @@ struct CutLevels {
   int added(const BoxGrid& box) const { return static_cast<int>(level.size()) - box.nz(); }
 };
 
-/// The first part of a level, from above, has the slant optical depth `largest` (delta-M scaled, over mu0; mean over
-/// the cells by the power that the beam leaves there), each further one twice that of the part above it, six at most
-/// (thicker ones where these do not reach). Levels in which less than a hundredth of the incident beam is scattered or
-/// absorbed stay whole.
-/// @param largest > 0; 0: all levels stay whole.
-CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options, double largest);
+/// The first part of a level, from above, has the slant optical depth options.largest_level_depth (delta-M scaled, over
+/// mu0; mean over the cells by the power that the beam leaves there), each further one twice that of the part above it,
+/// six at most (thicker ones where these do not reach). Levels in which less than a hundredth of the incident beam is
+/// scattered or absorbed stay whole; all do where that option is 0, without sun, and where columns are solved without
+/// azimuths, which know light at every depth.
+CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options);
 
 /// The same problem with cells for each part.
 Problem with_cut_levels(const Problem& problem, const CutLevels& cut);

@@ -73,13 +73,7 @@ struct Case {
     problem.phase = {PhaseFunction::henyey_greenstein(.8)};
     problem.sun = Sun{travel_along(-.6, 37), 1.};
     problem.surface.albedo = .3;
-    options.control_points = 42;
-    options.directions = "double-gauss-6x8";
-    options.fit.delta_m_order = 6;
-    options.fit.beam_delta_m_order = 8;
-    options.fit.exact_moments = 2;
-    options.fit.beam_half_range_rows = 2;
-    options.beam_rays = 4;
+    options = coarse_options();
   }
 
   template <class Real>

@@ -21,13 +21,7 @@ struct Fixture {
     problem.grid = make_grid(box, random_extinction(box, 2 * optical_depth_of_a_level, 3), .999);
     problem.phase = {PhaseFunction::henyey_greenstein(.8)};
     problem.sun = Sun{travel_along(-.6, 37), 1.};
-    options.control_points = 42;
-    options.directions = "double-gauss-6x8";
-    options.fit.delta_m_order = 6;
-    options.fit.beam_delta_m_order = 8;
-    options.fit.exact_moments = 2;
-    options.fit.beam_half_range_rows = 2;
-    options.beam_rays = 4;
+    options = coarse_options();
     system = make_system<double>(problem, discretise(problem.phase, problem.sun->travel, options), options);
     truth = iterate_source(system, {1e-8, 1e-7, 200}, {}).moments;
     n = system.cells->size();

@@ -40,16 +40,8 @@ class FitCache {
 // Coarse, so that dozens of problems take seconds: what is tested here holds at any accuracy.
 SolverOptions coarse() {
   static const FitCache cache;
-  SolverOptions options;
+  SolverOptions options = coarse_options();
   options.fit.cache_directory = cache.directory();
-  options.control_points = 42;
-  options.directions = "double-gauss-6x8";
-  options.fit.delta_m_order = 6;
-  options.fit.beam_delta_m_order = 8;
-  options.fit.exact_moments = 2;
-  options.fit.beam_half_range_rows = 2;
-  options.gather_directions = 64;
-  options.beam_rays = 4;
   options.flux_levels = FluxLevels::boundaries;
   return options;
 }

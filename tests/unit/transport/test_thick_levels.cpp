@@ -24,36 +24,26 @@ Problem thick_top(double extinction_of_top, double mu0) {
   return problem;
 }
 
-SolverOptions coarse() {
-  SolverOptions options;
-  options.control_points = 42;
-  options.directions = "double-gauss-6x8";
-  options.fit.delta_m_order = 6;
-  options.fit.beam_delta_m_order = 8;
-  options.fit.exact_moments = 2;
-  options.fit.beam_half_range_rows = 2;
-  options.gather_directions = 64;
-  options.beam_rays = 4;
-  return options;
-}
-
 TEST(ThickLevels, ThinOnesDarkOnesAndThoseWithoutSunStayWhole) {
-  const SolverOptions options = coarse();
-  EXPECT_EQ(cut_thick_levels(thick_top(.3, .6), options, 1).added(make_box(3, 2, 4)), 0);
+  SolverOptions options = coarse_options();
+  options.largest_level_depth = 1;
+  EXPECT_EQ(cut_thick_levels(thick_top(.3, .6), options).added(make_box(3, 2, 4)), 0);
   Problem dark = thick_top(20, .6);  // what is thick lies below what has taken the light
   for (float& s : dark.grid.scattering[0]) s = 20;
-  const CutLevels cut = cut_thick_levels(dark, options, 1);
+  const CutLevels cut = cut_thick_levels(dark, options);
   EXPECT_GT(cut.added(dark.grid.box), 0);
   EXPECT_EQ(cut.level.front(), 0);
   EXPECT_EQ(cut.level[1], 1);
   EXPECT_EQ(cut.level[3], 3);
   dark.sun.reset();
-  EXPECT_EQ(cut_thick_levels(dark, options, 1).added(dark.grid.box), 0);
+  EXPECT_EQ(cut_thick_levels(dark, options).added(dark.grid.box), 0);
 }
 
 TEST(ThickLevels, PartsDoubleFromAbove) {
   const Problem problem = thick_top(20, .6);
-  const CutLevels cut = cut_thick_levels(problem, coarse(), 1);
+  SolverOptions options = coarse_options();
+  options.largest_level_depth = 1;
+  const CutLevels cut = cut_thick_levels(problem, options);
   ASSERT_GT(cut.added(problem.grid.box), 2);
   const std::size_t parts = cut.level.size();
   const auto thickness = [&](std::size_t part) { return cut.z_edge_m[part + 1] - cut.z_edge_m[part]; };
@@ -67,7 +57,7 @@ TEST(ThickLevels, PartsDoubleFromAbove) {
 
 TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
   const Problem problem = thick_top(20, .6);
-  SolverOptions options = coarse();
+  SolverOptions options = coarse_options();
   options.actinic = options.radiance_field = true;
   const Solution plain = solve(problem, options);
   options.largest_level_depth = 1;
@@ -97,7 +87,7 @@ TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
 
 TEST(ThickLevels, CutCellsComeNearThinOnes) {
   const Problem problem = thick_top(20, .2);
-  SolverOptions options = coarse();
+  SolverOptions options = coarse_options();
   options.flux_levels = FluxLevels::boundaries;
   CutLevels thin;  // 64 parts of the thick level
   for (int k = 0; k < 3; ++k) {

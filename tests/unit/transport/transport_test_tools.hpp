@@ -9,6 +9,7 @@
 
 #include "cloudbow/medium/optical_grid.hpp"
 #include "cloudbow/sphere/direction.hpp"
+#include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
 
@@ -91,6 +92,20 @@ inline Direction travel_along(double mu, double azimuth_deg) {
   const double sine = std::sqrt(1 - mu * mu);
   const double azimuth = azimuth_deg * std::numbers::pi / 180;
   return {sine * std::cos(azimuth), sine * std::sin(azimuth), mu};
+}
+
+/// Few directions of everything, so that dozens of problems take seconds: for what holds at any accuracy.
+inline SolverOptions coarse_options() {
+  SolverOptions options;
+  options.control_points = 42;
+  options.directions = "double-gauss-6x8";
+  options.fit.delta_m_order = 6;
+  options.fit.beam_delta_m_order = 8;
+  options.fit.exact_moments = 2;
+  options.fit.beam_half_range_rows = 2;
+  options.gather_directions = 64;
+  options.beam_rays = 4;
+  return options;
 }
 
 }  // namespace cloudbow
