@@ -101,7 +101,7 @@ TEST_F(CheckpointFile, AChangedBitIsSeen) {
 
 TEST_F(CheckpointFile, OtherFilesAreRefused) {
   EXPECT_THROW(CheckpointInput("/nowhere/none"), InputError);
-  EXPECT_THROW(CheckpointInput(testing::TempDir()), InputError);
+  EXPECT_THROW(CheckpointInput{testing::TempDir()}, InputError);
   for (const std::string& text : {std::string(), std::string("no HDF5"), std::string(4096, '\0')}) {
     std::ofstream(path_, std::ios::binary) << text;
     EXPECT_THROW(CheckpointInput{path_}, InputError);
