@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/probe_columns.hpp"
 
 namespace cloudbow {
 namespace {
@@ -43,14 +44,42 @@ void set_directions(const Directions& directions, SolverOptions& options) {
   options.fit.minimax = true;
 }
 
+void ask_for_fluxes_alone(SolverOptions& options) {
+  options.absorption = options.actinic = options.radiance_field = false;
+  options.views.clear();
+  options.cameras.clear();
+}
+
+// Each column for itself, with the directions of the solve.
+SolverOptions ordinates_of_columns(const SolverOptions& options) {
+  SolverOptions columns = options;
+  ask_for_fluxes_alone(columns);
+  columns.flux_levels = FluxLevels::boundaries;
+  columns.largest_level_depth = 0;  // cut already
+  columns.leave_out_uniform_axes = false;
+  columns.independent_columns = true;
+  columns.radiance_field = true;  // which is known by ordinates alone
+  return columns;
+}
+
+SolverOptions streams_of_columns(const SolverOptions& options) {
+  SolverOptions columns = ordinates_of_columns(options);
+  columns.radiance_field = false;
+  columns.column_streams = kMostStreams;
+  return columns;
+}
+
 }  // namespace
 
 SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
   SolverOptions other = options;
   const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
-  other.column_streams = as == SolvedAs::column_by_its_streams ? streams_of_column(options.column_streams)
-                                                               : streams_of_field(options.column_streams);
-  if (as == SolvedAs::column) {
+  other.column_streams = as == SolvedAs::field                   ? streams_of_field(options.column_streams)
+                         : as == SolvedAs::column_beside_streams ? kMostStreams
+                                                                 : streams_of_column(options.column_streams);
+  if (as == SolvedAs::column_beside_streams) {
+    other.independent_columns = true;
+  } else if (as == SolvedAs::column) {
     set_directions(accuracy == "draft" ? kColumnOfDraft : accuracy == "balanced" ? kColumnOfBalanced : kColumn, other);
   } else if (as == SolvedAs::field) {
     set_directions(kField, other);
@@ -60,9 +89,7 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
     other.energy_tolerance = kEnergyTolerance;
   }
   other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
-  other.absorption = other.actinic = other.radiance_field = false;
-  other.views.clear();
-  other.cameras.clear();
+  ask_for_fluxes_alone(other);
   other.flux_levels = FluxLevels::boundaries;
   if (options.flux_levels == FluxLevels::listed) {
     other.flux_levels = FluxLevels::listed;
@@ -84,13 +111,25 @@ Companions solve_companions(const Problem& problem, const SolverOptions& options
   }
   other.linear_source = false;
   companions.constant = solve(problem, other, progress);
+  if (as == SolvedAs::field) {
+    const Problem columns = probe_columns(problem, options);
+    companions.probe = {solve(columns, ordinates_of_columns(options), progress),
+                        solve(columns, streams_of_columns(options), progress)};
+  }
   return companions;
 }
 
 double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
                                  SolvedAs as) {
   const SolverOptions other = companion_options(options, accuracy, as);
-  return (solved_without_azimuths(problem, other) ? 1 : 2) * predict_seconds(problem, other);
+  if (solved_without_azimuths(problem, other)) return predict_seconds(problem, other);
+  double seconds = 2 * predict_seconds(problem, other);
+  if (as == SolvedAs::field) {
+    const Problem columns = probe_columns(problem, options);
+    seconds +=
+        predict_seconds(columns, ordinates_of_columns(options)) + predict_seconds(columns, streams_of_columns(options));
+  }
+  return seconds;
 }
 
 }  // namespace cloudbow

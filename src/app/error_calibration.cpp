@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/uniform_axes.hpp"
 
 namespace cloudbow {
 namespace {
@@ -44,8 +45,13 @@ constexpr std::array<Calibration, 4> kColumnsByStreams{{
     {"reference", {{.3, .7, .3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}}, {.009, .01, .01}},
 }};
 
+// Held against the most streams that there are.
+constexpr ErrorWeights kBesideStreams{{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}};
+
 const Calibration& calibration(const std::string& accuracy, SolvedAs as) {
-  const auto& table = as == SolvedAs::field ? kFields : as == SolvedAs::column ? kColumns : kColumnsByStreams;
+  const auto& table = as == SolvedAs::field                   ? kFields
+                      : as == SolvedAs::column_by_its_streams ? kColumnsByStreams
+                                                              : kColumns;
   const auto* const found =
       std::find_if(table.begin(), table.end(), [&](const Calibration& c) { return accuracy == c.accuracy; });
   assert(found != table.end());
@@ -55,11 +61,17 @@ const Calibration& calibration(const std::string& accuracy, SolvedAs as) {
 }  // namespace
 
 SolvedAs solved_as(const Problem& problem, const SolverOptions& options, bool one_column) {
-  if (one_column && solved_without_azimuths(problem, options)) return SolvedAs::column_by_its_streams;
-  return one_column ? SolvedAs::column : SolvedAs::field;
+  const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
+  const BoxGrid& box = problem.grid.box;
+  if (!one_column && !((uniform.x || box.nx == 1) && (uniform.y || box.ny == 1) && box.periodic))
+    return SolvedAs::field;
+  if (solved_without_azimuths(problem, options)) return SolvedAs::column_by_its_streams;
+  return problem.surface.brdf ? SolvedAs::column : SolvedAs::column_beside_streams;
 }
 
-ErrorWeights error_weights(const std::string& accuracy, SolvedAs as) { return calibration(accuracy, as).weights; }
+ErrorWeights error_weights(const std::string& accuracy, SolvedAs as) {
+  return as == SolvedAs::column_beside_streams ? kBesideStreams : calibration(accuracy, as).weights;
+}
 
 ByFlux error_ratio_to_draft(const std::string& accuracy, SolvedAs as) {
   return calibration(accuracy, as).ratio_to_draft;

@@ -7,7 +7,6 @@
 #include "cloudbow/app/error_calibration.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/progress.hpp"
-#include "cloudbow/transport/thick_cells.hpp"
 #include "companions.hpp"
 #include "messages.hpp"
 #include "run_checkpoints.hpp"
@@ -20,8 +19,7 @@ ErrorEstimate estimate(const Scene& scene, const AssembledScene& assembled, cons
   const Companions companions = solve_companions(assembled.problem, assembled.options, scene.solver.accuracy, as,
                                                  [](const SolverProgress&) { InterruptGuard::check(); });
   ErrorEstimate error =
-      estimate_error(solution, companions, error_weights(scene.solver.accuracy, as), scene.output.errors,
-                     light_lost_in_thick_cells(assembled.problem, assembled.options));
+      estimate_error(solution, companions, error_weights(scene.solver.accuracy, as), scene.output.errors);
   error.calibrated_for = scene.solver.accuracy;
   return error;
 }

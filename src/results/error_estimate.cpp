@@ -118,22 +118,32 @@ double ErrorParts::total() const { return std::hypot(angular, spatial, iteration
 double ErrorEstimate::columns() const { return std::max(up.total(), down.total()); }
 
 ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
-                             bool fields, double lost) {
+                             bool fields) {
   ErrorEstimate estimate;
   estimate.angular_distance = flux_distance(solution, companions.linear);
   estimate.spatial_distance = flux_distance(companions.linear, companions.constant);
+  // Companions on the same cells do not know what thick cells cost, nor, with few directions, what thin air under a low
+  // sun does.
+  if (const auto& probe = companions.probe) estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
   const auto parts = [&](double ByFlux::*flux) {
-    return ErrorParts{std::max(weights.least.*flux, weights.angular.*flux * (estimate.angular_distance.*flux)),
-                      weights.spatial.*flux * (estimate.spatial_distance.*flux), solution.report.estimated_error};
+    return ErrorParts{
+        std::max(weights.least.*flux, weights.angular.*flux * (estimate.angular_distance.*flux)),
+        std::max(weights.spatial.*flux * (estimate.spatial_distance.*flux), estimate.probe_distance.*flux),
+        solution.report.estimated_error};
   };
   estimate.domain = parts(&ByFlux::domain);
   estimate.up = parts(&ByFlux::up);
   estimate.down = parts(&ByFlux::down);
-  estimate.domain.spatial = std::max(estimate.domain.spatial, lost);
-  if (lost > 0)
-    estimate.up.spatial = std::max(estimate.up.spatial, lost / std::max(solution.ledger.reflectance, kLeastMean));
-  estimate.cpu_seconds = companions.linear.report.cpu_seconds + companions.constant.report.cpu_seconds;
-  estimate.table_seconds = companions.linear.report.seconds_tables + companions.constant.report.seconds_tables;
+  const auto count = [&estimate](const SolverReport& report) {
+    estimate.cpu_seconds += report.cpu_seconds;
+    estimate.table_seconds += report.seconds_tables;
+  };
+  count(companions.linear.report);
+  count(companions.constant.report);
+  if (const auto& probe = companions.probe) {
+    count(probe->by_ordinates.report);
+    count(probe->exact.report);
+  }
   if (fields) {
     estimate.upwelling_flux_error = error_field(
         {up_at_top(solution), up_at_top(companions.linear), up_at_top(companions.constant)}, estimate.up, solution.box);

@@ -304,7 +304,9 @@ class ResultWriter {
                   {name + "_angular_distance",
                    of([&](const ErrorEstimate& estimate) { return estimate.angular_distance.*flux.distance; })},
                   {name + "_spatial_distance",
-                   of([&](const ErrorEstimate& estimate) { return estimate.spatial_distance.*flux.distance; })}});
+                   of([&](const ErrorEstimate& estimate) { return estimate.spatial_distance.*flux.distance; })},
+                  {name + "_probe_distance",
+                   of([&](const ErrorEstimate& estimate) { return estimate.probe_distance.*flux.distance; })}});
     }
     netcdf4::write_attributes(group,
                               {{"columns", of([](const ErrorEstimate& estimate) { return estimate.columns(); })},

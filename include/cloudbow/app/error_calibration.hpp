@@ -11,11 +11,12 @@ namespace cloudbow {
 /// How a scene is solved, which is how its companions are.
 enum class SolvedAs {
   field,
-  column,                ///< one, with iteration
-  column_by_its_streams  ///< one, without
+  column,                 ///< one, with iteration
+  column_beside_streams,  ///< one, with iteration, where columns without it have the same fluxes, but exactly
+  column_by_its_streams   ///< one, without iteration
 };
 
-/// @param one_column as accuracy_options() takes it.
+/// @param one_column as accuracy_options() takes it; fields that do not vary and are solved as one count too.
 SolvedAs solved_as(const Problem& problem, const SolverOptions& options, bool one_column);
 
 /// Weights for estimate_error() at a level of accuracy.

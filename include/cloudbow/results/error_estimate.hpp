@@ -1,6 +1,7 @@
 // How far off the fluxes of a solution are, judged by cheaper solutions of the same problem (docs/error-estimates.md).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct ErrorParts {
 struct ErrorEstimate {
   ErrorParts domain, up, down;
   ByFlux angular_distance, spatial_distance;  ///< before they were weighed
+  ByFlux probe_distance;                      ///< of single columns from their exact solution
   double cpu_seconds = 0;                     ///< of the companions
   double table_seconds = 0;                   ///< wall seconds of theirs that went into scattering tables
   std::string calibrated_for;                 ///< a level of accuracy
@@ -52,13 +54,16 @@ struct ErrorEstimate {
 struct Companions {
   Solution linear;    ///< fewer directions
   Solution constant;  ///< the same with SolverOptions::linear_source = false
+  /// Some columns by themselves (probe_columns.hpp), as the solve would have them and as they are.
+  struct Probe {
+    Solution by_ordinates, exact;
+  };
+  std::optional<Probe> probe{};
 };
 
 /// @param fields whether the errors of single columns are asked for.
-/// @param lost light that thick cells do not send back, fraction of incident (thick_cells.hpp): companions on the same
-/// cells know nothing of it. It counts as a spatial error of domain and flux up.
 ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
-                             bool fields, double lost = 0);
+                             bool fields);
 
 /// "estimated error ..." as one line in per cent, for the summary; ends with a newline.
 std::string error_line(const ErrorEstimate& estimate);

@@ -62,6 +62,18 @@ TEST(FluxDistance, OfTheDomainIsTheLargestOfAnyLevel) {
   EXPECT_NEAR(flux_distance(made_up(0, 0), other).domain, .07, 1e-12);
 }
 
+// What companions on the same cells do not see.
+TEST(ErrorEstimate, CountsProbesAsSpatialWhereTheyAreTheLargerPart) {
+  Companions companions{made_up(.1, .3), made_up(.14, .3), Companions::Probe{made_up(0, 0), made_up(.2, .12)}};
+  const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {0, 0, 0}};
+  const ErrorEstimate estimate = estimate_error(made_up(0, 0), companions, weights, false);
+  EXPECT_NEAR(estimate.probe_distance.up, .1, kRounding);
+  EXPECT_NEAR(estimate.up.spatial, .1, kRounding) << "for 2 x .02";
+  EXPECT_NEAR(estimate.down.spatial, .02, kRounding);
+  companions.constant = made_up(.5, .3);
+  EXPECT_NEAR(estimate_error(made_up(0, 0), companions, weights, false).up.spatial, 2 * .2, kRounding);
+}
+
 TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
   Solution solution = made_up(0, 0);
   solution.report.estimated_error = .003;
