@@ -18,7 +18,7 @@ void Digest::add_bytes(const void* bytes, std::size_t count) {
     mix(word);
   }
   std::uint64_t rest = 0;
-  std::memcpy(&rest, at, count);
+  if (count > 0) std::memcpy(&rest, at, count);  // no values: at may be null
   mix(rest ^ (std::uint64_t{count} << 56));
 }
 
