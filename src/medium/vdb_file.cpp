@@ -3,6 +3,9 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <chrono>
+#include <thread>
+
 #include "cloudbow/core/error.hpp"
 #include "vdb_module.hpp"
 
@@ -24,6 +27,11 @@ const VdbModule& vdb_module() {
                       "install cloudbow anew, or add the module's folder to LD_LIBRARY_PATH",
                       module_file, dlerror()));
     }
+#ifdef __SANITIZE_ADDRESS__
+    // This sanitizer's allocator, unlike the C library's, is not kept whole over a fork: the threads that OpenVDB's log
+    // has just started are to be at rest before the first rehearsal.
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+#endif
     return *static_cast<const VdbModule*>(symbol);
   }();
   return module;
