@@ -86,7 +86,8 @@ TEST(Rehearsal, RefusesMemoryBeyondTheLimit) {
                   [] {
                     const std::vector<char> large(500'000'000, 'x');
                     // Looked at, lest a compiler leave it out.
-                    if (const volatile char last = large.back(); last != 'x') _exit(1);
+                    const volatile char* const last = &large.back();
+                    if (*last != 'x') _exit(1);
                   },
                   {.memory_bytes = 100'000'000}),
               HasSubstr("Papyrus needs more than 100 MB for it"));
