@@ -15,6 +15,14 @@ namespace {
 
 constexpr const char* module_file = "cloudbow_vdb.so";
 
+#if defined(__SANITIZE_ADDRESS__)  // GCC
+constexpr bool has_address_sanitizer = true;
+#elif defined(__has_feature)  // Clang
+constexpr bool has_address_sanitizer = __has_feature(address_sanitizer);
+#else
+constexpr bool has_address_sanitizer = false;
+#endif
+
 /// Found by the run path of the program: its build folder, or lib/cloudbow beside the bin/ that it is installed in.
 /// It stays loaded: OpenVDB's threads outlive any call.
 const VdbModule& vdb_module() {
@@ -27,11 +35,9 @@ const VdbModule& vdb_module() {
                       "install cloudbow anew, or add the module's folder to LD_LIBRARY_PATH",
                       module_file, dlerror()));
     }
-#ifdef __SANITIZE_ADDRESS__
-    // This sanitizer's allocator, unlike the C library's, is not kept whole over a fork: the threads that OpenVDB's log
-    // has just started are to be at rest before the first rehearsal.
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-#endif
+    // The address sanitizer's allocator, unlike the C library's, is not kept whole over a fork: the threads that
+    // OpenVDB's log has just started are to be at rest before the first rehearsal.
+    if constexpr (has_address_sanitizer) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return *static_cast<const VdbModule*>(symbol);
   }();
   return module;
