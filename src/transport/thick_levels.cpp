@@ -76,6 +76,26 @@ void keep_edges(const CutLevels& cut, std::vector<Value>& of_edges) {
   of_edges = std::move(kept);
 }
 
+// Of the fluxes those at levels of the whole, by its indices.
+void keep_planes(const Problem& whole, const CutLevels& cut, Solution& solution) {
+  const std::size_t columns = whole.grid.box.columns();
+  const std::vector<int> solved = std::move(solution.flux_level);
+  solution.flux_level.clear();
+  for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
+    std::vector<float> kept;
+    std::vector<int> level;
+    for (std::size_t plane = 0; plane < solved.size(); ++plane) {
+      const auto part = static_cast<std::size_t>(solved[plane]);
+      if (part > 0 && part < cut.level.size() && cut.level[part] == cut.level[part - 1]) continue;
+      level.push_back(part < cut.level.size() ? cut.level[part] : whole.grid.box.nz());
+      const auto from = field->begin() + static_cast<std::ptrdiff_t>(plane * columns);
+      kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(columns));
+    }
+    *field = std::move(kept);
+    solution.flux_level = std::move(level);
+  }
+}
+
 std::vector<double> share_of_level(const Problem& whole, const CutLevels& cut) {
   std::vector<double> share;
   for (std::size_t part = 0; part < cut.level.size(); ++part)
@@ -178,12 +198,7 @@ SolverOptions with_cut_levels(const SolverOptions& options, const CutLevels& cut
     if (part == 0 || cut.level[part] != cut.level[part - 1]) edge.push_back(static_cast<int>(part));
   }
   edge.push_back(static_cast<int>(cut.level.size()));
-  if (options.flux_levels == FluxLevels::all) {
-    fine.flux_levels = FluxLevels::listed;
-    fine.listed_levels = edge;
-  } else {
-    for (int& level : fine.listed_levels) level = edge[level];
-  }
+  for (int& level : fine.listed_levels) level = edge[level];
   fine.largest_level_depth = 0;
   return fine;
 }
@@ -193,8 +208,7 @@ void join_levels(const Problem& whole, const CutLevels& cut, Solution& solution)
   for (auto* profile :
        {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux, &solution.profile_direct_flux})
     keep_edges(cut, *profile);
-  for (int& level : solution.flux_level)
-    level = level == static_cast<int>(cut.level.size()) ? box.nz() : cut.level[level];
+  keep_planes(whole, cut, solution);
   for (auto* field : {&solution.absorbed_power, &solution.actinic_flux}) mean_of_parts(whole, cut, *field);
   if (solution.radiance_field) mean_of_parts(whole, cut, *solution.radiance_field);
   solution.box = box;
