@@ -124,10 +124,9 @@ double predict_companion_seconds(const Problem& problem, const SolverOptions& op
   const SolverOptions other = companion_options(options, accuracy, as);
   if (solved_without_azimuths(problem, other)) return predict_seconds(problem, other);
   double seconds = 2 * predict_seconds(problem, other);
-  if (as == SolvedAs::field) {
-    const Problem columns = probe_columns(problem, options);
-    seconds +=
-        predict_seconds(columns, ordinates_of_columns(options)) + predict_seconds(columns, streams_of_columns(options));
+  if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
+    const double columns = static_cast<double>(problem.grid.box.columns());
+    seconds += std::min(1., most_probe_columns / columns) * predict_seconds(problem, options);
   }
   return seconds;
 }

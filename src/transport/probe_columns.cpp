@@ -9,7 +9,6 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::size_t kMostColumns = 8;
 constexpr std::size_t kNotChosen = std::numeric_limits<std::size_t>::max();
 
 /// Calls see(column, k, cell) for all active cells, in their order.
@@ -80,16 +79,16 @@ Problem side_by_side(const Problem& problem, const std::vector<std::size_t>& cho
 }  // namespace
 
 Problem probe_columns(const Problem& problem, const SolverOptions& options) {
-  if (const CutLevels cut = cut_thick_levels(problem, options); cut.added(problem.grid.box) > 0)
-    return probe_columns(with_cut_levels(problem, cut), with_cut_levels(options, cut));
   const std::vector<double> depth = optical_depths(problem.grid);
   std::vector<std::size_t> order(depth.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return depth[a] < depth[b]; });
-  const std::size_t classes = std::min(kMostColumns, order.size());
+  const std::size_t classes = std::min(most_probe_columns, order.size());
   std::vector<std::size_t> chosen;
   for (std::size_t n = 0; n < classes; ++n) chosen.push_back(order[(2 * n + 1) * order.size() / (2 * classes)]);
-  return side_by_side(problem, chosen);
+  const Problem row = side_by_side(problem, chosen);
+  const CutLevels cut = cut_thick_levels(problem, options);
+  return cut.added(problem.grid.box) > 0 ? with_cut_levels(row, cut) : row;
 }
 
 }  // namespace cloudbow

@@ -81,18 +81,21 @@ void keep_planes(const Problem& whole, const CutLevels& cut, Solution& solution)
   const std::size_t columns = whole.grid.box.columns();
   const std::vector<int> solved = std::move(solution.flux_level);
   solution.flux_level.clear();
+  std::vector<std::size_t> kept;
+  for (std::size_t plane = 0; plane < solved.size(); ++plane) {
+    const auto part = static_cast<std::size_t>(solved[plane]);
+    const bool is_top = part == cut.level.size();
+    if (!is_top && part > 0 && cut.level[part] == cut.level[part - 1]) continue;
+    kept.push_back(plane);
+    solution.flux_level.push_back(is_top ? whole.grid.box.nz() : cut.level[part]);
+  }
   for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
-    std::vector<float> kept;
-    std::vector<int> level;
-    for (std::size_t plane = 0; plane < solved.size(); ++plane) {
-      const auto part = static_cast<std::size_t>(solved[plane]);
-      if (part > 0 && part < cut.level.size() && cut.level[part] == cut.level[part - 1]) continue;
-      level.push_back(part < cut.level.size() ? cut.level[part] : whole.grid.box.nz());
+    std::vector<float> planes;
+    for (const std::size_t plane : kept) {
       const auto from = field->begin() + static_cast<std::ptrdiff_t>(plane * columns);
-      kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(columns));
+      planes.insert(planes.end(), from, from + static_cast<std::ptrdiff_t>(columns));
     }
-    *field = std::move(kept);
-    solution.flux_level = std::move(level);
+    *field = std::move(planes);
   }
 }
 
