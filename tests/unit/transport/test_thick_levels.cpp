@@ -80,6 +80,9 @@ TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
   // The direct beam does not depend on cells.
   for (std::size_t e = 0; e < plain.profile_direct_flux.size(); ++e)
     EXPECT_NEAR(cut.profile_direct_flux[e], plain.profile_direct_flux[e], 1e-6);
+  ASSERT_EQ(cut.direct_flux.size(), plain.direct_flux.size());
+  for (std::size_t n = 0; n < plain.direct_flux.size(); ++n)
+    EXPECT_NEAR(cut.direct_flux[n], plain.direct_flux[n], 1e-6F) << "each plane is that of its level";
   options.flux_levels = FluxLevels::listed;
   options.listed_levels = {1, 3};
   EXPECT_EQ(solve(problem, options).flux_level, (std::vector<int>{1, 3}));
