@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 #include <sstream>
 
+#include "cloudbow/core/text_case.hpp"
 #include "import_parts.hpp"
 #include "row_spans.hpp"
 #include "text_tokens.hpp"
@@ -62,10 +62,11 @@ bool is_at3d(const std::string& start) {
 /// Sizes and a flag, then two spacings and one height more than levels; these may go beyond the bytes that are looked
 /// at.
 bool is_mystic(const std::string& start) {
-  const auto line = first_numbers(start, 2);
-  const bool is_whole = start.size() < kFirstBytes || line[1].size() < 200;
-  return line[0].size() == 4 && line[0][3] >= 1 && line[0][3] <= 3 && line[1].size() > 3 &&
-         (!is_whole || static_cast<double>(line[1].size()) == line[0][2] + 3);
+  const auto line = first_numbers(start, 3);
+  const auto& head = line[0];
+  if (head.size() != 4 || !(head[0] >= 1 && head[1] >= 1 && head[2] >= 1 && head[3] >= 1 && head[3] <= 3)) return false;
+  const bool has_heights = static_cast<double>(line[1].size()) == head[2] + 3;
+  return has_heights ? line[2].size() >= 5 : start.size() == kFirstBytes && line[1].size() > 100;
 }
 
 std::string detect_format(const std::filesystem::path& file, const std::string& start) {
@@ -78,8 +79,7 @@ std::string detect_format(const std::filesystem::path& file, const std::string& 
                 is_numpy ? " write it as netCDF with its coordinates, as xarray.DataArray.to_netcdf does" : "");
   }
   const std::string first_line = start.substr(0, start.find('\n'));
-  std::string lower = first_line;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string lower = lower_case(first_line);
   for (const char* words : {"property file", "lwc file", "particle"}) {
     if (lower.find(words) != std::string::npos) return "shdom";
   }
@@ -253,8 +253,8 @@ double uniform_spacing(const std::filesystem::path& file, const std::string& axi
   for (std::size_t n = 1; n < centre.size(); ++n) {
     const double step = centre[n] - centre[n - 1];
     if (!(spacing > 0) || !(std::abs(step - spacing) <= 1e-3 * spacing)) {
-      fail_import(file, "'{}': not equally spaced and ascending (found {} after {}, allowed steps of {:.6g})", axis,
-                  centre[n], centre[n - 1], std::abs(spacing));
+      fail_import(file, "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g})",
+                  axis, centre[n], centre[n - 1], std::abs(spacing));
     }
   }
   return spacing;

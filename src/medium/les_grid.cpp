@@ -309,11 +309,36 @@ std::vector<double> LesGrid::level_means(const NetcdfVariable& variable, const N
   return mean;
 }
 
+/// Edges of cells, in m, by the attribute "bounds" of CF: lower and upper edge of each cell. Empty if the file has
+/// none, or they do not meet.
+std::vector<double> LesGrid::edges_by_bounds(const NetcdfVariable& variable) const {
+  const auto unit = factor_of(kLength, variable.units);
+  const NetcdfVariable* bounds = file_.input.find(file_.input.text_attribute(variable, "bounds"));
+  const std::size_t levels = axes_[2].length;
+  if (!unit || bounds == nullptr || bounds->length != std::vector<std::size_t>{levels, 2}) return {};
+  std::vector<double> bound = file_.input.read(*bounds);
+  for (double& z : bound) z = *unit * (bounds->is_float32 ? decimal_of(static_cast<float>(z)) : z);
+  const bool is_turned = (bound[0] > bound[1]) != (bound.front() > bound.back());  // lower edge first, levels descend
+  std::vector<double> edge{bound[is_turned ? 1 : 0]};
+  for (std::size_t k = 0; k < levels; ++k) {
+    const double begin = bound[2 * k + (is_turned ? 1 : 0)], end = bound[2 * k + (is_turned ? 0 : 1)];
+    if (!(std::abs(begin - edge.back()) <= 1e-5 * std::abs(end - begin))) return {};
+    edge.push_back(end);
+  }
+  return edge;
+}
+
 std::optional<LesGrid::Heights> LesGrid::find_heights() {
   const std::size_t levels = axes_[2].length;
   if (const NetcdfVariable* own = coordinate_variable(2)) {
     Coordinates found = coordinates(2, own);
-    if (!found.value.empty()) return Heights{own->name, std::move(found.value), false};
+    if (!found.value.empty()) {
+      std::vector<double> edges = edges_by_bounds(*own);
+      if (!edges.empty())
+        return Heights{own->name + "' by its bounds '" + file_.input.text_attribute(*own, "bounds"), std::move(edges),
+                       true};
+      return Heights{own->name, std::move(found.value), false};
+    }
     height_problem_ = found.problem;
     is_reversed_[2] = found.descend;
   }

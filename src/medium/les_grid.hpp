@@ -54,6 +54,7 @@ class LesGrid {
   void set_columns();
   void set_levels();
   std::optional<Heights> find_heights();
+  std::vector<double> edges_by_bounds(const NetcdfVariable& variable) const;
   std::vector<double> level_means(const NetcdfVariable& variable, const NetcdfVariable* base) const;
   std::optional<std::size_t> vertical_dimension(const NetcdfVariable& variable) const;
   void set_levels_of_equal_size(double size, const std::string& instead_of);

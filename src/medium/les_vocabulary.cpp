@@ -193,12 +193,6 @@ bool is_unit_given(const std::string& units) {
   return !plain.empty() && plain != "1" && plain != "-" && plain != "none" && plain != "dimensionless";
 }
 
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 int axis_of_name(const std::string& name) {
   const std::string lower = lower_case(name);
   for (const char* known : {"west_east", "ni", "nx", "longitude", "lon"}) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "cloudbow/core/text_case.hpp"
+
 namespace cloudbow {
 
 /// Names that a variable goes by, the likeliest first.
@@ -62,8 +64,6 @@ std::optional<double> factor_of(const UnitTable& table, const std::string& spell
 
 /// A file that says "1" or nothing leaves the unit to be guessed.
 bool is_unit_given(const std::string& units);
-
-std::string lower_case(std::string text);
 
 constexpr std::array<const char*, 4> kAxisNames{"x", "y", "z", "time"};
 

@@ -121,7 +121,7 @@ class OpticsCsvReader {
       cell.bottom_m = at(bottom_, 0) * metres_;
       cell.top_m = at(top_, 0) * metres_;
       if (bottom_ >= 0 && !(cell.top_m > cell.bottom_m && std::abs(cell.top_m) < kLargestValue)) {
-        lines_.fail("cell from {} m to {} m (allowed: top above bottom)", cell.bottom_m, cell.top_m);
+        lines_.fail("cell from {:.6g} m to {:.6g} m (allowed: top above bottom)", cell.bottom_m, cell.top_m);
       }
       cells_.push_back(cell);
     }
@@ -163,7 +163,7 @@ class OpticsCsvReader {
     } else if (!level_m_.empty() && !options_.levels_by_voxel_size) {
       for (std::size_t n = 1; n < level_m_.size(); ++n) {
         if (!(level_m_[n] > level_m_[n - 1])) {
-          fail_import(options_.file, "levels do not ascend (found {} m after {} m)", level_m_[n], level_m_[n - 1]);
+          fail_import(options_.file, "levels do not ascend (found {:.6g} m after {:.6g} m)", level_m_[n], level_m_[n - 1]);
         }
       }
       cloud_.z_edge_m = edges_between(level_m_);
@@ -264,7 +264,7 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
   bool may_be_head = true;
   while (lines.next(line)) {
     if (is_comment(line)) continue;
-    if (std::exchange(may_be_head, false) && !number_in(split_words(line)[0])) continue;
+    if (std::exchange(may_be_head, false) && !repeated_number_in(split_words(line)[0])) continue;
     const auto number = lines.numbers(line, 0, "cell");
     if (number.size() != 4 || !repeated_number_in(split_words(line).back())) {
       lines.fail("not four numbers i j k value (found {} words)", split_words(line).size());

@@ -9,8 +9,6 @@ namespace cloudbow {
 /// the file cannot be opened.
 bool is_locked(const std::filesystem::path& path);
 
-inline constexpr const char* kLockedFile =
-    "the file is locked (another program has it open for writing, allowed: a file that is closed) "
-    "wait until it is written, or read a copy";
+inline constexpr const char* kLockedFile = "the file is locked: another program has it open for writing";
 
 }  // namespace cloudbow
