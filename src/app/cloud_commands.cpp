@@ -139,7 +139,7 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   auto command = std::make_shared<ImportCommand>();
   CloudImportOptions& options = command->import;
   CLI::App* app = cloud_app.add_subcommand("import", "Bring in a cloud that somebody else simulated");
-  app->add_option("file", options.file, "LES output (netCDF), SHDOM property or LWC file, or text")
+  app->add_option("file", options.file, "LES output (netCDF), SHDOM property or LWC file, text, or NumPy array")
       ->type_name("FILE")
       ->required();
   app->add_option("-o,--output", command->output, "VDB file; phase functions go beside it, to NAME.phase.csv")

@@ -72,11 +72,9 @@ bool is_mystic(const std::string& start) {
 std::string detect_format(const std::filesystem::path& file, const std::string& start) {
   if (start.empty()) fail_import(file, "the file is empty");
   if (start.starts_with("CDF") || start.starts_with("\x89HDF")) return "les";
+  if (start.starts_with("\x93NUMPY")) return "numpy";
   if (start.find('\0') != std::string::npos) {
-    const bool is_numpy = start.starts_with("\x93NUMPY");
-    fail_import(file, "of an unknown kind (found {}, allowed: netCDF, HDF5 that netCDF-4 wrote, text){}",
-                is_numpy ? "a NumPy array" : "binary data",
-                is_numpy ? " write it as netCDF with its coordinates, as xarray.DataArray.to_netcdf does" : "");
+    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5 that netCDF-4 wrote, NumPy's .npy, text)");
   }
   const std::string first_line = start.substr(0, start.find('\n'));
   const std::string lower = lower_case(first_line);
@@ -213,7 +211,8 @@ VoxelSums sums_of(const LevelledCloud& cloud, int i, int j, int first, const std
 }  // namespace
 
 const std::vector<std::string>& cloud_import_formats() {
-  static const std::vector<std::string> formats{"auto", "les", "shdom", "columns", "optics-csv", "at3d", "mystic"};
+  static const std::vector<std::string> formats{"auto",       "les",  "shdom",  "columns",
+                                                "optics-csv", "at3d", "mystic", "numpy"};
   return formats;
 }
 
@@ -230,7 +229,7 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 kMaxImportCells);
   }
-  constexpr double bytes_per_cell = 24;  // four fields of floats, and one of doubles while a file is read
+  constexpr double bytes_per_cell = 36;  // five fields of floats, and two of doubles, of which one is being read
   const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const double allowed =
       options.memory_limit_bytes > 0 ? static_cast<double>(options.memory_limit_bytes) : 0.5 * machine;
@@ -378,6 +377,7 @@ ImportedCloud import_cloud(const CloudImportOptions& options) {
   if (format == "optics-csv") return to_uniform(import_optics_csv(options), options);
   if (format == "at3d") return to_uniform(import_at3d(options), options);
   if (format == "mystic") return to_uniform(import_mystic(options), options);
+  if (format == "numpy") return to_uniform(import_numpy(options), options);
   throw InputError(
       fmt::format("--format: unknown (found \"{}\", allowed {})", format, fmt::join(cloud_import_formats(), ", ")));
 }

@@ -75,5 +75,6 @@ LevelledCloud import_columns(const CloudImportOptions& options);
 LevelledCloud import_optics_csv(const CloudImportOptions& options);
 LevelledCloud import_at3d(const CloudImportOptions& options);
 LevelledCloud import_mystic(const CloudImportOptions& options);
+LevelledCloud import_numpy(const CloudImportOptions& options);
 
 }  // namespace cloudbow

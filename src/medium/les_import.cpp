@@ -22,6 +22,7 @@ class LesReader {
     cloud_.source = fmt::format("'{}' [{}]", main_.name, units());
     cloud_.source_hint = " --units says it otherwise";
     cloud_.density = grid_.read(main_, is_extinction_ ? "extinction" : "liquid water");
+    check_other_water();
     if (!is_extinction_) subtract_ice();
     check_values();
     if (is_extinction_) {
@@ -60,7 +61,6 @@ class LesReader {
     if (options_.quantity == "extinction" && !extinction.empty()) return *extinction.front();
     const auto water = file_.candidates(kWater);
     if (!water.empty()) {
-      for (const NetcdfVariable* other : water) check_other_water(*water.front(), *other);
       if (!extinction.empty())
         file_.note("NOT imported: '{}', extinction (--quantity extinction imports it)", extinction.front()->name);
       return *water.front();
@@ -72,22 +72,24 @@ class LesReader {
                file_.fields_there());
   }
 
-  /// Two variables of liquid water per kg of air that differ: the user must choose.
-  void check_other_water(const NetcdfVariable& first, const NetcdfVariable& other) {
-    if (&first == &other || is_condensate(other)) return;
-    const bool is_alike =
-        first.length == other.length && first.dimension == other.dimension && first.units == other.units;
-    if (!is_alike) {
-      file_.note("NOT imported: {}, liquid water too by its name (--variable chooses)",
-                 LesFile::described(other, other.units));
-      return;
+  /// Two variables of liquid water that differ: the user must choose.
+  void check_other_water() {
+    if (is_extinction_ || !options_.variable.empty()) return;
+    for (const NetcdfVariable* other : file_.candidates(kWater)) {
+      if (other == &main_ || is_condensate(*other)) continue;
+      const bool is_alike =
+          other->length == main_.length && other->dimension == main_.dimension && other->units == main_.units;
+      if (!is_alike) {
+        file_.note("NOT imported: {}, liquid water too by its name (--variable chooses)",
+                   LesFile::described(*other, other->units));
+        continue;
+      }
+      const std::vector<float> value = grid_.read(*other, "liquid water");
+      const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+      if (std::equal(value.begin(), value.end(), cloud_.density.begin(), is_same)) continue;
+      file_.fail("two kinds of liquid water (found '{}' and '{}', which differ, allowed one) name it with --variable",
+                 main_.name, other->name);
     }
-    const auto a = file_.input.read(first), b = file_.input.read(other);
-    const bool is_same = std::equal(a.begin(), a.end(), b.begin(),
-                                    [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
-    if (is_same) return;
-    file_.fail("two kinds of liquid water (found '{}' and '{}', which differ, allowed one) name it with --variable",
-               first.name, other.name);
   }
 
   // -- water --------------------------------------------------------------------------------------------------------

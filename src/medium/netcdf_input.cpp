@@ -58,7 +58,8 @@ struct ValidValues {
 
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
   const int status = nc_open(path.c_str(), NC_NOWRITE, &id_);
-  if (status != NC_NOERR && is_locked(path)) fail_import(path, "{} (allowed: a file that is closed) wait, or read a copy", kLockedFile);
+  if (status != NC_NOERR && is_locked(path))
+    fail_import(path, "{} (allowed: a file that is closed) wait, or read a copy", kLockedFile);
   check(status, "not netCDF, or damaged");
   try {
     list_variables();

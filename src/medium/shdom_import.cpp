@@ -83,7 +83,8 @@ class ShdomReader {
     for (double& z : level) z *= kMetres;
     for (std::size_t n = 1; n < level.size(); ++n) {
       if (!(level[n] > level[n - 1]) || !std::isfinite(level[n])) {
-        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / kMetres, level[n - 1] / kMetres);
+        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / kMetres,
+                    level[n - 1] / kMetres);
       }
     }
     if (level.size() == static_cast<std::size_t>(levels_) + 1) {

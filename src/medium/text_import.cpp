@@ -163,7 +163,8 @@ class OpticsCsvReader {
     } else if (!level_m_.empty() && !options_.levels_by_voxel_size) {
       for (std::size_t n = 1; n < level_m_.size(); ++n) {
         if (!(level_m_[n] > level_m_[n - 1])) {
-          fail_import(options_.file, "levels do not ascend (found {:.6g} m after {:.6g} m)", level_m_[n], level_m_[n - 1]);
+          fail_import(options_.file, "levels do not ascend (found {:.6g} m after {:.6g} m)", level_m_[n],
+                      level_m_[n - 1]);
         }
       }
       cloud_.z_edge_m = edges_between(level_m_);
