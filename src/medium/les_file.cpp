@@ -60,7 +60,7 @@ const NetcdfVariable* LesFile::find(const std::string& given, const Words& words
 
 std::string LesFile::meaning(const NetcdfVariable& variable) const {
   std::string text;
-  for (const char* attribute : {"standard_name", "long_name", "longname", "description", "title", "comment"}) {
+  for (const char* attribute : {"standard_name", "long_name", "longname", "description", "title"}) {
     text += " " + lower_case(input.text_attribute(variable, attribute));
   }
   std::replace(text.begin(), text.end(), '_', ' ');
@@ -69,8 +69,8 @@ std::string LesFile::meaning(const NetcdfVariable& variable) const {
 
 bool LesFile::is_perturbation(const NetcdfVariable& variable) const {
   const std::string text = meaning(variable);
-  return text.find("perturb") != std::string::npos || text.find("deviation") != std::string::npos ||
-         text.find("anomaly") != std::string::npos;
+  const auto has = [&text](const char* word) { return text.find(word) != std::string::npos; };
+  return (has("perturb") || has("deviation") || has("anomaly")) && !has("total") && !has("full");
 }
 
 double LesFile::factor(const NetcdfVariable& variable, const UnitTable& table, double guess, const char* guessed_unit) {

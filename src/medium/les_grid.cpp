@@ -8,11 +8,12 @@
 namespace cloudbow {
 namespace {
 
-/// 0, 1, 2, ... or 1, 2, 3, ..., upwards or downwards: more likely numbers of cells than places.
-bool counts_cells(const std::vector<double>& value) {
+/// 0, 1, 2, ... or 1, 2, 3, ..., upwards or downwards: more likely numbers of cells than places. So are 0.5, 1.5, 2.5,
+/// ... if no unit says that they are lengths.
+bool counts_cells(const std::vector<double>& value, bool has_unit) {
   if (value.size() < 2) return false;
   const double least = std::min(value.front(), value.back());
-  if (least != 0 && least != 1) return false;
+  if (least != 0 && least != 1 && (has_unit || least != 0.5)) return false;
   const double step = value.back() > value.front() ? 1 : -1;
   for (std::size_t n = 1; n < value.size(); ++n) {
     if (value[n] - value[n - 1] != step) return false;
@@ -159,7 +160,7 @@ LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* v
     found.problem = fmt::format("'{}' is in '{}' and not in a unit of length", variable->name, variable->units);
   } else if (point_down) {
     found.problem = fmt::format("'{}' grows downwards by its attributes", variable->name);
-  } else if (!known && counts_cells(value)) {
+  } else if (!known && counts_cells(value, false)) {
     found.problem = fmt::format("'{}' has no unit and counts cells: {}, {}, ...", variable->name, value[0], value[1]);
   } else if (!known && a < 2 && axis_is_angle(variable->name)) {
     found.problem = fmt::format("'{}' has no unit and is an angle by its name", variable->name);
@@ -167,7 +168,7 @@ LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* v
     found.problem = fmt::format("'{}' has no unit and values up to 1", variable->name);
   }
   if (!found.problem.empty()) return found;
-  is_count_[a] = counts_cells(value);
+  is_count_[a] = counts_cells(value, true);
   const double extent = std::abs(value.back() - value.front());
   const bool seems_km = extent < 0.5 * static_cast<double>(value.size());
   const double unit = file_.factor(*variable, kLength, seems_km ? 1e3 : 1, seems_km ? "km" : "m");
@@ -205,10 +206,11 @@ void LesGrid::set_columns() {
       continue;
     }
     if (centre.value.empty()) {
-      // WRF has no coordinates in metres.
-      const auto spacing = file_.input.global_number(a == 0 ? "DX" : "DY");
       problem[a] = centre.problem;
-      if (!spacing || !(*spacing > 0)) continue;
+      // WRF has no coordinates in metres.
+      const bool is_wrf = axis.name == "west_east" || axis.name == "south_north";
+      const auto spacing = file_.input.global_number(a == 0 ? "DX" : "DY");
+      if (!is_wrf || !spacing || !(*spacing > 0)) continue;
       size_m_[a] = *spacing;
       file_.note("columns: {:.6g} m along {}, as the file's attribute {} says", *spacing, kAxisNames[a],
                  a == 0 ? "DX" : "DY");

@@ -148,8 +148,9 @@ class LesReader {
             "'{}': {} has the value {} (allowed: finite numbers >= 0) --fill clear takes missing cells for clear air",
             main_.name, grid_.cell_text(n), std::isnan(value[n]) ? "NaN or missing" : "infinity");
       } else if (value[n] < -rounding) {
-        file_.fail("'{}': {} has the value {} (allowed: numbers >= 0, and down to {:.2g}, which counts as 0)",
-                   main_.name, grid_.cell_text(n), value[n], -rounding);
+        file_.fail("'{}': {} has the value {} (allowed: numbers >= 0, and down to {:.2g}, which counts as 0){}",
+                   main_.name, grid_.cell_text(n), value[n], -rounding,
+                   step > 0 ? " did a number not fit into its packed integers?" : "");
       } else if (value[n] < 0) {
         value[n] = 0;
         ++below;

@@ -323,14 +323,14 @@ TEST_F(LesImport, HeightsOfIndexedLevelsComeFromTheFieldOfHeights) {
 }
 
 TEST_F(LesImport, CoordinatesThatCountCellsAreNoLengths) {
-  const auto counted = [&](const std::string& units) {
+  const auto counted = [&](const std::string& units, double first = 0) {
     NetcdfBuilder file(folder_ / "count.nc");
     file.dimension("z", nz);
     file.dimension("y", ny);
     file.dimension("x", nx);
-    file.variable("z", {"z"}, units, profile([](int k) { return k; }));
-    file.variable("y", {"y"}, units, {0, 1, 2});
-    file.variable("x", {"x"}, units, {0, 1});
+    file.variable("z", {"z"}, units, profile([first](int k) { return first + k; }));
+    file.variable("y", {"y"}, units, {first, first + 1, first + 2});
+    file.variable("x", {"x"}, units, {first, first + 1});
     add_water(file, "lwc", "g m-3", 1000);
     CloudImportOptions options;
     options.file = file.close();
@@ -338,6 +338,8 @@ TEST_F(LesImport, CoordinatesThatCountCellsAreNoLengths) {
   };
   EXPECT_THAT(error_of(counted("m")), HasSubstr("coordinates count cells"));
   EXPECT_THAT(error_of(counted("")), HasSubstr("'x' has no unit and counts cells: 0, 1, ..."));
+  EXPECT_THAT(error_of(counted("", 0.5)), HasSubstr("'x' has no unit and counts cells: 0.5, 1.5, ..."));
+  EXPECT_EQ(import_cloud(counted("m", 0.5)).field.cell_size_m, (std::array<double, 3>{1, 1, 1}));
   for (const char* units : {"m", "", "1", "level"}) {
     CloudImportOptions options = counted(units);
     options.voxel_size_m = {100, 100, 40};
