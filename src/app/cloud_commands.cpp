@@ -104,6 +104,7 @@ int import_to_vdb(const ImportCommand& command) {
     const std::vector<double>& size = command.voxel_size_m;
     if (size.size() == 2) throw InputError("--voxel-size-m: two numbers (allowed: one for all axes, or three)");
     options.voxel_size_m = {size[0], size.size() > 1 ? size[1] : size[0], size.size() > 1 ? size[2] : size[0]};
+    options.levels_by_voxel_size = size.size() == 3;
     for (const double length : *options.voxel_size_m) {
       if (!(length > 0)) throw InputError(fmt::format("--voxel-size-m: {} (allowed: > 0)", length));
     }
@@ -138,7 +139,7 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   auto command = std::make_shared<ImportCommand>();
   CloudImportOptions& options = command->import;
   CLI::App* app = cloud_app.add_subcommand("import", "Bring in a cloud that somebody else simulated");
-  app->add_option("file", options.file, "LES output (netCDF), SHDOM property or LWC file, or text")
+  app->add_option("file", options.file, "LES output (netCDF), SHDOM property or LWC file, text, or NumPy array")
       ->type_name("FILE")
       ->required();
   app->add_option("-o,--output", command->output, "VDB file; phase functions go beside it, to NAME.phase.csv")
@@ -148,7 +149,8 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
       ->capture_default_str()
       ->check(CLI::IsMember(cloud_import_formats()));
   app->add_option("--voxel-size-m", command->voxel_size_m,
-                  "Size of a cell along x, y, z [m], where the file does not say or says it wrong")
+                  "Size of a cell along x, y, z [m], instead of the file's; one number: of columns, and of levels if "
+                  "the file does not say them")
       ->expected(1, 3)
       ->check(finite_number(0, "a number > 0"));
   app->add_option("--columns", command->columns, "Text: columns of the domain along x, y")
@@ -161,7 +163,7 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
       ->capture_default_str()
       ->check(finite_number(0, "a number >= 0"));
   app->add_option("--quantity", options.quantity,
-                  "Text columns: extinction [1/m] (default) or liquid_water_content [g/m3]")
+                  "Text columns: extinction [1/m] (default) or liquid_water_content [g/m3]. LES: which of them")
       ->check(CLI::IsMember({"extinction", "liquid_water_content"}));
   app->add_option("--phase-functions", command->phase_functions, "Legendre moments, one column a phase function")
       ->type_name("MOMENTS");
@@ -170,7 +172,8 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "included", "excluded"}));
   app->add_option("--variable", options.variable, "LES: liquid water (default: a usual name)");
-  app->add_option("--units", options.units, "LES: of that variable, instead of the file's: kg/kg, g/kg, kg/m3, g/m3");
+  app->add_option("--units", options.units,
+                  "LES: of that variable, instead of the file's: kg/kg, g/kg, kg/m3, g/m3, 1/m, 1/km");
   app->add_option("--time", options.time, "LES: index on the time axis, from 0")
       ->capture_default_str()
       ->check(whole_number(0, 1000000000));
@@ -179,9 +182,13 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
     app->add_option(fmt::format("--{}-axis", axis[a]), options.axes[a],
                     fmt::format("LES: dimension that is {}", axis[a]));
   }
-  app->add_option("--air-density", options.air_density, "LES: air density");
+  app->add_option("--air-density", options.air_density,
+                  "LES: air density, a variable or a number [kg/m3] or us-1976 (the standard atmosphere)");
   app->add_option("--pressure", options.pressure, "LES: pressure, with temperature in place of air density");
-  app->add_option("--temperature", options.temperature, "LES: temperature [K]");
+  app->add_option("--temperature", options.temperature, "LES: temperature, or potential temperature");
+  app->add_option("--fill", options.fill, "LES: cells with missing water are an error, or clear air")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"error", "clear"}));
   app->add_option("--droplet-number", options.droplet_number,
                   "LES: droplet number, from which the effective radius comes");
   app->add_option("--droplet-number-cm3", options.droplet_number_cm3, "LES: the same number of droplets everywhere")

@@ -1,17 +1,23 @@
 #include "cloudbow/medium/cloud_import.hpp"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <sstream>
 
+#include "cloudbow/core/text_case.hpp"
 #include "import_parts.hpp"
 #include "row_spans.hpp"
+#include "text_tokens.hpp"
 
 namespace cloudbow {
 namespace {
+
+constexpr std::size_t kFirstBytes = 4096;
 
 std::string first_bytes(const std::filesystem::path& file) {
   std::error_code error;
@@ -23,23 +29,60 @@ std::string first_bytes(const std::filesystem::path& file) {
   }
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail_import(file, "cannot be opened for reading (check its permissions)");
-  std::string bytes(4096, '\0');
+  std::string bytes(kFirstBytes, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return bytes;
 }
 
+/// Numbers of the first lines that are no comments.
+std::vector<std::vector<double>> first_numbers(const std::string& start, std::size_t lines) {
+  std::vector<std::vector<double>> numbers;
+  std::istringstream stream(start);
+  for (std::string line; numbers.size() < lines && std::getline(stream, line);) {
+    if (is_comment(line)) continue;
+    numbers.emplace_back();
+    for (const std::string_view word : split_words(line)) {
+      const auto number = number_in(word);
+      if (!number) break;
+      numbers.back().push_back(*number);
+    }
+  }
+  numbers.resize(lines);
+  return numbers;
+}
+
+/// Sizes, spacing, as many heights, then names of columns that begin with x,y,z.
+bool is_at3d(const std::string& start) {
+  const auto line = first_numbers(start, 3);
+  return line[0].size() == 3 && line[1].size() == 2 && static_cast<double>(line[2].size()) == line[0][2] &&
+         start.find("\nx,y,z,") != std::string::npos;
+}
+
+/// Sizes and a flag, then two spacings and one height more than levels; these may go beyond the bytes that are looked
+/// at.
+bool is_mystic(const std::string& start) {
+  const auto line = first_numbers(start, 3);
+  const auto& head = line[0];
+  if (head.size() != 4 || !(head[0] >= 1 && head[1] >= 1 && head[2] >= 1 && head[3] >= 1 && head[3] <= 3)) return false;
+  const bool has_heights = static_cast<double>(line[1].size()) == head[2] + 3;
+  return has_heights ? line[2].size() >= 5 : start.size() == kFirstBytes && line[1].size() > 100;
+}
+
 std::string detect_format(const std::filesystem::path& file, const std::string& start) {
   if (start.empty()) fail_import(file, "the file is empty");
   if (start.starts_with("CDF") || start.starts_with("\x89HDF")) return "les";
+  if (start.starts_with("\x93NUMPY")) return "numpy";
   if (start.find('\0') != std::string::npos) {
-    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5 that netCDF-4 wrote, text)");
+    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5 that netCDF-4 wrote, NumPy's .npy, text)");
   }
   const std::string first_line = start.substr(0, start.find('\n'));
-  if (first_line.find("property file") != std::string::npos || first_line.find("LWC file") != std::string::npos ||
-      first_line.find("particle") != std::string::npos) {
-    return "shdom";
+  const std::string lower = lower_case(first_line);
+  for (const char* words : {"property file", "lwc file", "particle"}) {
+    if (lower.find(words) != std::string::npos) return "shdom";
   }
+  if (is_at3d(start)) return "at3d";
+  if (is_mystic(start)) return "mystic";
   if (start.find("extinction") != std::string::npos && start.find(',') != std::string::npos) return "optics-csv";
   return "columns";
 }
@@ -53,7 +96,9 @@ struct Overlaps {
 Overlaps overlaps_of(const std::vector<double>& old_edge, double bottom, double size, int levels) {
   Overlaps overlaps;
   const int old_levels = static_cast<int>(old_edge.size()) - 1;
-  const double slack = 1e-6 * size;  // edges meant to coincide
+  // Edges meant to coincide: heights may have been 32-bit numbers, with sums and differences of these.
+  const double highest = std::max(std::abs(old_edge.front()), std::abs(old_edge.back()));
+  const double slack = std::min(1e-3 * size, std::max(1e-6 * size, 2.5e-7 * highest));
   for (int n = 0; n < levels; ++n) {
     const double low = bottom + n * size, high = bottom + (n + 1) * size;
     const auto above = std::upper_bound(old_edge.begin(), old_edge.end(), low + slack);
@@ -65,6 +110,15 @@ Overlaps overlaps_of(const std::vector<double>& old_edge, double bottom, double 
       const double to = std::abs(old_edge[k + 1] - high) <= slack ? high : std::min(high, old_edge[k + 1]);
       overlaps.thickness_m.back().push_back(std::max(0.0, to - from));
     }
+  }
+  return overlaps;
+}
+
+Overlaps one_to_one(double bottom, double size, int levels) {
+  Overlaps overlaps;
+  for (int n = 0; n < levels; ++n) {
+    overlaps.first.push_back(n);
+    overlaps.thickness_m.push_back({bottom + (n + 1) * size - (bottom + n * size)});
   }
   return overlaps;
 }
@@ -157,7 +211,8 @@ VoxelSums sums_of(const LevelledCloud& cloud, int i, int j, int first, const std
 }  // namespace
 
 const std::vector<std::string>& cloud_import_formats() {
-  static const std::vector<std::string> formats{"auto", "les", "shdom", "columns", "optics-csv"};
+  static const std::vector<std::string> formats{"auto",       "les",  "shdom",  "columns",
+                                                "optics-csv", "at3d", "mystic", "numpy"};
   return formats;
 }
 
@@ -174,7 +229,7 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 kMaxImportCells);
   }
-  constexpr double bytes_per_cell = 24;  // four fields of floats, and one of doubles while a file is read
+  constexpr double bytes_per_cell = 36;  // five fields of floats, and two of doubles, of which one is being read
   const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const double allowed =
       options.memory_limit_bytes > 0 ? static_cast<double>(options.memory_limit_bytes) : 0.5 * machine;
@@ -197,11 +252,56 @@ double uniform_spacing(const std::filesystem::path& file, const std::string& axi
   for (std::size_t n = 1; n < centre.size(); ++n) {
     const double step = centre[n] - centre[n - 1];
     if (!(spacing > 0) || !(std::abs(step - spacing) <= 1e-3 * spacing)) {
-      fail_import(file, "'{}': not equally spaced and ascending (found {} after {}, allowed steps of {:.6g})", axis,
-                  centre[n], centre[n - 1], std::abs(spacing));
+      fail_import(file, "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g})",
+                  axis, centre[n], centre[n - 1], std::abs(spacing));
     }
   }
   return spacing;
+}
+
+void set_levels_by_voxel_size(LevelledCloud& cloud, const CloudImportOptions& options) {
+  const double size = (*options.voxel_size_m)[2];
+  cloud.notes.push_back(
+      fmt::format("levels: {} of {:.6g} m from the ground, as --voxel-size-m says, in place of the "
+                  "file's {:.6g} to {:.6g} m",
+                  cloud.nz(), size, cloud.z_edge_m.front(), cloud.z_edge_m.back()));
+  for (std::size_t k = 0; k < cloud.z_edge_m.size(); ++k) cloud.z_edge_m[k] = static_cast<double>(k) * size;
+}
+
+void check_plausible(const LevelledCloud& cloud, const CloudImportOptions& options) {
+  constexpr double thinnest = 1e-3, thickest = 5000;      // m
+  constexpr double most_water = 20;                       // g/m3
+  constexpr double smallest_um = 0.1, largest_um = 5000;  // effective radius
+  constexpr double rim = 1e-3;                            // of the densest cell: less may be traces with any radius
+  for (std::size_t k = 0; k + 1 < cloud.z_edge_m.size(); ++k) {
+    const double thickness = cloud.z_edge_m[k + 1] - cloud.z_edge_m[k];
+    if (thickness >= thinnest && thickness <= thickest) continue;
+    fail_import(options.file,
+                "level {} is {:.6g} m thick, from {:.6g} to {:.6g} m (allowed {} to {} m): are the heights in the unit "
+                "that the file says? --voxel-size-m DX DY DZ says it otherwise",
+                k, thickness, cloud.z_edge_m[k], cloud.z_edge_m[k + 1], thinnest, thickest);
+  }
+  const float densest = cloud.density.empty() ? 0 : *std::max_element(cloud.density.begin(), cloud.density.end());
+  const auto cell_text = [&cloud](std::size_t n) {
+    const auto nx = static_cast<std::size_t>(cloud.nx), ny = static_cast<std::size_t>(cloud.ny);
+    return fmt::format("cell ({}, {}, {})", n % nx, n / nx % ny, n / nx / ny);
+  };
+  for (std::size_t n = 0; n < cloud.density.size(); ++n) {
+    if (cloud.quantity == "liquid_water_content" && cloud.density[n] > most_water) {
+      fail_import(options.file,
+                  "{}: {} holds {:.6g} g/m3 of liquid water (allowed up to {} g/m3): is it in the unit that the file "
+                  "says?{}",
+                  cloud.source, cell_text(n), cloud.density[n], most_water, cloud.source_hint);
+    }
+    if (cloud.effective_radius_um.empty() || cloud.density[n] <= rim * densest) continue;
+    const double radius = cloud.effective_radius_um[n];
+    if (radius >= smallest_um && radius <= largest_um) continue;
+    fail_import(
+        options.file,
+        "{} has an effective radius of {:.6g} um (allowed {} to {} um): are radius, or water and droplet number, "
+        "in the units that the file says?",
+        cell_text(n), radius, smallest_um, largest_um);
+  }
 }
 
 ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options) {
@@ -215,8 +315,12 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
     fail_import(options.file, "no cloud (found no cell above {}, allowed at least one)", options.minimum);
   }
 
+  check_plausible(cloud, options);
+
   const UniformLevels levels = choose_levels(cloud, options);
-  const Overlaps overlaps = overlaps_of(cloud.z_edge_m, levels.bottom_m, levels.size_m, levels.count);
+  const Overlaps overlaps = levels.as_they_are
+                                ? one_to_one(levels.bottom_m, levels.size_m, levels.count)
+                                : overlaps_of(cloud.z_edge_m, levels.bottom_m, levels.size_m, levels.count);
   if (!levels.as_they_are) {
     imported.notes.push_back(
         fmt::format("levels: {} from {:.6g} to {:.6g} m, resampled to {} of {:.6g} m from {:.6g} m", cloud.nz(),
@@ -271,8 +375,11 @@ ImportedCloud import_cloud(const CloudImportOptions& options) {
   if (format == "shdom") return to_uniform(import_shdom(options), options);
   if (format == "columns") return to_uniform(import_columns(options), options);
   if (format == "optics-csv") return to_uniform(import_optics_csv(options), options);
+  if (format == "at3d") return to_uniform(import_at3d(options), options);
+  if (format == "mystic") return to_uniform(import_mystic(options), options);
+  if (format == "numpy") return to_uniform(import_numpy(options), options);
   throw InputError(
-      fmt::format("--format: unknown (found \"{}\", allowed auto, les, shdom, columns, optics-csv)", format));
+      fmt::format("--format: unknown (found \"{}\", allowed {})", format, fmt::join(cloud_import_formats(), ", ")));
 }
 
 }  // namespace cloudbow

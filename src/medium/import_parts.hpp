@@ -22,6 +22,8 @@ struct LevelledCloud {
   double y_min_m = 0;
   std::vector<double> z_edge_m;  ///< nz + 1, ascending
   std::string quantity;
+  std::string source = "the file";              ///< variable or column of the quantity, with its unit, for messages
+  std::string source_hint;                      ///< the option that says the unit otherwise, for messages
   std::vector<float> density;                   ///< of the quantity, >= 0
   std::vector<float> effective_radius_um;       ///< empty, or > 0 where there is density
   std::vector<float> single_scattering_albedo;  ///< empty, or 0 to 1
@@ -58,6 +60,12 @@ std::vector<double> edges_between(const std::vector<double>& centre);
 /// Distance of equally spaced centres. @throws InputError where they are not, to 1e-3 of it.
 double uniform_spacing(const std::filesystem::path& file, const std::string& axis, const std::vector<double>& centre);
 
+/// As many levels as there are, of the height that the user says, from the ground; notes it.
+void set_levels_by_voxel_size(LevelledCloud& cloud, const CloudImportOptions& options);
+
+/// @throws InputError if the cloud has numbers that no cloud has, which are wrong units most of the time.
+void check_plausible(const LevelledCloud& cloud, const CloudImportOptions& options);
+
 /// Onto uniform voxels, columns keeping their mass.
 ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options);
 
@@ -65,5 +73,8 @@ LevelledCloud import_les(const CloudImportOptions& options);
 LevelledCloud import_shdom(const CloudImportOptions& options);
 LevelledCloud import_columns(const CloudImportOptions& options);
 LevelledCloud import_optics_csv(const CloudImportOptions& options);
+LevelledCloud import_at3d(const CloudImportOptions& options);
+LevelledCloud import_mystic(const CloudImportOptions& options);
+LevelledCloud import_numpy(const CloudImportOptions& options);
 
 }  // namespace cloudbow

@@ -1,13 +1,13 @@
 // Output of large-eddy simulations in netCDF.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
 #include "cloudbow/core/rehearsal.hpp"
 #include "import_parts.hpp"
-#include "les_vocabulary.hpp"
-#include "netcdf_input.hpp"
+#include "les_air.hpp"
+#include "les_file.hpp"
+#include "les_grid.hpp"
 
 namespace cloudbow {
 namespace {
@@ -15,407 +15,247 @@ namespace {
 class LesReader {
  public:
   explicit LesReader(const CloudImportOptions& options)
-      : options_(options), file_(options.file), input_(options.file) {}
+      : options_(options), file_(options), main_(main_variable()), grid_(file_, main_), cloud_(grid_.empty_cloud()) {}
 
   LevelledCloud read() {
-    const NetcdfVariable& water = find(options_.variable, kWater, "liquid water", "--variable");
-    note("liquid water: {}", described(water, options_.units.empty() ? water.units : options_.units));
-    assign_axes(water);
-    check_time(water);
-    set_columns();
-    set_levels();
-    cloud_.quantity = "liquid_water_content";
-    cloud_.density = read_field(water, "liquid water");
-    check_values(water, cloud_.density);
-    to_liquid_water_content(water);
+    cloud_.quantity = is_extinction_ ? "extinction" : "liquid_water_content";
+    cloud_.source = fmt::format("'{}' [{}]", main_.name, units());
+    cloud_.source_hint = " --units says it otherwise";
+    cloud_.density = grid_.read(main_, is_extinction_ ? "extinction" : "liquid water");
+    check_other_water();
+    if (!is_extinction_) subtract_ice();
+    check_values();
+    if (is_extinction_) {
+      to_extinction();
+      add_scattering_albedo();
+    } else {
+      to_liquid_water_content();
+    }
     add_effective_radius();
+    report_species();
+    check_ground();
+    cloud_.notes = std::move(file_.notes);
     return std::move(cloud_);
   }
 
  private:
-  struct Axis {
-    bool is_there = false;
-    std::string name{};
-    std::size_t length = 1;
-  };
+  std::string units() const { return options_.units.empty() ? main_.units : options_.units; }
 
-  template <class... Args>
-  [[noreturn]] void fail(fmt::format_string<Args...> text, Args&&... args) const {
-    fail_import(file_, text, std::forward<Args>(args)...);
-  }
-  template <class... Args>
-  void note(fmt::format_string<Args...> text, Args&&... args) {
-    cloud_.notes.push_back(fmt::format(text, std::forward<Args>(args)...));
+  // -- which variable -----------------------------------------------------------------------------------------------
+
+  const NetcdfVariable& main_variable() {
+    const NetcdfVariable& variable =
+        options_.variable.empty() ? guessed_variable() : file_.named(options_.variable, "--variable");
+    const std::string unit = options_.units.empty() ? variable.units : options_.units;
+    const bool has_unit_of_extinction = factor_of(kExtinctionUnits, unit).has_value();
+    const Names& names = kExtinction.names;
+    is_extinction_ = options_.quantity.empty()
+                         ? has_unit_of_extinction || std::find(names.begin(), names.end(), variable.name) != names.end()
+                         : options_.quantity == "extinction";
+    file_.note("{}: {}", is_extinction_ ? "extinction" : "liquid water", LesFile::described(variable, unit));
+    return variable;
   }
 
-  static std::string described(const NetcdfVariable& variable, const std::string& units) {
-    std::string shape;
-    for (std::size_t n = 0; n < variable.length.size(); ++n) {
-      shape += fmt::format("{}{} = {}", n == 0 ? "" : ", ", variable.dimension[n], variable.length[n]);
+  const NetcdfVariable& guessed_variable() {
+    const auto extinction = file_.candidates(kExtinction);
+    if (options_.quantity == "extinction" && !extinction.empty()) return *extinction.front();
+    const auto water = file_.candidates(kWater);
+    if (!water.empty()) {
+      if (!extinction.empty())
+        file_.note("NOT imported: '{}', extinction (--quantity extinction imports it)", extinction.front()->name);
+      return *water.front();
     }
-    return fmt::format("'{}' ({}) [{}]", variable.name, shape, units.empty() ? "unit not said" : units);
-  }
-
-  std::string fields_there() const {
-    std::string names;
-    int count = 0;
-    for (const NetcdfVariable& variable : input_.variables()) {
-      if (variable.length.size() < 2) continue;
-      if (++count > 30) return names + ", ...";
-      names += (names.empty() ? "" : ", ") + variable.name;
-    }
-    return names.empty() ? "none" : names;
-  }
-
-  const NetcdfVariable* find_any(const std::string& given, const Names& guesses, const std::string& option) const {
-    if (!given.empty()) {
-      const NetcdfVariable* variable = input_.find(given);
-      if (variable == nullptr) {
-        fail("no variable '{}' (as {} says; fields in the file: {})", given, option, fields_there());
-      }
-      return variable;
-    }
-    for (const std::string& name : guesses) {
-      if (const NetcdfVariable* variable = input_.find(name); variable != nullptr && !variable->length.empty())
-        return variable;
-    }
-    return nullptr;
-  }
-
-  const NetcdfVariable& find(const std::string& given, const Names& guesses, const char* what,
-                             const std::string& option) const {
-    if (const NetcdfVariable* variable = find_any(given, guesses, option)) return *variable;
+    if (!extinction.empty() && options_.quantity.empty()) return *extinction.front();
     std::string tried;
-    for (const std::string& name : guesses) tried += (tried.empty() ? "" : ", ") + name;
-    fail("no variable of {} (looked for {}; fields in the file: {}) name it with {}", what, tried, fields_there(),
-         option);
+    for (const std::string& name : kWater.names) tried += (tried.empty() ? "" : ", ") + name;
+    file_.fail("no variable of liquid water (looked for {}; fields in the file: {}) name it with --variable", tried,
+               file_.fields_there());
   }
 
-  /// What one of the unit in the file is; guessed only where the file does not say.
-  double factor(const NetcdfVariable& variable, const std::string& units, const UnitTable& table, double guess,
-                const char* guessed_unit) {
-    if (const auto known = factor_of(table, units)) return *known;
-    if (is_unit_given(units))
-      fail("'{}': unit not known (found '{}', allowed {})", variable.name, units, table.allowed);
-    note("GUESSED unit of '{}': {}", variable.name, guessed_unit);
-    return guess;
-  }
-
-  // -- axes -------------------------------------------------------------------------------------------------------
-
-  void assign_axes(const NetcdfVariable& variable) {
-    const std::size_t rank = variable.length.size();
-    if (rank < 1 || rank > 4)
-      fail("'{}': wrong number of dimensions (found {}, allowed z; z, x; z, y, x; with or without time)", variable.name,
-           rank);
-    std::vector<int> role(rank, -1);
-    for (std::size_t n = 0; n < rank; ++n) role[n] = axis_of_dimension(variable.dimension[n]);
-    // Names that say nothing stand for what is customary: (time, z, y, x), the last of them first.
-    for (std::size_t n = 0; n < rank; ++n) {
-      if (role[n] >= 0) continue;
-      const int customary = static_cast<int>(rank - 1 - n);
-      if (rank < 3 || std::find(role.begin(), role.end(), customary) != role.end()) {
-        fail(
-            "'{}': dimension '{}' is none that is known (allowed: say which with --x-axis, --y-axis, --z-axis, "
-            "--time-axis)",
-            variable.name, variable.dimension[n]);
-      }
-      role[n] = customary;
-      note("GUESSED axis: dimension '{}' is {}", variable.dimension[n],
-           kAxisNames[static_cast<std::size_t>(customary)]);
-    }
-    for (std::size_t n = 0; n < rank; ++n) {
-      auto& axis = axes_[static_cast<std::size_t>(role[n])];
-      if (axis.is_there) {
-        fail("'{}': dimensions '{}' and '{}' are both taken for {} (allowed: say which with --{}-axis)", variable.name,
-             axis.name, variable.dimension[n], kAxisNames[static_cast<std::size_t>(role[n])],
-             kAxisNames[static_cast<std::size_t>(role[n])]);
-      }
-      axis = {true, variable.dimension[n], variable.length[n]};
-    }
-    if (!axes_[2].is_there)
-      fail("'{}': no vertical dimension (found only others; say which with --z-axis)", variable.name);
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (axes_[a].is_there && axes_[a].length == 0)
-        fail("axis '{}' has length 0 (allowed: at least 1)", axes_[a].name);
-    }
-    check_import_size(options_, static_cast<double>(axes_[0].length), static_cast<double>(axes_[1].length),
-                      static_cast<double>(axes_[2].length));
-    cloud_.nx = static_cast<int>(axes_[0].length);
-    cloud_.ny = static_cast<int>(axes_[1].length);
-  }
-
-  int axis_of_dimension(const std::string& dimension) const {
-    for (std::size_t a = 0; a < 4; ++a) {
-      if (!options_.axes[a].empty() && options_.axes[a] == dimension) return static_cast<int>(a);
-    }
-    const int guess = axis_of_name(dimension);
-    return guess >= 0 && !options_.axes[static_cast<std::size_t>(guess)].empty() ? -1 : guess;
-  }
-
-  void check_time(const NetcdfVariable& water) const {
-    const Axis& time = axes_[3];
-    if (!time.is_there) {
-      if (options_.time > 0) fail("'{}' has no time axis (found --time {}, allowed 0)", water.name, options_.time);
-      return;
-    }
-    if (time.length == 0)
-      fail("time axis '{}' has length 0: there is no field in the file (allowed: at least 1)", time.name);
-    if (options_.time >= time.length) {
-      fail("--time is beyond the time axis '{}' (found {}, allowed 0 to {})", time.name, options_.time,
-           time.length - 1);
-    }
-  }
-
-  /// Coordinates of a dimension in metres; empty where the file has none.
-  std::vector<double> coordinates(const Axis& axis, const NetcdfVariable* coordinate) {
-    if (coordinate == nullptr) return {};
-    std::vector<std::size_t> start(coordinate->length.size(), 0), count = coordinate->length;
-    if (count.size() == 2 && coordinate->dimension[0] == axes_[3].name) {  // levels that a file repeats at every time
-      start[0] = options_.time;
-      count[0] = 1;
-    } else if (count.size() != 1) {
-      fail("'{}': not a list of coordinates (found {} dimensions, allowed 1)", coordinate->name, count.size());
-    }
-    if (count.back() != axis.length) return {};
-    std::vector<double> value = input_.read(*coordinate, start, count);
-    for (const double number : value) {
-      if (!std::isfinite(number))
-        fail("'{}': a coordinate is not finite or missing (found {})", coordinate->name, number);
-    }
-    const double extent = std::abs(value.back() - value.front());
-    const bool seems_km = extent < 0.5 * static_cast<double>(value.size());
-    const double unit = factor(*coordinate, coordinate->units, kLength, seems_km ? 1e3 : 1, seems_km ? "km" : "m");
-    for (double& number : value) number *= unit;
-    return value;
-  }
-
-  void set_columns() {
-    std::array<double, 2> size{};
-    std::array<double, 2> low{};
-    for (std::size_t a = 0; a < 2; ++a) {
-      const Axis& axis = axes_[a];
-      if (options_.voxel_size_m) {
-        size[a] = (*options_.voxel_size_m)[a];
+  /// Two variables of liquid water that differ: the user must choose.
+  void check_other_water() {
+    if (is_extinction_ || !options_.variable.empty()) return;
+    for (const NetcdfVariable* other : file_.candidates(kWater)) {
+      if (other == &main_ || is_condensate(*other)) continue;
+      const bool is_alike =
+          other->length == main_.length && other->dimension == main_.dimension && other->units == main_.units;
+      if (!is_alike) {
+        file_.note("NOT imported: {}, liquid water too by its name (--variable chooses)",
+                   LesFile::described(*other, other->units));
         continue;
       }
-      auto centre =
-          axis.is_there && axis.length > 1 ? coordinates(axis, input_.find(axis.name)) : std::vector<double>{};
-      if (centre.empty()) continue;
-      size[a] = uniform_spacing(file_, axis.name, centre);
-      low[a] = centre.front() - 0.5 * size[a];
+      const std::vector<float> value = grid_.read(*other, "liquid water");
+      const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+      if (std::equal(value.begin(), value.end(), cloud_.density.begin(), is_same)) continue;
+      file_.fail("two kinds of liquid water (found '{}' and '{}', which differ, allowed one) name it with --variable",
+                 main_.name, other->name);
     }
-    // A single row or column is as wide as the other way.
-    for (std::size_t a = 0; a < 2; ++a) {
-      if (size[a] == 0 && axes_[a].length == 1) size[a] = size[1 - a];
-    }
-    for (std::size_t a = 0; a < 2; ++a) {
-      if (!(size[a] > 0))
-        fail("no coordinates of '{}' (found no variable of this name and length, allowed with --voxel-size-m)",
-             axes_[a].name.empty() ? kAxisNames[a] : axes_[a].name);
-    }
-    cloud_.dx_m = size[0];
-    cloud_.dy_m = size[1];
-    cloud_.x_min_m = low[0];
-    cloud_.y_min_m = low[1];
   }
 
-  void set_levels() {
-    const Axis& axis = axes_[2];
-    const NetcdfVariable* coordinate = input_.find(axis.name);
-    for (const char* other : {"z", "zt", "height", "altitude", "z_t", "zu"}) {
-      if (coordinate != nullptr) break;
-      const NetcdfVariable* candidate = input_.find(other);
-      if (candidate != nullptr && !candidate->dimension.empty() && candidate->dimension.back() == axis.name)
-        coordinate = candidate;
-    }
-    std::vector<double> centre = coordinates(axis, coordinate);
-    if (centre.empty()) {
-      if (!options_.voxel_size_m) {
-        fail("no heights of '{}' (found no variable of this name and length, allowed with --voxel-size-m)", axis.name);
+  // -- water --------------------------------------------------------------------------------------------------------
+
+  bool is_condensate(const NetcdfVariable& variable) const {
+    const std::string meaning = file_.meaning(variable);
+    const auto& names = kCondensate;
+    return std::find(names.begin(), names.end(), variable.name) != names.end() ||
+           meaning.find("water+ice") != std::string::npos || meaning.find("water and ice") != std::string::npos;
+  }
+
+  /// SAM's QN is water and ice together, with QI beside it in some versions.
+  void subtract_ice() {
+    if (!is_condensate(main_)) return;
+    if (const NetcdfVariable* ice = file_.first_of(kIce); ice != nullptr && grid_.holds(*ice)) {
+      if (ice->units != main_.units) {
+        file_.fail(
+            "'{}' is water and ice together, and '{}' is in another unit (found '{}' and '{}', allowed the same)",
+            main_.name, ice->name, main_.units, ice->units);
       }
-      for (std::size_t k = 0; k <= axis.length; ++k)
-        cloud_.z_edge_m.push_back(static_cast<double>(k) * (*options_.voxel_size_m)[2]);
-      note("levels: {} of {} m from the ground, as --voxel-size-m says", axis.length, (*options_.voxel_size_m)[2]);
+      const std::vector<float> value = grid_.read(*ice, "ice");
+      for (std::size_t n = 0; n < value.size(); ++n) cloud_.density[n] -= value[n];
+      file_.note("liquid water: '{}' less '{}', because the former is water and ice together", main_.name, ice->name);
       return;
     }
-    if (centre.size() == 1) {
-      if (!options_.voxel_size_m)
-        fail("'{}': one level alone does not say how thick it is (allowed with --voxel-size-m)", axis.name);
-      const double half = 0.5 * (*options_.voxel_size_m)[2];
-      cloud_.z_edge_m = {centre[0] - half, centre[0] + half};
-      return;
-    }
-    descending_ = centre.front() > centre.back();
-    if (descending_) std::reverse(centre.begin(), centre.end());
-    for (std::size_t k = 1; k < centre.size(); ++k) {
-      if (!(centre[k] > centre[k - 1])) {
-        fail("'{}': levels are not monotonic (found {} m next to {} m, allowed ascending or descending)",
-             coordinate->name, centre[k], centre[k - 1]);
+    const NetcdfVariable* temperature = file_.find(options_.temperature, kTemperature, "--temperature");
+    constexpr double freezing = 273.16;
+    if (temperature != nullptr && grid_.holds(*temperature) && factor_of(kKelvin, temperature->units)) {
+      const std::vector<float> kelvin = grid_.read(*temperature, "temperature");
+      for (std::size_t n = 0; n < kelvin.size(); ++n) {
+        if (!(cloud_.density[n] > 0 && kelvin[n] < freezing)) continue;
+        file_.fail(
+            "'{}' is water and ice together, and {} may hold ice (found {:.6g} K and no variable of ice, allowed {} K "
+            "and "
+            "more) name liquid water alone with --variable",
+            main_.name, grid_.cell_text(n), kelvin[n], freezing);
       }
     }
-    cloud_.z_edge_m = edges_between(centre);
-    note("levels: '{}', {} centres of cells that meet halfway", coordinate->name, centre.size());
+    file_.note("liquid water: '{}' is water and ice together, all of it counts as liquid", main_.name);
   }
 
-  // -- fields -----------------------------------------------------------------------------------------------------
-
-  /// Values on all cells, in the order of LevelledCloud, from a variable that may lack any of the axes.
-  std::vector<float> read_field(const NetcdfVariable& variable, const char* what) const {
-    const std::size_t rank = variable.length.size();
-    std::vector<std::size_t> start(rank, 0), count = variable.length;
-    std::array<std::size_t, 3> stride{0, 0, 0};
-    std::size_t step = 1;
-    for (std::size_t n = rank; n-- > 0;) {
-      const auto axis = std::find_if(axes_.begin(), axes_.end(),
-                                     [&](const Axis& a) { return a.is_there && a.name == variable.dimension[n]; });
-      if (axis == axes_.end() || axis->length != variable.length[n]) {
-        fail("'{}' ({}): dimension '{}' is not one of the liquid water's (allowed: some of those)", variable.name, what,
-             variable.dimension[n]);
-      }
-      const auto a = static_cast<std::size_t>(axis - axes_.begin());
-      if (a == 3) {
-        start[n] = options_.time;
-        count[n] = 1;
-      } else {
-        stride[a] = step;
-        step *= variable.length[n];
-      }
-    }
-    const std::vector<double> read = input_.read(variable, start, count);
-    const std::size_t nx = axes_[0].length, ny = axes_[1].length, nz = axes_[2].length;
-    std::vector<float> value;
-    value.reserve(nx * ny * nz);
-    for (std::size_t k = 0; k < nz; ++k) {
-      const std::size_t level = descending_ ? nz - 1 - k : k;
-      for (std::size_t j = 0; j < ny; ++j) {
-        for (std::size_t i = 0; i < nx; ++i) {
-          value.push_back(static_cast<float>(read[level * stride[2] + j * stride[1] + i * stride[0]]));
-        }
-      }
-    }
-    return value;
-  }
-
-  /// Advection leaves water below zero of the size of rounding; more than that is an error.
-  void check_values(const NetcdfVariable& variable, std::vector<float>& value) {
-    constexpr double rounding = 1e-6;  // of the largest value
+  /// Advection and packing leave values around 0 of the size of rounding; what is further below is an error.
+  void check_values() {
+    std::vector<float>& value = cloud_.density;
+    const double step = file_.input.packing_step(main_);
     float largest = 0;
     for (const float v : value) largest = std::max(largest, std::isfinite(v) ? v : 0);
-    std::size_t below = 0;
+    const double rounding = std::max(1e-6 * largest, 1.001 * step);
+    std::size_t below = 0, around = 0, missing = 0;
     for (std::size_t n = 0; n < value.size(); ++n) {
-      if (value[n] >= 0 && std::isfinite(value[n])) continue;
-      if (!std::isfinite(value[n]) || value[n] < -rounding * largest) {
-        const std::size_t nx = axes_[0].length, ny = axes_[1].length;
-        fail("'{}': cell ({}, {}, {}) has the value {} (allowed: finite numbers >= 0)", variable.name, n % nx,
-             n / nx % ny, n / nx / ny, std::isnan(value[n]) ? "NaN or missing" : fmt::format("{}", value[n]));
+      if (std::isnan(value[n]) && options_.fill == "clear") {
+        value[n] = 0;
+        ++missing;
+      } else if (!std::isfinite(value[n])) {
+        file_.fail(
+            "'{}': {} has the value {} (allowed: finite numbers >= 0) --fill clear takes missing cells for clear air",
+            main_.name, grid_.cell_text(n), std::isnan(value[n]) ? "NaN or missing" : "infinity");
+      } else if (value[n] < -rounding) {
+        file_.fail("'{}': {} has the value {} (allowed: numbers >= 0, and down to {:.2g}, which counts as 0){}",
+                   main_.name, grid_.cell_text(n), value[n], -rounding,
+                   step > 0 ? " did a number not fit into its packed integers?" : "");
+      } else if (value[n] < 0) {
+        value[n] = 0;
+        ++below;
+      } else if (value[n] > 0 && value[n] <= 0.5001 * step) {
+        value[n] = 0;
+        ++around;
       }
-      value[n] = 0;
-      ++below;
     }
-    if (below > 0) note("'{}': {} cells barely below 0 count as 0", variable.name, below);
+    if (below > 0) file_.note("'{}': {} cells barely below 0 count as 0", main_.name, below);
+    if (around > 0)
+      file_.note("'{}': {} cells within half a step of its packing ({:.3g}) count as 0", main_.name, around, step);
+    if (missing > 0)
+      file_.note("'{}': {} cells are missing and count as clear air, as --fill says", main_.name, missing);
   }
 
-  void to_liquid_water_content(const NetcdfVariable& water) {
-    const std::string units = options_.units.empty() ? water.units : options_.units;
-    if (const auto content = factor_of(kContent, units)) {
-      for (float& value : cloud_.density) value = static_cast<float>(value * *content);
-      return;
+  void scale(double factor) {
+    for (float& value : cloud_.density) value = static_cast<float>(value * factor);
+  }
+
+  void to_extinction() {
+    const auto factor = factor_of(kExtinctionUnits, units());
+    if (!factor) {
+      file_.fail("'{}': unit of extinction not known (found '{}', allowed {}) say it with --units", main_.name, units(),
+                 kExtinctionUnits.allowed);
     }
+    scale(*factor);
+    constexpr double most = 10;  // 1/m: 20 g/m3 of droplets of 3 um
+    const auto thickest = std::max_element(cloud_.density.begin(), cloud_.density.end());
+    if (*thickest > most) {
+      file_.fail("'{}': extinction of {:.6g} 1/m in {} (allowed up to {} 1/m): is its unit '{}'? --units says it",
+                 main_.name, *thickest, grid_.cell_text(static_cast<std::size_t>(thickest - cloud_.density.begin())),
+                 most, units());
+    }
+  }
+
+  void add_scattering_albedo() {
+    const NetcdfVariable* albedo = file_.find("", kScatteringAlbedo, "");
+    if (albedo == nullptr) return;
+    cloud_.single_scattering_albedo = grid_.read(*albedo, "single-scattering albedo");
+    for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
+      float& value = cloud_.single_scattering_albedo[n];
+      if (cloud_.density[n] == 0) {
+        value = 1;
+      } else if (!(value >= 0 && value <= 1)) {
+        file_.fail("'{}': {} has the value {} (allowed 0 to 1)", albedo->name, grid_.cell_text(n), value);
+      }
+    }
+    file_.note("single-scattering albedo: '{}'", albedo->name);
+  }
+
+  void to_liquid_water_content() {
+    if (const auto content = factor_of(kContent, units())) return scale(*content);
     double ratio = 1;
-    if (const auto known = factor_of(kRatio, units)) {
+    if (const auto known = factor_of(kRatio, units())) {
       ratio = *known;
-    } else if (is_unit_given(units)) {
-      fail("'{}': unit not known (found '{}', allowed {}, {}; --units says it where the file is wrong)", water.name,
-           units, kRatio.allowed, kContent.allowed);
+    } else if (is_unit_given(units())) {
+      file_.fail("'{}': unit not known (found '{}', allowed {}, {}; --units says it if the file is wrong)", main_.name,
+                 units(), kRatio.allowed, kContent.allowed);
     } else {
       const float largest = *std::max_element(cloud_.density.begin(), cloud_.density.end());
       const bool is_kg = largest < 0.05;  // more than 50 g of cloud water in a kg of air there is not
-      const bool is_content = lower_case(water.name) == "lwc";
-      note("GUESSED unit of '{}': {} (largest value {:.4g}); --units says it", water.name,
-           is_content ? (is_kg ? "kg/m3" : "g/m3")
-           : is_kg    ? "kg/kg"
-                      : "g/kg",
-           largest);
-      if (is_content) {
-        for (float& value : cloud_.density) value = static_cast<float>(value * (is_kg ? 1e3 : 1));
-        return;
-      }
+      const bool is_content = lower_case(main_.name) == "lwc";
+      file_.note("GUESSED unit of '{}': {} (largest value {:.4g}); --units says it", main_.name,
+                 is_content ? (is_kg ? "kg/m3" : "g/m3")
+                 : is_kg    ? "kg/kg"
+                            : "g/kg",
+                 largest);
+      if (is_content) return scale(is_kg ? 1e3 : 1);
       ratio = is_kg ? 1 : 1e-3;
     }
-    const std::vector<float> air = air_density();
+    const std::vector<float>& air = air_.density();
     for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
+      if (cloud_.density[n] == 0) continue;  // the air may be missing
       cloud_.density[n] = static_cast<float>(cloud_.density[n] * ratio * air[n] * 1e3);
     }
   }
 
-  void check_positive(const NetcdfVariable& variable, const std::vector<float>& value) const {
-    for (const float v : value) {
-      if (!(v > 0) || !std::isfinite(v))
-        fail("'{}' holds the value {} (allowed: finite numbers > 0)", variable.name, v);
-    }
-  }
-
-  const std::vector<float>& air_density() {
-    if (!air_.empty()) return air_;
-    const bool by_gas_law = options_.air_density.empty() && !options_.pressure.empty();
-    const NetcdfVariable* density = by_gas_law ? nullptr : find_any(options_.air_density, kAirDensity, "--air-density");
-    if (density != nullptr) {
-      air_ = read_field(*density, "air density");
-      check_positive(*density, air_);
-      const double unit = factor(*density, density->units, kDensity, 1, "kg/m3");
-      for (float& value : air_) value = static_cast<float>(value * unit);
-      note("air density: '{}'", density->name);
-      return air_;
-    }
-    const NetcdfVariable* pressure = find_any(options_.pressure, kPressure, "--pressure");
-    const NetcdfVariable* temperature = find_any(options_.temperature, kTemperature, "--temperature");
-    if (pressure == nullptr || temperature == nullptr) {
-      fail(
-          "liquid water per kg of air needs the air's density (found neither it nor pressure with temperature; fields "
-          "in the file: {}) name --air-density, or --pressure and --temperature",
-          fields_there());
-    }
-    constexpr double gas_constant = 287.05;  // dry air, J/(kg K); vapour would change the density by less than 1 %
-    air_ = read_field(*pressure, "pressure");
-    check_positive(*pressure, air_);
-    const std::vector<float> kelvin = read_field(*temperature, "temperature");
-    check_positive(*temperature, kelvin);
-    const double highest = *std::max_element(air_.begin(), air_.end());
-    const double unit =
-        factor(*pressure, pressure->units, kPressureUnits, highest < 2000 ? 100 : 1, highest < 2000 ? "hPa" : "Pa");
-    factor(*temperature, temperature->units, kTemperatureUnits, 1, "K");
-    for (std::size_t n = 0; n < air_.size(); ++n)
-      air_[n] = static_cast<float>(air_[n] * unit / (gas_constant * kelvin[n]));
-    note("air density: '{}' / (287.05 J/(kg K) '{}')", pressure->name, temperature->name);
-    return air_;
-  }
+  // -- effective radius ---------------------------------------------------------------------------------------------
 
   void add_effective_radius() {
     const NetcdfVariable* radius = options_.droplet_number.empty() && options_.droplet_number_cm3 <= 0
-                                       ? find_any(options_.effective_radius, kEffectiveRadius, "--effective-radius")
+                                       ? file_.find(options_.effective_radius, kEffectiveRadius, "--effective-radius")
                                        : nullptr;
     if (radius != nullptr) {
-      cloud_.effective_radius_um = read_field(*radius, "effective radius");
+      cloud_.effective_radius_um = grid_.read(*radius, "effective radius");
       const float largest = *std::max_element(cloud_.effective_radius_um.begin(), cloud_.effective_radius_um.end());
-      const double unit =
-          factor(*radius, radius->units, kRadius, largest < 1e-2 ? 1e6 : 1, largest < 1e-2 ? "m" : "um");
+      const double unit = file_.factor(*radius, kRadius, largest < 1e-2 ? 1e6 : 1, largest < 1e-2 ? "m" : "um");
       for (float& value : cloud_.effective_radius_um) value = static_cast<float>(value * unit);
       check_radii("'" + radius->name + "'");
-      note("effective radius: '{}'", radius->name);
+      file_.note("effective radius: '{}'", radius->name);
       return;
     }
+    if (is_extinction_) return;
     std::vector<float> number;
     std::string source;
     if (options_.droplet_number_cm3 > 0) {
       number.assign(cloud_.density.size(), static_cast<float>(options_.droplet_number_cm3 * 1e6));
       source = fmt::format("{} per cm3", options_.droplet_number_cm3);
     } else {
-      const NetcdfVariable* variable = find_any(options_.droplet_number, kDropletNumber, "--droplet-number");
+      const NetcdfVariable* variable = file_.find(options_.droplet_number, kDropletNumber, "--droplet-number");
       if (variable == nullptr) return;
       number = droplets_per_m3(*variable);
       source = "'" + variable->name + "'";
     }
+    check_droplet_number(source, number);
     cloud_.effective_radius_um.assign(cloud_.density.size(), 0);
     for (std::size_t n = 0; n < number.size(); ++n) {
       if (!(cloud_.density[n] > 0)) continue;
@@ -423,13 +263,14 @@ class LesReader {
           static_cast<float>(effective_radius_of_droplets(cloud_.density[n], number[n], options_.radius_ratio_cubed));
     }
     check_radii("effective radius from " + source);
-    note("effective radius: (3 L / (4 pi rho_w k N))^(1/3) with N = {}, k = {}", source, options_.radius_ratio_cubed);
+    file_.note("effective radius: (3 L / (4 pi rho_w k N))^(1/3) with N = {}, k = {}", source,
+               options_.radius_ratio_cubed);
   }
 
   std::vector<float> droplets_per_m3(const NetcdfVariable& variable) {
-    std::vector<float> number = read_field(variable, "droplet number");
+    std::vector<float> number = grid_.read(variable, "droplet number");
     if (const auto per_mass = factor_of(kNumberPerMass, variable.units)) {
-      const std::vector<float>& air = air_density();
+      const std::vector<float>& air = air_.density();
       for (std::size_t n = 0; n < number.size(); ++n) number[n] = static_cast<float>(number[n] * *per_mass * air[n]);
       return number;
     }
@@ -438,37 +279,88 @@ class LesReader {
       return number;
     }
     if (is_unit_given(variable.units)) {
-      fail("'{}': unit not known (found '{}', allowed {}, {})", variable.name, variable.units, kNumberPerVolume.allowed,
-           kNumberPerMass.allowed);
+      file_.fail("'{}': unit not known (found '{}', allowed {}, {})", variable.name, variable.units,
+                 kNumberPerVolume.allowed, kNumberPerMass.allowed);
     }
     const float largest = *std::max_element(number.begin(), number.end());
     const bool is_per_cm3 = largest < 1e5;
-    note("GUESSED unit of '{}': {} (largest value {:.4g})", variable.name, is_per_cm3 ? "1/cm3" : "1/kg", largest);
-    const std::vector<float> air = is_per_cm3 ? std::vector<float>(number.size(), 1e6F) : air_density();
+    file_.note("GUESSED unit of '{}': {} (largest value {:.4g})", variable.name, is_per_cm3 ? "1/cm3" : "1/kg",
+               largest);
+    const std::vector<float> air = is_per_cm3 ? std::vector<float>(number.size(), 1e6F) : air_.density();
     for (std::size_t n = 0; n < number.size(); ++n) number[n] *= air[n];
     return number;
+  }
+
+  /// The cell with most water tells: other cells may be the rims of clouds.
+  void check_droplet_number(const std::string& source, const std::vector<float>& number) const {
+    constexpr double least = 0.1, most = 1e5;  // per cm3
+    const auto n = static_cast<std::size_t>(std::max_element(cloud_.density.begin(), cloud_.density.end()) -
+                                            cloud_.density.begin());
+    if (!(cloud_.density[n] > 0)) return;
+    const double per_cm3 = number[n] * 1e-6;
+    if (per_cm3 >= least && per_cm3 <= most) return;
+    file_.fail(
+        "droplet number {}: {} has {:.6g} per cm3 (allowed {} to {} per cm3): is it in the unit that the file says? "
+        "--droplet-number-cm3 gives one number for all",
+        source, grid_.cell_text(n), per_cm3, least, most);
   }
 
   void check_radii(const std::string& what) const {
     for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
       const float radius = cloud_.effective_radius_um[n];
       if (cloud_.density[n] > 0 && cloud_.density[n] >= options_.minimum && !(radius > 0 && std::isfinite(radius))) {
-        const std::size_t nx = axes_[0].length, ny = axes_[1].length;
-        fail(
-            "{}: cell ({}, {}, {}) holds {:.3g} g/m3 of water and has the value {} (allowed: > 0 where there is water; "
-            "--minimum leaves out cells with less)",
-            what, n % nx, n / nx % ny, n / nx / ny, cloud_.density[n], radius);
+        file_.fail(
+            "{}: {} holds {:.3g} {} and has the value {} (allowed: > 0 where there is cloud; --minimum leaves out "
+            "cells with less)",
+            what, grid_.cell_text(n), cloud_.density[n], is_extinction_ ? "1/m of extinction" : "g/m3 of water",
+            radius);
       }
     }
   }
 
+  // -- what else ----------------------------------------------------------------------------------------------------
+
+  /// Water of other kinds is not imported, and the user is told so.
+  void report_species() {
+    for (const Species& species : kSpecies) {
+      const NetcdfVariable* variable = file_.first_of(species.names);
+      if (variable == nullptr || variable == &main_) continue;
+      if (!grid_.holds(*variable)) {
+        file_.note("NOT imported: '{}', {}", variable->name, species.what);
+        continue;
+      }
+      float largest = 0;
+      for (const float value : grid_.read(*variable, species.what)) largest = std::max(largest, value);
+      if (largest > 0) {
+        file_.note("NOT imported: '{}', {} (largest {:.4g}{}{})", variable->name, species.what, largest,
+                   variable->units.empty() ? "" : " ", variable->units);
+      }
+    }
+  }
+
+  void check_ground() const {
+    const std::size_t columns = cloud_.columns();
+    for (int k = 0; k < cloud_.nz(); ++k) {
+      const double centre =
+          0.5 * (cloud_.z_edge_m[static_cast<std::size_t>(k)] + cloud_.z_edge_m[static_cast<std::size_t>(k) + 1]);
+      if (centre >= 0) return;
+      const auto begin = cloud_.density.begin() + static_cast<std::ptrdiff_t>(columns * static_cast<std::size_t>(k));
+      if (std::none_of(begin, begin + static_cast<std::ptrdiff_t>(columns), [](float value) { return value > 0; }))
+        continue;
+      file_.fail(
+          "cloud below the ground (found it at {:.6g} m, allowed 0 m and above) correct the heights, or give "
+          "--voxel-size-m DX DY DZ",
+          centre);
+    }
+  }
+
   const CloudImportOptions& options_;
-  const std::filesystem::path& file_;
-  NetcdfInput input_;
+  LesFile file_;
+  bool is_extinction_ = false;
+  const NetcdfVariable& main_;
+  LesGrid grid_;
   LevelledCloud cloud_;
-  std::array<Axis, 4> axes_{};
-  bool descending_ = false;
-  std::vector<float> air_;
+  LesAir air_{file_, grid_, cloud_.density};
 };
 
 }  // namespace

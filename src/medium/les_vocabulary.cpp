@@ -2,18 +2,43 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <string_view>
+#include <utility>
 
 namespace cloudbow {
 
-const Names kWater{"QC",  "qc",  "QCLOUD", "qcloud", "RCT", "rct", "QL", "ql",  "LWC",
-                   "lwc", "clw", "CLW",    "QN",     "rl",  "RL",  "l",  "q_l", "q_cloud_liquid_mass"};
-const Names kAirDensity{"RHO",   "rho",  "DN0",     "dn0",         "rho0",   "RHO0",
-                        "rhobf", "rhon", "rho_air", "air_density", "density"};
-const Names kPressure{"p", "P", "PRES", "pres", "pressure", "PABST", "PABS", "presh", "p0"};
-const Names kTemperature{"T", "t", "TABS", "tabs", "TEMP", "temp", "ta", "temperature", "air_temperature", "tk"};
-const Names kDropletNumber{"NC",   "nc",   "NDROP", "ndrop",  "QNCLOUD",
-                           "CDNC", "cdnc", "Nc",    "ncloud", "q_cloud_liquid_number"};
-const Names kEffectiveRadius{"REFF", "reff", "RE", "re", "REL", "rel", "effective_radius", "re_cloud"};
+const Words kWater{{"QC", "qc", "QCLOUD", "qcloud", "RCT", "rct", "QL", "ql", "LWC", "lwc", "clw", "CLW", "QN", "rl",
+                    "RL", "l", "q_l", "q_cloud_liquid_mass", "q\xcb\xa1"},
+                   {"mass_fraction_of_cloud_liquid_water_in_air", "cloud_liquid_water_mixing_ratio",
+                    "mass_concentration_of_cloud_liquid_water_in_air"}};
+const Words kExtinction{{"extinction", "ext", "EXT", "beta_ext", "extinction_coefficient", "kext"}, {}};
+const Words kAirDensity{
+    {"RHO", "rho", "DN0", "dn0", "rho0", "RHO0", "rhobf", "rhon", "rho_air", "air_density", "density", "RHODREF"},
+    {"air_density"}};
+const Words kPressure{{"p", "P", "PRES", "pres", "pressure", "PABST", "PABS", "prs", "presh", "p0"}, {"air_pressure"}};
+const Words kTemperature{{"T", "t", "TABS", "tabs", "TEMP", "temp", "ta", "temperature", "air_temperature", "tk"},
+                         {"air_temperature"}};
+const Words kPotentialTemperature{{"th", "TH", "THT", "theta", "THETA", "pt", "PT", "potential_temperature"},
+                                  {"air_potential_temperature"}};
+const Words kDropletNumber{
+    {"NC", "nc", "NDROP", "ndrop", "QNCLOUD", "CDNC", "cdnc", "Nc", "ncloud", "q_cloud_liquid_number"},
+    {"number_concentration_of_cloud_liquid_water_particles_in_air"}};
+const Words kEffectiveRadius{
+    {"REFF", "reff", "RE", "re", "REL", "rel", "effective_radius", "re_cloud"},
+    {"effective_radius_of_cloud_liquid_water_particles", "effective_radius_of_cloud_liquid_water_particle"}};
+const Words kScatteringAlbedo{{"ssa", "SSA", "single_scattering_albedo"}, {}};
+
+const Names kIce{"QI", "qi", "QICE", "qice", "RIT", "rit", "cli", "CLI", "q_i", "ri", "q_ice_mass"};
+const Names kCondensate{"QN"};
+const std::vector<Species> kSpecies{{"cloud ice", kIce},
+                                    {"rain", {"QR", "qr", "QRAIN", "qrain", "RRT", "rrt", "rr", "q_rain_mass"}},
+                                    {"precipitation", {"QP", "qp"}},
+                                    {"snow", {"QS", "qs", "QSNOW", "qsnow", "RST", "rst", "q_snow_mass"}},
+                                    {"graupel", {"QG", "qg", "QGRAUP", "qgraup", "RGT", "rgt", "q_graupel_mass"}},
+                                    {"hail", {"QH", "qh", "QHAIL", "qhail", "RHT"}}};
+
+const Names kHeights{"z_ifc", "HHL", "z_mc", "HFL", "z", "zt", "height", "altitude", "z_t", "zu", "ZHAT", "ALT"};
 
 const UnitTable kRatio{"kg/kg, g/kg, mg/kg",
                        {{"kg/kg", 1},
@@ -24,14 +49,46 @@ const UnitTable kRatio{"kg/kg, g/kg, mg/kg",
                         {"mgkg-1", 1e-6},
                         {"g/g", 1},
                         {"gg-1", 1}}};
-const UnitTable kContent{"kg/m3, g/m3, mg/m3",  // in g/m3
+const UnitTable kContent{"kg/m3, g/m3, mg/m3",
                          {{"kg/m3", 1e3}, {"kgm-3", 1e3}, {"g/m3", 1}, {"gm-3", 1}, {"mg/m3", 1e-3}, {"mgm-3", 1e-3}}};
-const UnitTable kLength{
-    "m, km", {{"m", 1}, {"meter", 1}, {"meters", 1}, {"metre", 1}, {"metres", 1}, {"km", 1e3}, {"kilometers", 1e3}}};
+const UnitTable kExtinctionUnits{"1/m, 1/km",
+                                 {{"1/m", 1}, {"m-1", 1}, {"/m", 1}, {"1/km", 1e-3}, {"km-1", 1e-3}, {"/km", 1e-3}}};
+const UnitTable kLength{"m, km",
+                        {{"m", 1},
+                         {"meter", 1},
+                         {"meters", 1},
+                         {"metre", 1},
+                         {"metres", 1},
+                         {"km", 1e3},
+                         {"kilometer", 1e3},
+                         {"kilometers", 1e3},
+                         {"kilometre", 1e3},
+                         {"kilometres", 1e3}}};
 const UnitTable kDensity{"kg/m3, g/m3", {{"kg/m3", 1}, {"kgm-3", 1}, {"g/m3", 1e-3}, {"gm-3", 1e-3}}};
-const UnitTable kPressureUnits{
-    "Pa, hPa, mb", {{"Pa", 1}, {"pa", 1}, {"hPa", 100}, {"hpa", 100}, {"mb", 100}, {"mbar", 100}, {"millibar", 100}}};
-const UnitTable kTemperatureUnits{"K", {{"K", 1}, {"kelvin", 1}, {"Kelvin", 1}, {"degK", 1}}};
+const UnitTable kPressureUnits{"Pa, hPa, mb",
+                               {{"Pa", 1},
+                                {"pascal", 1},
+                                {"pascals", 1},
+                                {"hPa", 100},
+                                {"hectopascal", 100},
+                                {"hectopascals", 100},
+                                {"mb", 100},
+                                {"mbar", 100},
+                                {"millibar", 100},
+                                {"millibars", 100}}};
+const UnitTable kKelvin{"K, degC", {{"K", 1}, {"kelvin", 1}, {"degK", 1}, {"degreeK", 1}, {"degreesK", 1}}};
+const UnitTable kCelsius{"K, degC",
+                         {{"degC", 1},
+                          {"C", 1},
+                          {"degreeC", 1},
+                          {"degreesC", 1},
+                          {"celsius", 1},
+                          {"degreecelsius", 1},
+                          {"degreescelsius", 1},
+                          {"degcelsius", 1},
+                          {"\xc2\xb0"
+                           "C",
+                           1}}};
 const UnitTable kNumberPerVolume{"1/m3, 1/cm3",
                                  {{"1/m3", 1},
                                   {"m-3", 1},
@@ -60,29 +117,80 @@ const UnitTable kRadius{"um, m",
                          {"microns", 1},
                          {"micrometer", 1},
                          {"micrometers", 1},
-                         {"\xc2\xb5m", 1},
-                         {"\xce\xbcm", 1},
-                         {"m", 1e6}}};
+                         {"micrometre", 1},
+                         {"micrometres", 1},
+                         {"m", 1e6},
+                         {"meter", 1e6},
+                         {"metre", 1e6}}};
 
-std::optional<double> factor_of(const UnitTable& table, const std::string& spelled) {
+namespace {
+
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+/// Without what does not count, and with ASCII letters for signs of UTF-8.
+std::string plain_unit(std::string spelled) {
+  constexpr std::array<std::pair<const char*, const char*>, 7> signs{{{"\xc2\xb5", "u"},      // micro
+                                                                      {"\xce\xbc", "u"},      // Greek mu
+                                                                      {"\xc2\xb7", ""},       // middle dot
+                                                                      {"\xe2\x81\xbb", "-"},  // superscript minus
+                                                                      {"\xc2\xb9", "1"},      // superscripts
+                                                                      {"\xc2\xb2", "2"},
+                                                                      {"\xc2\xb3", "3"}}};
+  for (const auto& [sign, ascii] : signs) {
+    for (auto at = spelled.find(sign); at != std::string::npos; at = spelled.find(sign)) {
+      spelled.replace(at, std::string_view(sign).size(), ascii);
+    }
+  }
   std::string plain;
   for (const char c : spelled) {
-    if (c != ' ' && c != '^' && c != '*' && c != '_' && c != '.') plain += c;
+    if (std::string_view(" \t^*_.()[]{}").find(c) == std::string_view::npos) plain += c;
   }
+  return plain;
+}
+
+/// Whether the letter begins a short unit, as the m of "mg" and "mbar" does: there m is milli and M mega.
+bool is_prefix(const std::string& unit, std::size_t at) {
+  if (at > 0 && is_letter(unit[at - 1])) return false;
+  std::size_t length = 0;
+  while (at + length < unit.size() && is_letter(unit[at + length])) ++length;
+  return length > 1 && length < 5;
+}
+
+bool is_same_unit(const std::string& plain, const std::string& known) {
+  if (lower_case(plain) != lower_case(known)) return false;
+  for (std::size_t n = 0; n < plain.size(); ++n) {
+    if (known[n] == 'm' && plain[n] == 'M' && is_prefix(known, n)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<double> factor_of(const UnitTable& table, const std::string& spelled) {
+  // A number before the unit: not the 1 of "1/m3", and not a sum like "10-3".
+  double number = 1;
+  std::string rest = spelled;
+  const auto begin = spelled.find_first_not_of(' ');
+  if (begin != std::string::npos) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(spelled.data() + begin, spelled.data() + spelled.size(), value);
+    const std::string after(error == std::errc() ? end : spelled.data(), spelled.data() + spelled.size());
+    const auto letter = after.find_first_not_of(" *");
+    if (error == std::errc() && value > 0 && value < 1e30 && letter != std::string::npos && is_letter(after[letter])) {
+      number = value;
+      rest = after;
+    }
+  }
+  const std::string plain = plain_unit(rest);
   for (const Unit& unit : table.units) {
-    if (plain == unit.spelling) return unit.factor;
+    if (is_same_unit(plain, unit.spelling)) return number * unit.factor;
   }
   return std::nullopt;
 }
 
 bool is_unit_given(const std::string& units) {
-  return !units.empty() && units != "1" && units != "-" && units != "none";
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
+  const std::string plain = lower_case(plain_unit(units));
+  return !plain.empty() && plain != "1" && plain != "-" && plain != "none" && plain != "dimensionless";
 }
 
 int axis_of_name(const std::string& name) {
@@ -108,6 +216,11 @@ int axis_of_name(const std::string& name) {
     default:
       return -1;
   }
+}
+
+bool axis_is_angle(const std::string& name) {
+  const std::string lower = lower_case(name);
+  return lower.find("lon") != std::string::npos || lower.find("lat") != std::string::npos;
 }
 
 }  // namespace cloudbow

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "cloudbow/core/file_lock.hpp"
 #include "import_parts.hpp"
+#include "text_tokens.hpp"
 
 namespace cloudbow {
 namespace {
@@ -17,10 +19,48 @@ constexpr double kWord = 4;  // bytes to which the classic format pads
 double padded(double bytes) { return kWord * std::ceil(bytes / kWord); }
 double name_bytes(const std::string& name) { return kWord + padded(static_cast<double>(name.size())); }
 
+bool is_integer(nc_type type) { return type != NC_FLOAT && type != NC_DOUBLE; }
+
+/// What the library writes into values that nobody writes; bytes have none that is sure to be no data.
+double default_fill(nc_type type) {
+  switch (type) {
+    case NC_SHORT:
+      return NC_FILL_SHORT;
+    case NC_USHORT:
+      return NC_FILL_USHORT;
+    case NC_INT:
+      return NC_FILL_INT;
+    case NC_UINT:
+      return NC_FILL_UINT;
+    case NC_INT64:
+      return static_cast<double>(NC_FILL_INT64);
+    case NC_UINT64:
+      return static_cast<double>(NC_FILL_UINT64);
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
 }  // namespace
 
+struct ValidValues {
+  std::vector<double> missing;
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+
+  bool contain(double stored) const {
+    // Written nowhere, floats hold the library's own fill value.
+    constexpr double never_written = 9.9e36;
+    return stored >= lowest && stored <= highest && stored <= never_written &&
+           std::find(missing.begin(), missing.end(), stored) == missing.end();
+  }
+};
+
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
-  check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");
+  const int status = nc_open(path.c_str(), NC_NOWRITE, &id_);
+  if (status != NC_NOERR && is_locked(path))
+    fail_import(path, "{} (allowed: a file that is closed) wait, or read a copy", kLockedFile);
+  check(status, "not netCDF, or damaged");
   try {
     list_variables();
     check_length();
@@ -44,7 +84,9 @@ void NetcdfInput::list_variables() {
     int rank = 0;
     check(nc_inq_varname(id_, id, name.data()), "damaged");
     check(nc_inq_varndims(id_, id, &rank), "damaged");
-    NetcdfVariable variable{id, name.data(), {}, {}, {}};
+    nc_type type = NC_NAT;
+    check(nc_inq_vartype(id_, id, &type), "damaged");
+    NetcdfVariable variable{id, name.data(), {}, {}, {}, type == NC_FLOAT};
     std::vector<int> dimension(static_cast<std::size_t>(rank));
     check(nc_inq_vardimid(id_, id, dimension.data()), "damaged");
     for (const int d : dimension) {
@@ -109,30 +151,104 @@ const NetcdfVariable* NetcdfInput::find(const std::string& name) const {
 }
 
 std::string NetcdfInput::text_attribute(const NetcdfVariable& variable, const char* name) const {
+  return text_of(variable.id, name);
+}
+
+std::string NetcdfInput::text_of(int variable, const char* name) const {
   std::size_t length = 0;
   nc_type type = NC_NAT;
-  if (nc_inq_att(id_, variable.id, name, &type, &length) != NC_NOERR) return {};
+  if (nc_inq_att(id_, variable, name, &type, &length) != NC_NOERR) return {};
   constexpr std::size_t longest = 4096;
   std::string text;
   if (type == NC_CHAR && length <= longest) {
     text.assign(length, '\0');
-    check(nc_get_att_text(id_, variable.id, name, text.data()), variable.name);
+    check(nc_get_att_text(id_, variable, name, text.data()), name);
   } else if (type == NC_STRING && length == 1) {
     char* string = nullptr;
-    check(nc_get_att_string(id_, variable.id, name, &string), variable.name);
+    check(nc_get_att_string(id_, variable, name, &string), name);
     if (string != nullptr) text = string;
     nc_free_string(1, &string);
   }
   return text.substr(0, text.find('\0'));
 }
 
-std::optional<double> NetcdfInput::number_attribute(const NetcdfVariable& variable, const char* name) const {
+/// None if there is no such attribute. Text must hold a number, which some programs write so.
+std::vector<double> NetcdfInput::numbers_of_attribute(int variable, const char* name) const {
   std::size_t length = 0;
   nc_type type = NC_NAT;
-  if (nc_inq_att(id_, variable.id, name, &type, &length) != NC_NOERR || length != 1) return std::nullopt;
-  double number = 0;
-  if (nc_get_att_double(id_, variable.id, name, &number) != NC_NOERR) return std::nullopt;
+  if (nc_inq_att(id_, variable, name, &type, &length) != NC_NOERR) return {};
+  const std::string owner =
+      variable == NC_GLOBAL ? "the file" : "'" + variables_[static_cast<std::size_t>(variable)].name + "'";
+  constexpr std::size_t longest = 4096;
+  if (length > longest) fail_import(path_, "{}: attribute {} is too long (found {} values)", owner, name, length);
+  if (type != NC_CHAR && type != NC_STRING) {
+    std::vector<double> number(length);
+    check(nc_get_att_double(id_, variable, name, number.data()),
+          fmt::format("{}: attribute {} is not numbers", owner, name));
+    return number;
+  }
+  const std::string text = text_of(variable, name);
+  if (text.empty()) fail_import(path_, "{}: attribute {} is not a number (found text)", owner, name);
+  std::vector<double> number;
+  for (const std::string_view word : split_words(text)) {
+    const auto value = number_in(word);
+    if (!value) fail_import(path_, "{}: attribute {} is not a number (found '{}')", owner, name, text);
+    number.push_back(*value);
+  }
   return number;
+}
+
+std::optional<double> NetcdfInput::number_attribute(const NetcdfVariable& variable, const char* name) const {
+  const std::vector<double> number = numbers_of_attribute(variable.id, name);
+  if (number.empty()) return std::nullopt;
+  if (number.size() != 1) {
+    fail_import(path_, "'{}': attribute {} is not one number (found {})", variable.name, name, number.size());
+  }
+  return number[0];
+}
+
+std::optional<double> NetcdfInput::global_number(const char* name) const {
+  const std::vector<double> number = numbers_of_attribute(NC_GLOBAL, name);
+  return number.size() == 1 ? std::optional(number[0]) : std::nullopt;
+}
+
+double NetcdfInput::packing_step(const NetcdfVariable& variable) const {
+  nc_type type = NC_NAT;
+  check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+  return is_integer(type) ? std::abs(number_attribute(variable, "scale_factor").value_or(0)) : 0;
+}
+
+/// netCDF User's Guide, "Attribute Conventions": all of these are of the stored numbers, except a valid range of
+/// floating type for integers that are packed, which is of the unpacked ones.
+ValidValues NetcdfInput::valid_values(const NetcdfVariable& variable) const {
+  nc_type type = NC_NAT;
+  check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+  const double scale = number_attribute(variable, "scale_factor").value_or(1);
+  const double offset = number_attribute(variable, "add_offset").value_or(0);
+  const auto as_stored = [&](double number) { return type == NC_FLOAT ? static_cast<float>(number) : number; };
+  const auto bound = [&](double number, const char* name) {
+    nc_type of_bound = NC_NAT;
+    check(nc_inq_atttype(id_, variable.id, name, &of_bound), variable.name);
+    const bool is_unpacked = is_integer(type) && !is_integer(of_bound) && (scale != 1 || offset != 0);
+    return is_unpacked ? (number - offset) / scale : as_stored(number);
+  };
+
+  ValidValues valid;
+  const std::vector<double> fill = numbers_of_attribute(variable.id, "_FillValue");
+  valid.missing = fill.empty() ? std::vector{default_fill(type)} : fill;
+  for (const double number : numbers_of_attribute(variable.id, "missing_value")) {
+    valid.missing.push_back(as_stored(number));
+  }
+  if (const auto lowest = number_attribute(variable, "valid_min")) valid.lowest = bound(*lowest, "valid_min");
+  if (const auto highest = number_attribute(variable, "valid_max")) valid.highest = bound(*highest, "valid_max");
+  const std::vector<double> range = numbers_of_attribute(variable.id, "valid_range");
+  if (range.empty()) return valid;
+  if (range.size() != 2) {
+    fail_import(path_, "'{}': attribute valid_range is not two numbers (found {})", variable.name, range.size());
+  }
+  valid.lowest = bound(range[0], "valid_range");
+  valid.highest = bound(range[1], "valid_range");
+  return valid;
 }
 
 std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
@@ -145,18 +261,15 @@ std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std:
   check(nc_get_vara_double(id_, variable.id, start.data(), count.data(), value.data()),
         fmt::format("'{}' cannot be read", variable.name));
 
-  const auto fill = number_attribute(variable, "_FillValue");
-  const auto missing = number_attribute(variable, "missing_value");
+  if (text_attribute(variable, "_Unsigned") == "true") {
+    fail_import(path_, "'{}': attribute _Unsigned is not read (allowed: numbers of the type that they are stored as)",
+                variable.name);
+  }
+  const ValidValues valid = valid_values(variable);
   const double scale = number_attribute(variable, "scale_factor").value_or(1);
   const double offset = number_attribute(variable, "add_offset").value_or(0);
-  // Written nowhere, floats hold the library's own fill value.
-  constexpr double never_written = 9.9e36;
   for (double& number : value) {
-    if (number == fill || number == missing || number > never_written) {
-      number = std::numeric_limits<double>::quiet_NaN();
-    } else {
-      number = number * scale + offset;
-    }
+    number = valid.contain(number) ? number * scale + offset : std::numeric_limits<double>::quiet_NaN();
   }
   return value;
 }

@@ -13,12 +13,16 @@ struct NetcdfVariable {
   std::string name;
   std::vector<std::string> dimension;  ///< slowest first
   std::vector<std::size_t> length;     ///< of the dimensions
-  std::string units;                   ///< empty where the file does not say
+  std::string units;                   ///< empty if the file does not say
+  bool is_float32 = false;
 };
+
+/// Which values of a variable, as they are stored, are data.
+struct ValidValues;
 
 class NetcdfInput {
  public:
-  /// @throws InputError where the file is not netCDF, or damaged.
+  /// @throws InputError if the file is not netCDF, damaged, or locked by a program that writes it.
   explicit NetcdfInput(const std::filesystem::path& path);
   ~NetcdfInput();
   NetcdfInput(const NetcdfInput&) = delete;
@@ -26,18 +30,26 @@ class NetcdfInput {
 
   const std::vector<NetcdfVariable>& variables() const { return variables_; }
   const NetcdfVariable* find(const std::string& name) const;
-  /// Empty where there is none, or it is no text.
+  /// Empty if there is none, or it is no text.
   std::string text_attribute(const NetcdfVariable& variable, const char* name) const;
+  /// A number among the attributes of the file.
+  std::optional<double> global_number(const char* name) const;
+  /// 0 if the variable is not packed: the distance of two numbers that its integers can stand for.
+  double packing_step(const NetcdfVariable& variable) const;
 
-  /// A part of a numeric variable, scale_factor and add_offset applied; fill and missing values become NaN.
-  /// @throws InputError naming the variable.
+  /// A part of a numeric variable, scale_factor and add_offset applied. Values that the attributes _FillValue,
+  /// missing_value, valid_range, valid_min or valid_max exclude become NaN, as do values that were never written.
+  /// @throws InputError naming the variable, also if one of these attributes is not what netCDF's conventions allow.
   std::vector<double> read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
                            const std::vector<std::size_t>& count) const;
   std::vector<double> read(const NetcdfVariable& variable) const;
 
  private:
   void check(int status, const std::string& what) const;
+  std::string text_of(int variable, const char* name) const;
+  std::vector<double> numbers_of_attribute(int variable, const char* name) const;
   std::optional<double> number_attribute(const NetcdfVariable& variable, const char* name) const;
+  ValidValues valid_values(const NetcdfVariable& variable) const;
   void list_variables();
   double attribute_bytes(int variable) const;
   void check_length() const;

@@ -3,6 +3,7 @@
 // files with one or two parameters, particle files. Values stand for points; here each is a cell centred on its point.
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 #include "text_tokens.hpp"
 
@@ -22,10 +23,10 @@ class ShdomReader {
     lines_.next(first);
     const auto at = first.find_first_not_of(" \t");
     const char type = at == std::string::npos ? ' ' : first[at];
-    switch (type) {
+    switch (std::toupper(static_cast<unsigned char>(type))) {
       case 'T':
       case 'P':
-        read_properties(type == 'P');
+        read_properties(type == 'P' || type == 'p');
         break;
       case 'E':
         read_extinctions();
@@ -82,7 +83,8 @@ class ShdomReader {
     for (double& z : level) z *= kMetres;
     for (std::size_t n = 1; n < level.size(); ++n) {
       if (!(level[n] > level[n - 1]) || !std::isfinite(level[n])) {
-        lines_.fail("levels do not ascend (found {} km after {} km)", level[n] / kMetres, level[n - 1] / kMetres);
+        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / kMetres,
+                    level[n - 1] / kMetres);
       }
     }
     if (level.size() == static_cast<std::size_t>(levels_) + 1) {
@@ -93,6 +95,7 @@ class ShdomReader {
       lines_.fail("{} levels for {} points (allowed: as many, at least 2, or one more as edges of cells)", level.size(),
                   levels_);
     }
+    if (options_.levels_by_voxel_size) set_levels_by_voxel_size(cloud_, options_);
     cloud_.allocate();
   }
 

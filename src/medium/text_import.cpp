@@ -8,11 +8,6 @@
 namespace cloudbow {
 namespace {
 
-bool is_comment(std::string_view line) {
-  const auto at = line.find_first_not_of(" \t\r,");
-  return at == std::string_view::npos || line[at] == '#';
-}
-
 struct Cell {
   int i, j, k;
   float value;
@@ -126,7 +121,7 @@ class OpticsCsvReader {
       cell.bottom_m = at(bottom_, 0) * metres_;
       cell.top_m = at(top_, 0) * metres_;
       if (bottom_ >= 0 && !(cell.top_m > cell.bottom_m && std::abs(cell.top_m) < kLargestValue)) {
-        lines_.fail("cell from {} m to {} m (allowed: top above bottom)", cell.bottom_m, cell.top_m);
+        lines_.fail("cell from {:.6g} m to {:.6g} m (allowed: top above bottom)", cell.bottom_m, cell.top_m);
       }
       cells_.push_back(cell);
     }
@@ -162,12 +157,14 @@ class OpticsCsvReader {
       fail_import(options_.file,
                   "cell size is not said (found no 'dx=... km' in a comment, allowed with --voxel-size-m)");
     }
+    if (options_.levels_by_voxel_size) use_level_numbers();
     if (bottom_ >= 0) {
       set_edges_of_cells();
-    } else if (!level_m_.empty()) {
+    } else if (!level_m_.empty() && !options_.levels_by_voxel_size) {
       for (std::size_t n = 1; n < level_m_.size(); ++n) {
         if (!(level_m_[n] > level_m_[n - 1])) {
-          fail_import(options_.file, "levels do not ascend (found {} m after {} m)", level_m_[n], level_m_[n - 1]);
+          fail_import(options_.file, "levels do not ascend (found {:.6g} m after {:.6g} m)", level_m_[n],
+                      level_m_[n - 1]);
         }
       }
       cloud_.z_edge_m = edges_between(level_m_);
@@ -183,6 +180,23 @@ class OpticsCsvReader {
           "--voxel-size-m)");
     }
     check_import_size(options_, cloud_.nx, cloud_.ny, cloud_.nz());
+  }
+
+  /// The user says the height of levels: the file's own heights do not count.
+  void use_level_numbers() {
+    if (k_ < 0) {
+      fail_import(
+          options_.file,
+          "cells have heights and no level number, and --voxel-size-m says another height of levels (allowed: one "
+          "number, or a column k)");
+    }
+    if (bottom_ >= 0 || !level_m_.empty()) {
+      cloud_.notes.push_back(
+          fmt::format("levels: of {:.6g} m from the ground, as --voxel-size-m says, in place of the "
+                      "file's heights",
+                      (*options_.voxel_size_m)[2]));
+    }
+    bottom_ = top_ = -1;
   }
 
   /// All edges that any cell has, those within a millimetre of each other made one; gaps become levels of clear air.
@@ -251,10 +265,11 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
   bool may_be_head = true;
   while (lines.next(line)) {
     if (is_comment(line)) continue;
-    if (std::exchange(may_be_head, false) && !number_in(split_words(line)[0])) continue;
-    if (split_words(line).size() != 4)
+    if (std::exchange(may_be_head, false) && !repeated_number_in(split_words(line)[0])) continue;
+    const auto number = lines.numbers(line, 0, "cell");
+    if (number.size() != 4 || !repeated_number_in(split_words(line).back())) {
       lines.fail("not four numbers i j k value (found {} words)", split_words(line).size());
-    const auto number = lines.numbers(line, 4, "cell i j k value");
+    }
     const Cell cell{lines.index(number[0], 0, most, "x"), lines.index(number[1], 0, most, "y"),
                     lines.index(number[2], 0, most, "z"), lines.in_range(number[3], 0, kLargestValue, "value")};
     cloud.nx = std::max(cloud.nx, cell.i + 1);

@@ -25,13 +25,41 @@ inline std::vector<std::string_view> split_words(std::string_view line) {
   return words;
 }
 
-/// The number that the whole word is; none where it is something else. "nan" and "inf" are numbers here.
+/// Blank, or a comment.
+inline bool is_comment(std::string_view line) {
+  const auto at = line.find_first_not_of(" \t\r,");
+  return at == std::string_view::npos || line[at] == '#';
+}
+
+/// The number that the whole word is; none if it is something else. "nan" and "inf" are numbers here, and Fortran's
+/// exponents of double precision: "1.0D-1".
 inline std::optional<double> number_in(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
+  std::string plain(word);
+  if (const auto at = plain.find_first_of("dD"); at != std::string::npos && at > 0) plain[at] = 'e';
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
+  if (error != std::errc() || end != plain.data() + plain.size()) return std::nullopt;
   return value;
+}
+
+/// What a word of Fortran's list-directed output stands for: "3*280" is 280 three times.
+struct RepeatedNumber {
+  std::size_t count;
+  double value;
+};
+
+inline constexpr std::size_t kMostRepeats = 1000000;
+
+inline std::optional<RepeatedNumber> repeated_number_in(std::string_view word) {
+  std::size_t count = 1;
+  if (const auto star = word.find('*'); star != std::string_view::npos) {
+    const auto [end, error] = std::from_chars(word.data(), word.data() + star, count);
+    if (error != std::errc() || end != word.data() + star || count < 1 || count > kMostRepeats) return std::nullopt;
+    word.remove_prefix(star + 1);
+  }
+  const auto value = number_in(word);
+  return value ? std::optional(RepeatedNumber{count, *value}) : std::nullopt;
 }
 
 class TextLines {
@@ -56,9 +84,12 @@ class TextLines {
   std::vector<double> numbers(const std::string& line, std::size_t least, const char* what) const {
     std::vector<double> value;
     for (const std::string_view word : split_words(line)) {
-      const auto number = number_in(word);
+      const auto number = repeated_number_in(word);
       if (!number) break;
-      value.push_back(*number);
+      if (number->count > 1 && value.size() + number->count > kMostRepeats) {
+        fail("{}: too many numbers (found \"{}\", allowed {} in a line with repeat counts)", what, word, kMostRepeats);
+      }
+      value.insert(value.end(), number->count, number->value);
     }
     if (value.size() < least) fail("{}: not {} numbers (found {})", what, least, value.size());
     return value;

@@ -77,7 +77,7 @@ DropletMixture mixture_for(const DropletTable& table, double effective_radius_um
   constexpr double rounding = 1e-6;  // radii stored as floats
   if (!(effective_radius_um >= radius.front() * (1 - rounding) &&
         effective_radius_um <= radius.back() * (1 + rounding))) {
-    throw InputError(fmt::format("effective radius outside the table (found {} um, allowed {} to {} um)",
+    throw InputError(fmt::format("effective radius outside the table (found {:.6g} um, allowed {:.6g} to {:.6g} um)",
                                  effective_radius_um, radius.front(), radius.back()));
   }
   if (radius.size() == 1) return {0, 0};

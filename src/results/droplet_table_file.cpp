@@ -15,6 +15,7 @@
 #include "atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/text_case.hpp"
 #include "droplet_table_readers.hpp"
 #include "netcdf4_file.hpp"
 
@@ -241,7 +242,7 @@ DropletTable read_by_content(const std::filesystem::path& path, std::optional<do
   stream.close();
   if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_table(path, wavelength_um);
   if (start.starts_with("CDF")) return read_libradtran_table(path, wavelength_um);
-  if (start.find("able vs. effective radius") != std::string_view::npos) {
+  if (lower_case(std::string(start)).find("able vs. effective radius") != std::string::npos) {
     DropletTable table = read_shdom_table(path);
     choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
     return table;

@@ -4,6 +4,8 @@
 
 #include <mutex>
 
+#include "cloudbow/core/file_lock.hpp"
+
 namespace cloudbow::hdf5 {
 
 namespace {
@@ -58,7 +60,9 @@ Handle create_file(const std::filesystem::path& path) {
 
 Handle open_file(const std::filesystem::path& path) {
   start_library();
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open a file"};
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0 && is_locked(path)) throw Error(kLockedFile);
+  return {file, H5Fclose, "open a file"};
 }
 
 Handle open_dataset(hid_t location, const char* name) {

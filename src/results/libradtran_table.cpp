@@ -131,7 +131,9 @@ DropletTable read_libradtran_table(const std::filesystem::path& path, std::optio
   table.single_scattering_albedo = file.read("ssa", {waves, rows}, {wave, 0}, {1, rows});
   table.extinction_m2_per_g = file.read("ext", {waves, rows}, {wave, 0}, {1, rows});
   const std::string units = file.text_attribute("ext", "units");
-  if (!units.empty() && units.find("km^-1") == std::string::npos) {
+  std::string plain = units;
+  std::erase_if(plain, [](char c) { return c == ' ' || c == '^' || c == '*'; });
+  if (!plain.empty() && !plain.starts_with("km-1") && !plain.starts_with("1/km")) {
     throw InputError(fmt::format("'ext': unknown unit (found '{}', allowed 'km^-1/(g/m^3)')", units));
   }
   for (double& extinction : table.extinction_m2_per_g) extinction /= 1000;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/text_case.hpp"
 #include "droplet_table_readers.hpp"
 
 namespace cloudbow {
@@ -28,7 +29,8 @@ std::vector<double> leading_numbers(std::string line) {
 }
 
 bool is_row_head(const std::string& line) {
-  return line.find("Reff") != std::string::npos && line.find("Ext") != std::string::npos;
+  const std::string lower = lower_case(line);
+  return lower.find("reff") != std::string::npos && lower.find("ext") != std::string::npos;
 }
 
 /// Coefficients of one radius, (2l+1) chi_l for l = 0 .. degree. Polarised tables have more elements of the phase
@@ -87,10 +89,10 @@ DropletTable read_shdom_table(const std::filesystem::path& path) {
     } else if (!table.effective_radius_um.empty()) {
       const std::vector<double> more = leading_numbers(line);
       numbers.insert(numbers.end(), more.begin(), more.end());
-    } else if (line.find("wavelength") != std::string::npos) {
+    } else if (lower_case(line).find("wavelength") != std::string::npos) {
       const std::vector<double> edges = leading_numbers(line);
       if (!edges.empty()) table.wavelength_um = edges.size() > 1 ? (edges[0] + edges[1]) / 2 : edges[0];
-    } else if (line.find("ending effective radius") != std::string::npos) {
+    } else if (lower_case(line).find("ending effective radius") != std::string::npos) {
       const std::vector<double> axis = leading_numbers(line);
       if (!axis.empty()) rows = axis[0];
     }

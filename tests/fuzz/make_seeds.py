@@ -101,6 +101,9 @@ CLOUD_TEXTS = {
     "tabulated.prp": "Tabulated phase function property file\n2 2 2\n0.05 0.05 0.1 0.2\n2\n2 2.5 3.1\n3 2.4 2.0 1.0\n1 1 1 280 10 0.99 1\n2 2 2 270 20 0.98 2\n",
     "one.lwc": "1  LWC file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n1 1 1 0.1\n2 2 2 0.2\n",
     "two.lwc": "2  parameter LWC file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n1 1 1 0.1 10\n2 2 2 0.2 12\n",
+    "fortran.lwc": "1 PARAMETER LWC FILE\n2 1 3\n2*1.0D-1\n5.0d-1 .6 7.D-1\n3*290\n2*1 2 3.0D-01\n",
+    "at3d.csv": "# cloud\n2,2,3 # nx,ny,nz\n0.02,0.02 # dx,dy\n0.44,0.48,0.52 # levels\nx,y,z,lwc,reff\n0,0,1,0.5,10\n1,1,2,0.3,8\n",
+    "mystic.dat": "2 2 2 3\n0.1 0.1 0.5 0.6 0.7\n1 1 1 0.5 10\n2 1 2 0.3 8\n",
     "particles.txt": "3  particle file\n2 2 2\n0.05 0.05 0.1 0.2\n280 270\n1 1 1 1 1 0.1 10\n2 2 2 1 1 0.2 12\n",
 }
 
@@ -149,6 +152,24 @@ def write_les(path, form):
         file["reff"].units = "um"
 
 
+def write_wrf(path, form):
+    """The layout of WRF, with packed water and all attributes that exclude values."""
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        for name, length in (("Time", 1), ("bottom_top", 3), ("bottom_top_stag", 4), ("south_north", 2), ("west_east", 2)):
+            file.createDimension(name, length)
+        water = file.createVariable("QCLOUD", "i2", ("Time", "bottom_top", "south_north", "west_east"), fill_value=-32767)
+        water.set_auto_maskandscale(False)
+        water.units, water.scale_factor, water.add_offset = "1e-3 KG/KG", 1e-4, 0.0
+        water.missing_value, water.valid_range, water.valid_max = np.int16([-32766, -1]), np.int16([0, 32000]), np.float64(3.0)
+        water[:] = np.arange(12).reshape(1, 3, 2, 2) * 1000
+        for name, values in (("P", [200, 200, 200]), ("PB", [95000, 94000, 93000]), ("T", [1, 2, 3])):
+            file.createVariable(name, "f4", ("Time", "bottom_top", "south_north", "west_east"))[:] = np.reshape(values, (1, 3, 1, 1))
+        file["T"].description = "perturbation potential temperature theta-t0"
+        for name, values in (("PH", [0, 1, 2, 3]), ("PHB", [3924, 4800, 5700, 6600])):
+            file.createVariable(name, "f4", ("Time", "bottom_top_stag", "south_north", "west_east"))[:] = np.reshape(values, (1, 4, 1, 1))
+        file.DX, file.DY = np.float32(100), np.float32(100)
+
+
 def write_libradtran(path, form):
     with netCDF4.Dataset(path, "w", format=form) as file:
         for name, length in (("nlam", 1), ("nreff", 2), ("nphamat", 1), ("nmommax", 3)):
@@ -185,9 +206,11 @@ def main():
     write_texts("scene", scenes | {"rich.toml": RICH_SCENE})
     write_texts("phase_files", PHASE_FILES)
     write_texts("cloud_text", CLOUD_TEXTS)
+    np.save(folder("cloud_text") / "array.npy", np.arange(12.0).reshape(3, 2, 2) / 100)
     write_texts("droplet_table", {"shdom.mie": SHDOM_MIE})
     for form in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF4"):
         write_les(folder("cloud_netcdf") / f"{form}.nc", form)
+        write_wrf(folder("cloud_netcdf") / f"wrf_{form}.nc", form)
         write_libradtran(folder("droplet_table") / f"{form}.nc", form)
     clouds = folder("cloud_vdb")
     size = ["--cells", 4, 4, 4, "--voxel-size-m", 50, 50, 50]

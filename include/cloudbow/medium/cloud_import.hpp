@@ -17,21 +17,24 @@ namespace cloudbow {
 struct CloudImportOptions {
   std::filesystem::path file;
   std::string format = "auto";  ///< one of cloud_import_formats()
-  /// Horizontal cell sizes, and the vertical where the file gives no levels, instead of the file's. LES files with
-  /// levels keep them.
+  /// Horizontal cell sizes instead of the file's; the vertical one counts if the file gives no levels, or with
+  /// levels_by_voxel_size.
   std::optional<std::array<double, 3>> voxel_size_m;
+  bool levels_by_voxel_size = false;  ///< levels are of this size from the ground, whatever the file says
   std::optional<std::array<int, 2>> columns;  ///< nx, ny of the domain where a text file does not say
   double vertical_size_m = 0;                 ///< of the uniform cells; 0: the thinnest level with cloud
   double minimum = 0;                         ///< cells with less than this of the quantity count as clear air
-  std::string quantity;  ///< of text columns: "extinction" [1/m] or "liquid_water_content" [g/m3]; empty: the former
+  /// "extinction" or "liquid_water_content". Of text columns, in 1/m or g/m3; empty: the former. Of LES files, which of
+  /// the two is imported; empty: liquid water if there is any.
+  std::string quantity;
 
   // LES files; names that are empty are guessed.
   std::string variable;             ///< liquid water
   std::string units;                ///< of it, instead of the file's
   std::size_t time = 0;             ///< index on the time axis
   std::array<std::string, 4> axes;  ///< dimensions x, y, z, time
-  std::string air_density;          ///< kg/m3
-  std::string pressure;             ///< with temperature, in place of air density
+  std::string air_density;  ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
+  std::string pressure;     ///< with temperature, in place of air density
   std::string temperature;
   std::string droplet_number;     ///< for the effective radius
   std::string effective_radius;   ///< in place of droplet number
@@ -39,6 +42,8 @@ struct CloudImportOptions {
   /// (r_volume / r_effective)^3 of the droplets' spectrum; 0.8 is that of maritime stratocumulus (Martin, Johnson &
   /// Spice 1994, doi 10.1175/1520-0469(1994)051<1823:TMAPOE>2.0.CO;2)
   double radius_ratio_cubed = 0.8;
+
+  std::string fill = "error";  ///< LES files: what cells with missing water are: "error", or "clear" air
 
   /// Largest memory that the cells may take; 0: half of the machine's.
   std::uint64_t memory_limit_bytes = 0;
@@ -57,7 +62,10 @@ struct ImportedCloud {
 /// mean of the levels in it by thickness, an effective radius the mean that keeps mass and mass / radius, an albedo the
 /// one that keeps scattering.
 /// @throws InputError naming file and variable, line or cell: missing or damaged file, missing variable or axis, unit
-/// not known, time index beyond the axis, levels or columns not monotonic or not uniform, NaN, negative or no cloud.
+/// not known, time index beyond the axis, levels or columns not monotonic or not uniform, NaN, negative or no cloud,
+/// numbers that no cloud has: air density outside 0.01 to 2 kg/m3, pressure outside 100 to 120000 Pa, temperature
+/// outside 150 to 350 K, liquid water above 20 g/m3, effective radius outside 0.1 um to 5 mm, levels thinner than 1 mm
+/// or thicker than 5 km, cloud below the ground.
 ImportedCloud import_cloud(const CloudImportOptions& options);
 
 /// r_e [um] = 1e6 (3 L / (4 pi rho_w k N))^(1/3) for L [g/m3] of water and N droplets per m3, k = radius_ratio_cubed.

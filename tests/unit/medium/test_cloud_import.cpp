@@ -356,6 +356,124 @@ TEST_F(CloudImport, ShdomWaterFiles) {
   EXPECT_THAT(three.companions.at(0).value, testing::ElementsAre(8));
 }
 
+TEST_F(CloudImport, TextIsReadAsFortranWritesIt) {
+  const std::string whole = "1 parameter LWC file\n2 1 3\n0.1 0.1\n0.5 0.6 0.7\n290 290 290\n1 1 2 0.3\n";
+  const std::string listed = "1 PARAMETER LWC FILE\n2 1 3\n2*1.0D-1\n5.0d-1 .6 7.D-1\n3*290\n2*1 2 3.0D-01\n";
+  const CloudField a = import_cloud(options_for(write("a.lwc", whole))).field;
+  const CloudField b = import_cloud(options_for(write("b.lwc", listed))).field;
+  EXPECT_EQ(a.value, b.value);
+  EXPECT_EQ(a.cells, b.cells);
+  EXPECT_EQ(a.min_m, b.min_m);
+  EXPECT_EQ(import_cloud(options_for(write("c.prp",
+                                           "e: extinction only PROPERTY FILE\n1 1 2\n.1 .1 .5 .6\n2*280\n"
+                                           "1.0 1 1.5\n1 1 1 5.0D0\n")))
+                .field.quantity,
+            "extinction");
+  auto options = options_for(write("columns.txt", "2*0 1 5.0D-1\n2 1 3 2.5d-1\n"));
+  options.voxel_size_m = {20, 30, 40};
+  EXPECT_THAT(import_cloud(options).field.value, testing::ElementsAre(0.5F, 0.25F));
+  options.file = write("many.txt", "0 0 0 1\n1000001*0\n");
+  EXPECT_THAT(message_of([&] { import_cloud(options); }), HasSubstr("many.txt:2: not four numbers"));
+  options.file = write("repeats.txt", "0 0 0 1\n999999*0 999999*0\n");
+  EXPECT_THAT(message_of([&] { import_cloud(options); }), HasSubstr("too many numbers"));
+}
+
+TEST_F(CloudImport, TextBelowAHeadOfSizesAndLevels) {
+  const std::string head = "# cloud\n2,2,3 # nx,ny,nz\n0.02,0.03 # dx,dy [km, km]\n0.44,0.48,0.52 # levels [km]\n";
+  const std::string columns = "x,y,z,lwc,reff\n";
+  const ImportedCloud at3d =
+      import_cloud(options_for(write("at3d.csv", head + columns + "0,0,1,0.5,10.0\n1,1,2,0.3,8.0\n")));
+  EXPECT_EQ(at3d.field.cells, (std::array<int, 3>{2, 2, 3}));
+  EXPECT_EQ(at3d.field.quantity, "liquid_water_content");
+  EXPECT_NEAR(at3d.field.cell_size_m[1], 30, 1e-9);
+  EXPECT_NEAR(at3d.field.min_m[2], 420, 1e-9);
+  EXPECT_THAT(at3d.field.value, testing::ElementsAre(0.5F, 0.3F));
+  EXPECT_THAT(at3d.companions.at(0).value, testing::ElementsAre(10, 8));
+  EXPECT_THAT(column_integrals(at3d.field),
+              testing::ElementsAre(testing::DoubleNear(20, 1e-6), 0, 0, testing::DoubleNear(12, 1e-6)));
+
+  const ImportedCloud mystic =
+      import_cloud(options_for(write("wc3d.dat", "2 2 2 3\n0.1 0.1 0.5 0.6 0.7\n1 1 1 0.5 10.0\n2 1 2 0.3 8.0\n")));
+  EXPECT_EQ(mystic.field.cells, (std::array<int, 3>{2, 2, 2}));
+  EXPECT_NEAR(mystic.field.min_m[2], 500, 1e-9);
+  EXPECT_THAT(mystic.companions.at(0).value, testing::ElementsAre(10, 8));
+  const ImportedCloud optics =
+      import_cloud(options_for(write("wc3d.dat", "1 1 2 1\n0.1 0.1 0.5 0.6 0.7\n1 1 1 20 0.85 0.99\n")));
+  EXPECT_EQ(optics.field.quantity, "extinction");
+  EXPECT_THAT(optics.field.value, testing::ElementsAre(0.02F));
+  EXPECT_THAT(optics.companions.at(0).value, testing::ElementsAre(0.99F));
+
+  const auto error = [&](const std::string& text) {
+    return message_of([&] { import_cloud(options_for(write("wrong.txt", text))); });
+  };
+  EXPECT_THAT(error(head + columns + "0,0,3,0.5,10\n"), HasSubstr("wrong.txt:6: index along z out of range"));
+  EXPECT_THAT(error(head + columns + "0,0,1,50,10\n"), HasSubstr("(allowed up to 20 g/m3)"));
+  EXPECT_THAT(error(head + columns + "0,0,1,0.5,1e-5\n"), HasSubstr("(allowed 0.1 to 5000 um)"));
+  EXPECT_THAT(error(head + columns + "0,0,1,0.5,10\n0,0,1,0.5,10\n"), HasSubstr("there twice"));
+  EXPECT_THAT(error("1 1 2 3\n0.1 0.1 0.5 0.6 0.6\n1 1 1 0.5 10\n"), HasSubstr("levels do not ascend"));
+  EXPECT_THAT(error("1 1 2 3\n0.1 0.1 500 600 70000\n1 1 1 0.5 10\n"), HasSubstr("m thick"));
+}
+
+TEST_F(CloudImport, SizesThatTheUserGivesHoldOverTheFilesLevels) {
+  auto options = options_for(write("a.lwc", "1 parameter LWC file\n1 1 2\n0.1 0.1\n0.5 0.6\n290 289\n1 1 2 0.3\n"));
+  options.voxel_size_m = {20, 20, 30};
+  EXPECT_NEAR(import_cloud(options).field.cell_size_m[2], 100, 1e-9);  // of columns alone
+  options.levels_by_voxel_size = true;
+  const ImportedCloud cloud = import_cloud(options);
+  EXPECT_EQ(cloud.field.cell_size_m, (std::array<double, 3>{20, 20, 30}));
+  EXPECT_THAT(cloud.notes, testing::Contains(HasSubstr("in place of the file's 450 to 650 m")));
+  options.file =
+      write("cells.csv", "ix,iz,z_bottom_km,z_top_km,extinction_per_km\n0,0,0.40,0.45,10\n0,1,0.45,0.475,20\n");
+  EXPECT_THAT(import_cloud(options).field.value, testing::ElementsAre(0.01F, 0.02F));
+  EXPECT_EQ(import_cloud(options).field.cell_size_m[2], 30);
+}
+
+TEST_F(CloudImport, ArraysOfNumpy) {
+  // As numpy.save writes them: the header is padded so that numbers begin at a multiple of 64 bytes.
+  const auto array = [&](const std::string& type, const std::string& order, const std::string& shape,
+                         const std::string& numbers) {
+    std::string head = "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': (" + shape + "), }";
+    head.resize(117, ' ');
+    return options_for(write("a.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + head + "\n" + numbers));
+  };
+  const auto bytes_of = [](const auto& values, bool reversed = false) {
+    std::string bytes;
+    for (const auto value : values) {
+      std::string one(reinterpret_cast<const char*>(&value), sizeof value);
+      if (reversed) std::reverse(one.begin(), one.end());
+      bytes += one;
+    }
+    return bytes;
+  };
+  const std::vector<double> numbers{1, 2, 3, 4, 5, 6};  // [z][y][x], 3 x 1 x 2
+  const std::vector<double> by_columns{1, 3, 5, 2, 4, 6};
+  const std::vector<float> single{1, 2, 3, 4, 5, 6};
+  EXPECT_THAT(message_of([&] { import_cloud(array("<f8", "False", "3, 1, 2", bytes_of(numbers))); }),
+              HasSubstr("--voxel-size-m DX DY DZ"));
+  const auto expect_read = [&](CloudImportOptions options) {
+    options.voxel_size_m = {10, 20, 30};
+    options.quantity = "liquid_water_content";
+    const CloudField found = import_cloud(options).field;
+    EXPECT_EQ(found.cells, (std::array<int, 3>{2, 1, 3}));
+    EXPECT_EQ(found.quantity, "liquid_water_content");
+    EXPECT_THAT(found.value, testing::ElementsAre(1, 2, 3, 4, 5, 6));
+  };
+  expect_read(array("<f8", "False", "3, 1, 2", bytes_of(numbers)));
+  expect_read(array("<f8", "True", "3, 1, 2", bytes_of(by_columns)));
+  expect_read(array("<f4", "False", "3, 2", bytes_of(single)));
+  expect_read(array(">f4", "False", "3, 2", bytes_of(single, true)));
+  const auto error = [&](CloudImportOptions options) {
+    options.voxel_size_m = {10, 20, 30};
+    return message_of([&] { import_cloud(options); });
+  };
+  EXPECT_THAT(error(array("<f8", "False", "3, 1, 3", bytes_of(numbers))), HasSubstr("the file is cut off"));
+  EXPECT_THAT(error(array("<i8", "False", "3, 1, 2", bytes_of(numbers))), HasSubstr("numbers of type <i8"));
+  EXPECT_THAT(error(array("<f8", "False", "3, 1, 2, 1", bytes_of(numbers))), HasSubstr("4 dimensions"));
+  EXPECT_THAT(error(array("<f8", "False", "-3, 1, 2", bytes_of(numbers))), HasSubstr("no cells"));
+  EXPECT_THAT(error(array("<f8", "False", "2", bytes_of(std::vector<double>{1, -1}))),
+              HasSubstr("cell (0, 0, 1) has the value -1"));
+}
+
 TEST_F(CloudImport, ReferenceFields) {
   const char* folder = std::getenv("CLOUDBOW_REFERENCE_DIR");
   if (folder == nullptr) GTEST_SKIP() << "CLOUDBOW_REFERENCE_DIR is not set";

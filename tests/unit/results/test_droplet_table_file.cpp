@@ -1,8 +1,10 @@
 // Tables of droplets as files. Truth: what was written; tables of other programs' forms, made here value by value.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
 #include <netcdf.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -188,6 +190,31 @@ TEST_F(DropletTableFile, ReadsLibradtran) {
     EXPECT_THAT(message(folder_ / "wc.mie.cdf"), HasSubstr("2 wavelengths from 0.55 to 0.67 um"));
     EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.6), HasSubstr("no such wavelength"));
   }
+}
+
+TEST_F(DropletTableFile, ReadsUnitsAndHeadsHoweverTheyAreSpelled) {
+  for (const char* units : {"km-1/(g/m3)", "km^-1 / (g/m^3)", "1/km/(g/m3)", "km**-1/(g/m**3)"}) {
+    LibradtranFile content;
+    content.ext_units = units;
+    content.write(folder_ / "wc.mie.cdf");
+    EXPECT_NEAR(read_droplet_table(folder_ / "wc.mie.cdf", 0.67).extinction_m2_per_g[1], 0.151, 1e-15) << units;
+  }
+  const DropletTable table = read_droplet_table(
+      write_text("! MIE SCATTERING TABLE VS. EFFECTIVE RADIUS (LWC=1 G/M^3)\n 0.860 0.860 WAVELENGTH RANGE\n"
+                 " 1 5.0 5.0 NUMBER, STARTING, ENDING EFFECTIVE RADIUS\n"
+                 " 5.0 3.0D+2 0.99 3 REFF EXT ALB NLEG\n 1.0 2.4 2.5 0.05\n"),
+      std::nullopt);
+  EXPECT_EQ(table.wavelength_um, 0.86);
+  EXPECT_NEAR(table.extinction_m2_per_g[0], 0.3, 1e-15);
+}
+
+TEST_F(DropletTableFile, SaysThatAFileIsLocked) {
+  const auto file = folder_ / "table.h5";
+  write_droplet_table(file, small_table(), some_info());
+  const int writer = open(file.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(writer, LOCK_EX), 0);
+  EXPECT_THAT(message(file), HasSubstr("the file is locked: another program has it open for writing"));
+  close(writer);
 }
 
 TEST_F(DropletTableFile, SaysWhatIsWrongWithLibradtransForm) {

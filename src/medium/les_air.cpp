@@ -1,0 +1,301 @@
+#include "les_air.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "text_tokens.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double kGasConstant = 287.05;  // dry air, J/(kg K); vapour would change the density by less than 1 %
+constexpr double kGravity = 9.80665;
+constexpr double kPotentialPressure = 1e5;  // Pa
+constexpr double kPotentialExponent = 2.0 / 7;
+constexpr double kTellingExtent = 200;  // m over which air gets thinner by 2 %, more than it varies sideways
+constexpr double kWrfBase = 300;        // K, which WRF subtracts from the potential temperature
+
+constexpr const char* kNameDensity = "name --air-density (a variable, a number in kg/m3, or us-1976)";
+
+std::vector<float> scaled(std::vector<float> value, double factor, double offset = 0) {
+  for (float& number : value) number = static_cast<float>(number * factor + offset);
+  return value;
+}
+
+bool has(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
+
+}  // namespace
+
+double standard_air_density(double height_m) {
+  struct Layer {
+    double base_m, kelvin, lapse, pascal;
+  };
+  constexpr std::array<Layer, 3> layers{
+      {{0, 288.15, -6.5e-3, 101325}, {11000, 216.65, 0, 22632.06}, {20000, 216.65, 1e-3, 5474.889}}};
+  constexpr double highest = 32000;
+  if (!(height_m <= highest)) {
+    throw InputError(
+        fmt::format("--air-density us-1976: too high (found {:.6g} m, allowed up to {} m)", height_m, highest));
+  }
+  const Layer& layer = height_m < layers[1].base_m ? layers[0] : height_m < layers[2].base_m ? layers[1] : layers[2];
+  const double rise = height_m - layer.base_m, kelvin = layer.kelvin + layer.lapse * rise;
+  const double ratio = layer.lapse == 0 ? std::exp(-kGravity * rise / (kGasConstant * layer.kelvin))
+                                        : std::pow(kelvin / layer.kelvin, -kGravity / (kGasConstant * layer.lapse));
+  return layer.pascal * ratio / (kGasConstant * kelvin);
+}
+
+double LesAir::height_m(std::size_t level) const {
+  return 0.5 * (grid_.z_edge_m()[level] + grid_.z_edge_m()[level + 1]);
+}
+
+/// Values outside the range are a wrong unit, or another quantity. Cells without water may have none.
+template <class T>
+void LesAir::check_range(const std::string& name, const std::vector<T>& value, double low, double high,
+                         const char* unit, const char* hint) const {
+  for (std::size_t n = 0; n < value.size(); ++n) {
+    if (value[n] >= low && value[n] <= high) continue;
+    if (std::isnan(value[n]) && water_[n] == 0 && file_.options.fill == "clear") continue;
+    file_.fail("'{}': {} has the value {:.6g} {} (allowed {} to {} {}) {}", name, grid_.cell_text(n), value[n], unit,
+               low, high, unit, hint);
+  }
+}
+
+/// Air gets thinner with height: where it does not, the levels are upside down.
+template <class T>
+void LesAir::check_levels_ascend(const std::string& name, const std::vector<T>& value) const {
+  const std::size_t top = grid_.length(2) - 1;
+  if (!(height_m(top) - height_m(0) >= kTellingExtent)) return;
+  const double lowest = value.front(), highest = value[columns() * top];
+  if (!(highest > 1.01 * lowest)) return;
+  file_.fail(
+      "levels are upside down ('{}' grows from {:.6g} at {:.6g} m to {:.6g} at {:.6g} m, allowed a decrease) reverse "
+      "them in the file, as 'ncpdq -a -LEVEL' does",
+      name, lowest, height_m(0), highest, height_m(top));
+}
+
+const std::vector<float>& LesAir::density() {
+  if (!density_.empty()) return density_;
+  const CloudImportOptions& options = file_.options;
+  if (set_density_as_given()) return density_;
+  const bool by_gas_law = options.air_density.empty() && !options.pressure.empty();
+  const NetcdfVariable* variable = by_gas_law ? nullptr : file_.find(options.air_density, kAirDensity, "--air-density");
+  if (variable != nullptr) {
+    set_density_of(*variable);
+  } else {
+    set_density_by_gas_law();
+  }
+  return density_;
+}
+
+bool LesAir::set_density_as_given() {
+  const std::string& given = file_.options.air_density;
+  const std::size_t levels = grid_.length(2);
+  if (given == "us-1976") {
+    for (std::size_t k = 0; k < levels; ++k) {
+      density_.insert(density_.end(), columns(), static_cast<float>(standard_air_density(height_m(k))));
+    }
+    file_.note("air density: U.S. Standard Atmosphere 1976 at the heights of the levels, {:.4g} to {:.4g} kg/m3",
+               density_.front(), density_.back());
+    return true;
+  }
+  const auto number = number_in(given);
+  if (!number || file_.input.find(given) != nullptr) return false;
+  density_.assign(levels * columns(), static_cast<float>(*number));
+  check_range("--air-density", density_, 0.01, 2, "kg/m3", "");
+  file_.note("air density: {} kg/m3 everywhere, as --air-density says", *number);
+  return true;
+}
+
+void LesAir::set_density_of(const NetcdfVariable& variable) {
+  if (file_.is_perturbation(variable)) {
+    file_.fail("'{}' is a perturbation of the air density by its attributes (allowed: the density itself) {}",
+               variable.name, kNameDensity);
+  }
+  const double unit = file_.factor(variable, kDensity, 1, "kg/m3");
+  density_ = scaled(grid_.read(variable, "air density"), unit);
+  check_range(variable.name, density_, 0.01, 2, "kg/m3", "is it the air's density, in the unit that the file says?");
+  check_levels_ascend(variable.name, density_);
+  file_.note("air density: '{}'", variable.name);
+}
+
+void LesAir::fail_without_density() const {
+  file_.fail(
+      "liquid water per kg of air needs the air's density (found neither a density nor both pressure and temperature; "
+      "fields in the file: {}) name --air-density (a variable, a number in kg/m3, or us-1976), or --pressure and "
+      "--temperature if variables of the file are these",
+      file_.fields_there());
+}
+
+/// The pressure to which a perturbation is to be added: PB beside P, as WRF writes them, and the like.
+const NetcdfVariable* LesAir::base_of(const NetcdfVariable& pressure) const {
+  constexpr std::array<std::pair<const char*, const char*>, 3> pairs{{{"P", "PB"}, {"p", "pb"}, {"prspert", "prs0"}}};
+  for (const auto& [perturbation, base] : pairs) {
+    if (pressure.name == perturbation) return file_.input.find(base);
+  }
+  return nullptr;
+}
+
+LesAir::Pressure LesAir::pressure() {
+  const std::string& given = file_.options.pressure;
+  const NetcdfVariable* variable = file_.find(given, kPressure, "--pressure");
+  if (given.empty()) {
+    for (const NetcdfVariable* candidate : file_.candidates(kPressure)) {
+      if (file_.is_perturbation(*candidate) && base_of(*candidate) == nullptr) continue;
+      variable = candidate;
+      break;
+    }
+  }
+  if (variable == nullptr) fail_without_density();
+  const NetcdfVariable* base = base_of(*variable);
+  if (base == nullptr && file_.is_perturbation(*variable)) {
+    file_.fail(
+        "'{}' is a perturbation of pressure by its attributes (found no base pressure, allowed the pressure "
+        "itself) {}",
+        variable->name, kNameDensity);
+  }
+  Pressure result{variable->name, {}};
+  std::vector<float> read = grid_.read(*variable, "pressure");
+  const auto unit_of = [&](const NetcdfVariable& whole, const std::vector<float>& value) {
+    float highest = 0;
+    for (const float number : value) highest = std::max(highest, number);
+    const bool is_hpa = highest < 2000;
+    return file_.factor(whole, kPressureUnits, is_hpa ? 100 : 1, is_hpa ? "hPa" : "Pa");
+  };
+  if (base == nullptr) {
+    const double unit = unit_of(*variable, read);
+    for (const float value : read) result.pa.push_back(value * unit);
+  } else {
+    const std::vector<float> of_base = grid_.read(*base, "base pressure");
+    const double unit = unit_of(*base, of_base);
+    const double own_unit = file_.factor(*variable, kPressureUnits, unit, "that of the base pressure");
+    for (std::size_t n = 0; n < read.size(); ++n) result.pa.push_back(read[n] * own_unit + of_base[n] * unit);
+    result.name += "' + '" + base->name;
+  }
+  check_range(result.name, result.pa, 100, 120000, "Pa",
+              "a perturbation of pressure cannot be used: name --pressure, or --air-density (a variable, a number in "
+              "kg/m3, or us-1976)");
+  check_levels_ascend(result.name, result.pa);
+  return result;
+}
+
+const NetcdfVariable* LesAir::temperature_variable() const {
+  const std::string& given = file_.options.temperature;
+  if (const NetcdfVariable* variable = file_.find(given, kTemperature, "--temperature")) return variable;
+  return file_.find("", kPotentialTemperature, "--temperature");
+}
+
+std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Pressure& pressure) {
+  const std::string meaning = file_.meaning(variable);
+  const Names& potential_names = kPotentialTemperature.names;
+  std::vector<float> value = grid_.read(variable, "temperature");
+  float lowest = INFINITY;
+  for (const float number : value) lowest = std::min(lowest, number);
+  const bool says_potential = has(meaning, "potential temperature");
+  if (says_potential && has(meaning, "equivalent")) {
+    file_.fail(
+        "'{}' is an equivalent potential temperature by its attributes (allowed: temperature, or potential "
+        "temperature) name --temperature, or --air-density",
+        variable.name);
+  }
+  const bool is_perturbation = file_.is_perturbation(variable);
+  if (is_perturbation && !says_potential) {
+    file_.fail("'{}' is a perturbation of temperature by its attributes (allowed: the temperature itself) {}",
+               variable.name, kNameDensity);
+  }
+  // WRF's T is the potential temperature less 300 K; its PB stands beside it.
+  const bool is_from_300 = (says_potential && is_perturbation) ||
+                           (variable.name == "T" && lowest < 150 && file_.input.find("PB") != nullptr);
+  const bool is_potential =
+      is_from_300 || says_potential ||
+      std::find(potential_names.begin(), potential_names.end(), variable.name) != potential_names.end();
+  const auto celsius = factor_of(kCelsius, variable.units);
+  if (!celsius) file_.factor(variable, kKelvin, 1, "K");
+  value = scaled(std::move(value), 1, celsius ? 273.15 : is_from_300 ? kWrfBase : 0);
+  const auto to_temperature = [&pressure](std::vector<float> theta) {
+    for (std::size_t n = 0; n < theta.size(); ++n) {
+      theta[n] = static_cast<float>(theta[n] * std::pow(pressure.pa[n] / kPotentialPressure, kPotentialExponent));
+    }
+    return theta;
+  };
+  if (is_potential) {
+    value = to_temperature(std::move(value));
+    file_.note("temperature: '{}' is {}, T = {} (p / 1e5 Pa)^(2/7)", variable.name,
+               is_from_300 ? "the potential temperature less 300 K" : "the potential temperature",
+               is_from_300 ? "(300 K + '" + variable.name + "')" : "'" + variable.name + "'");
+  }
+  if (!is_potential) {
+    std::vector<float> converted = to_temperature(value);
+    if (const std::string sign = sign_of_potential(pressure, value, converted); !sign.empty()) {
+      value = std::move(converted);
+      file_.note("GUESSED: '{}' is the potential temperature ({}), T = '{}' (p / 1e5 Pa)^(2/7)", variable.name, sign,
+                 variable.name);
+    }
+  }
+  check_range(variable.name, value, 150, 350, "K",
+              "a temperature in Celsius must say so in its attribute units (degC), a perturbation cannot be used: name "
+              "--temperature, or --air-density (a variable, a number in kg/m3, or us-1976)");
+  return value;
+}
+
+std::optional<double> LesAir::balance(const Pressure& pressure, const std::vector<float>& kelvin) const {
+  const std::size_t top = grid_.length(2) - 1;
+  const double extent = height_m(top) - height_m(0);
+  const double by_weight = (pressure.pa.front() - pressure.pa[columns() * top]) / (kGravity * extent);
+  if (!(extent >= kTellingExtent) || by_weight == 0) return std::nullopt;
+  const auto density = [&](std::size_t k) {
+    return pressure.pa[columns() * k] / (kGasConstant * kelvin[columns() * k]);
+  };
+  double mean = 0;
+  for (std::size_t k = 0; k < top; ++k)
+    mean += 0.5 * (density(k) + density(k + 1)) * (height_m(k + 1) - height_m(k)) / extent;
+  const double ratio = mean / by_weight;
+  return std::isfinite(ratio) ? std::optional(ratio) : std::nullopt;
+}
+
+/// Why numbers that are named temperature are the potential temperature; empty if they are not. The weight of the air
+/// tells: the gas law with the temperature gives the density that pressure and heights have. Where it tells nothing,
+/// temperature falls with height in a cloud, and potential temperature rises.
+std::string LesAir::sign_of_potential(const Pressure& pressure, const std::vector<float>& kelvin,
+                                      const std::vector<float>& converted) const {
+  const auto fits = [](const std::optional<double>& ratio) { return ratio && *ratio > 0.99 && *ratio < 1.02; };
+  const auto as_it_is = balance(pressure, kelvin), as_potential = balance(pressure, converted);
+  if (fits(as_it_is)) return "";
+  if (fits(as_potential)) {
+    return fmt::format("with it pressure and heights agree to {:.1f} %, with a temperature to {:.1f} %",
+                       100 * std::abs(*as_potential - 1), 100 * std::abs(as_it_is.value_or(0) - 1));
+  }
+  const auto mean = [&](const std::vector<float>& value, std::size_t k) {
+    const auto begin = value.begin() + static_cast<std::ptrdiff_t>(k * columns());
+    return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(columns()), 0.0) / static_cast<double>(columns());
+  };
+  std::size_t base = 0, top = grid_.length(2) - 1;
+  while (base < top && mean(water_, base) == 0) ++base;
+  while (top > base && mean(water_, top) == 0) --top;
+  constexpr double telling_depth = 100;  // m, beyond which no inversion of temperature reaches in a cloud
+  if (!(height_m(top) - height_m(base) >= telling_depth) || !(mean(kelvin, top) > mean(kelvin, base))) return "";
+  return fmt::format("it rises from {:.6g} K at the cloud's base to {:.6g} K at its top", mean(kelvin, base),
+                     mean(kelvin, top));
+}
+
+void LesAir::set_density_by_gas_law() {
+  const NetcdfVariable* variable = temperature_variable();
+  if (variable == nullptr) fail_without_density();
+  const Pressure air = pressure();
+  const std::vector<float> kelvin = kelvin_of(*variable, air);
+  for (std::size_t n = 0; n < kelvin.size(); ++n)
+    density_.push_back(static_cast<float>(air.pa[n] / (kGasConstant * kelvin[n])));
+  check_range(air.name, density_, 0.01, 2, "kg/m3 of air",
+              "with this temperature: are both in the units that the file says?");
+  if (const auto ratio = balance(air, kelvin); ratio && !(*ratio > 0.9 && *ratio < 1.1)) {
+    file_.fail(
+        "'{}', '{}' and the heights contradict each other (found {:.3g} times the density that the weight of the air "
+        "gives, allowed 0.9 to 1.1): is one in another unit, or a perturbation? name --pressure and --temperature, "
+        "--air-density, or give --voxel-size-m DX DY DZ",
+        air.name, variable->name, *ratio);
+  }
+  file_.note("air density: '{}' / (287.05 J/(kg K) '{}')", air.name, variable->name);
+}
+
+}  // namespace cloudbow

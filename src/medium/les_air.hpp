@@ -1,0 +1,62 @@
+// Density of the air of an LES file: as it is there, from pressure and temperature, or as the user says it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "les_grid.hpp"
+
+namespace cloudbow {
+
+/// 15 C and 1013.25 hPa at the ground, -6.5 K/km up to 11 km, constant to 20 km, 1 K/km to 32 km (U.S. Standard
+/// Atmosphere 1976).
+/// @return kg/m3 at a height of up to 32 km.
+double standard_air_density(double height_m);
+
+class LesAir {
+ public:
+  /// Cells without water may lack air.
+  LesAir(LesFile& file, const LesGrid& grid, const std::vector<float>& water)
+      : file_(file), grid_(grid), water_(water) {}
+
+  /// kg/m3 in all cells.
+  const std::vector<float>& density();
+
+ private:
+  struct Pressure {
+    std::string name;
+    std::vector<double> pa;
+  };
+
+  bool set_density_as_given();
+  void set_density_of(const NetcdfVariable& variable);
+  void set_density_by_gas_law();
+  [[noreturn]] void fail_without_density() const;
+  const NetcdfVariable* base_of(const NetcdfVariable& pressure) const;
+  Pressure pressure();
+  const NetcdfVariable* temperature_variable() const;
+  /// Temperature [K] from a variable that holds itself, the potential one, or the potential one's difference from 300
+  /// K.
+  std::vector<float> kelvin_of(const NetcdfVariable& variable, const Pressure& pressure);
+  /// Mean density of the first column by the gas law over that which the weight of the air gives; nothing if there is
+  /// no telling.
+  std::optional<double> balance(const Pressure& pressure, const std::vector<float>& kelvin) const;
+  std::string sign_of_potential(const Pressure& pressure, const std::vector<float>& kelvin,
+                                const std::vector<float>& converted) const;
+
+  template <class T>
+  void check_levels_ascend(const std::string& name, const std::vector<T>& value) const;
+  template <class T>
+  void check_range(const std::string& name, const std::vector<T>& value, double low, double high, const char* unit,
+                   const char* hint) const;
+  std::size_t columns() const { return grid_.length(0) * grid_.length(1); }
+  double height_m(std::size_t level) const;
+
+  LesFile& file_;
+  const LesGrid& grid_;
+  const std::vector<float>& water_;
+  std::vector<float> density_;
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,470 @@
+#include "les_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "text_tokens.hpp"
+
+namespace cloudbow {
+namespace {
+
+/// 0, 1, 2, ... or 1, 2, 3, ..., upwards or downwards: more likely numbers of cells than places. So are 0.5, 1.5, 2.5,
+/// ... if no unit says that they are lengths.
+bool counts_cells(const std::vector<double>& value, bool has_unit) {
+  if (value.size() < 2) return false;
+  const double least = std::min(value.front(), value.back());
+  if (least != 0 && least != 1 && (has_unit || least != 0.5)) return false;
+  const double step = value.back() > value.front() ? 1 : -1;
+  for (std::size_t n = 1; n < value.size(); ++n) {
+    if (value[n] - value[n - 1] != step) return false;
+  }
+  return true;
+}
+
+/// The number that was meant: 0.42 for the float next to it, not 0.41999998688697815.
+double decimal_of(float value) { return number_in(fmt::format("{}", value)).value_or(value); }
+
+}  // namespace
+
+LesGrid::LesGrid(LesFile& file, const NetcdfVariable& variable) : file_(file) {
+  assign_axes(variable);
+  check_time(variable);
+  set_columns();
+  set_levels();
+  check_counts();
+}
+
+LevelledCloud LesGrid::empty_cloud() const {
+  LevelledCloud cloud;
+  cloud.nx = static_cast<int>(axes_[0].length);
+  cloud.ny = static_cast<int>(axes_[1].length);
+  cloud.dx_m = size_m_[0];
+  cloud.dy_m = size_m_[1];
+  cloud.x_min_m = low_m_[0];
+  cloud.y_min_m = low_m_[1];
+  cloud.z_edge_m = z_edge_m_;
+  return cloud;
+}
+
+std::string LesGrid::cell_text(std::size_t n) const {
+  const std::size_t nx = axes_[0].length, ny = axes_[1].length;
+  return fmt::format("cell ({}, {}, {})", n % nx, n / nx % ny, n / nx / ny);
+}
+
+// -- axes ---------------------------------------------------------------------------------------------------------
+
+void LesGrid::assign_axes(const NetcdfVariable& variable) {
+  const std::size_t rank = variable.length.size();
+  if (rank < 1 || rank > 4) {
+    file_.fail("'{}': wrong number of dimensions (found {}, allowed z; z, x; z, y, x; with or without time)",
+               variable.name, rank);
+  }
+  std::vector<int> role(rank, -1);
+  for (std::size_t n = 0; n < rank; ++n) role[n] = axis_of_dimension(variable.dimension[n]);
+  // Names that say nothing stand for what is customary: (time, z, y, x), the last of them first.
+  for (std::size_t n = 0; n < rank; ++n) {
+    if (role[n] >= 0) continue;
+    const int customary = static_cast<int>(rank - 1 - n);
+    if (rank < 3 || std::find(role.begin(), role.end(), customary) != role.end()) {
+      file_.fail(
+          "'{}': dimension '{}' is none that is known (allowed: say which with --x-axis, --y-axis, --z-axis, "
+          "--time-axis)",
+          variable.name, variable.dimension[n]);
+    }
+    role[n] = customary;
+    file_.note("GUESSED axis: dimension '{}' is {}", variable.dimension[n],
+               kAxisNames[static_cast<std::size_t>(customary)]);
+  }
+  for (std::size_t n = 0; n < rank; ++n) {
+    auto& axis = axes_[static_cast<std::size_t>(role[n])];
+    if (axis.is_there) {
+      file_.fail("'{}': dimensions '{}' and '{}' are both taken for {} (allowed: say which with --{}-axis)",
+                 variable.name, axis.name, variable.dimension[n], kAxisNames[static_cast<std::size_t>(role[n])],
+                 kAxisNames[static_cast<std::size_t>(role[n])]);
+    }
+    axis = {true, variable.dimension[n], variable.length[n]};
+  }
+  if (!axes_[2].is_there)
+    file_.fail("'{}': no vertical dimension (found only others; say which with --z-axis)", variable.name);
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (axes_[a].is_there && axes_[a].length == 0)
+      file_.fail("axis '{}' has length 0 (allowed: at least 1)", axes_[a].name);
+  }
+  check_import_size(file_.options, static_cast<double>(axes_[0].length), static_cast<double>(axes_[1].length),
+                    static_cast<double>(axes_[2].length));
+}
+
+int LesGrid::axis_of_dimension(const std::string& dimension) const {
+  const auto& given = file_.options.axes;
+  for (std::size_t a = 0; a < 4; ++a) {
+    if (!given[a].empty() && given[a] == dimension) return static_cast<int>(a);
+  }
+  const int guess = axis_of_name(dimension);
+  return guess >= 0 && !given[static_cast<std::size_t>(guess)].empty() ? -1 : guess;
+}
+
+void LesGrid::check_time(const NetcdfVariable& variable) {
+  const Axis& time = axes_[3];
+  const std::size_t wanted = file_.options.time;
+  if (!time.is_there) {
+    if (wanted > 0) file_.fail("'{}' has no time axis (found --time {}, allowed 0)", variable.name, wanted);
+    return;
+  }
+  if (time.length == 0)
+    file_.fail("time axis '{}' has length 0: there is no field in the file (allowed: at least 1)", time.name);
+  if (wanted >= time.length) {
+    file_.fail("--time is beyond the time axis '{}' (found {}, allowed 0 to {})", time.name, wanted, time.length - 1);
+  }
+  if (time.length > 1) file_.note("time: {} of 0 to {} on '{}'", wanted, time.length - 1, time.name);
+}
+
+// -- coordinates --------------------------------------------------------------------------------------------------
+
+const NetcdfVariable* LesGrid::coordinate_variable(std::size_t axis) const {
+  for (const std::string& name : {axes_[axis].name, std::string(kAxisNames[axis])}) {
+    const NetcdfVariable* variable = file_.input.find(name);
+    if (variable != nullptr && !variable->dimension.empty() && variable->dimension.back() == axes_[axis].name)
+      return variable;
+  }
+  return nullptr;
+}
+
+LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* variable) {
+  const Axis& axis = axes_[a];
+  if (variable == nullptr) return {{}, fmt::format("found no variable of this name and length"), false};
+  std::vector<std::size_t> start(variable->length.size(), 0), count = variable->length;
+  if (count.size() == 2 && variable->dimension[0] == axes_[3].name) {  // levels that a file repeats at every time
+    start[0] = file_.options.time;
+    count[0] = 1;
+  } else if (count.size() != 1) {
+    return {{},
+            fmt::format("'{}' is not a list of coordinates (found {} dimensions)", variable->name, count.size()),
+            false};
+  }
+  if (count.back() != axis.length)
+    return {{}, fmt::format("'{}' has {} values for {} cells", variable->name, count.back(), axis.length), false};
+  std::vector<double> value = file_.input.read(*variable, start, count);
+  for (double& number : value) {
+    if (!std::isfinite(number))
+      file_.fail("'{}': a coordinate is not finite or missing (found {})", variable->name, number);
+    if (variable->is_float32) number = decimal_of(static_cast<float>(number));
+  }
+  const bool ascend = value.back() >= value.front();
+  const std::string meaning = file_.meaning(*variable);
+  const auto means = [&](const char* word) { return meaning.find(word) != std::string::npos; };
+  const bool point_down = a == 2 && (lower_case(file_.input.text_attribute(*variable, "positive")) == "down" ||
+                                     factor_of(kPressureUnits, variable->units) || means("sigma") || means("hybrid"));
+  Coordinates found{{}, "", point_down ? ascend && value.size() > 1 : !ascend};
+  const auto known = factor_of(kLength, variable->units);
+  if (!known && !variable->units.empty()) {
+    found.problem = fmt::format("'{}' is in '{}' and not in a unit of length", variable->name, variable->units);
+  } else if (point_down) {
+    found.problem = fmt::format("'{}' grows downwards by its attributes", variable->name);
+  } else if (!known && counts_cells(value, false)) {
+    found.problem = fmt::format("'{}' has no unit and counts cells: {}, {}, ...", variable->name, value[0], value[1]);
+  } else if (!known && a < 2 && axis_is_angle(variable->name)) {
+    found.problem = fmt::format("'{}' has no unit and is an angle by its name", variable->name);
+  } else if (!known && a == 2 && std::max(value.front(), value.back()) <= 1) {
+    found.problem = fmt::format("'{}' has no unit and values up to 1", variable->name);
+  }
+  if (!found.problem.empty()) return found;
+  is_count_[a] = counts_cells(value, true);
+  const double extent = std::abs(value.back() - value.front());
+  const bool seems_km = extent < 0.5 * static_cast<double>(value.size());
+  const double unit = file_.factor(*variable, kLength, seems_km ? 1e3 : 1, seems_km ? "km" : "m");
+  for (double& number : value) number *= unit;
+  found.value = std::move(value);
+  return found;
+}
+
+void LesGrid::set_columns() {
+  const auto& given = file_.options.voxel_size_m;
+  std::array<std::string, 2> problem;
+  for (std::size_t a = 0; a < 2; ++a) {
+    const Axis& axis = axes_[a];
+    if (!axis.is_there || axis.length == 1) {
+      problem[a] = "found one cell alone";
+      if (given) size_m_[a] = (*given)[a];
+      continue;
+    }
+    const NetcdfVariable* variable = coordinate_variable(a);
+    if (given && variable == nullptr) {
+      size_m_[a] = (*given)[a];
+      continue;
+    }
+    Coordinates centre = coordinates(a, variable);
+    is_reversed_[a] = centre.descend;
+    if (given) {
+      size_m_[a] = (*given)[a];
+      is_count_[a] = false;
+      const bool differ = centre.value.empty() ||
+                          std::abs(std::abs(centre.value[1] - centre.value[0]) - size_m_[a]) > 1e-3 * size_m_[a];
+      if (differ) {
+        file_.note("columns: {:.6g} m along {}, as --voxel-size-m says, in place of '{}'", size_m_[a], kAxisNames[a],
+                   variable->name);
+      }
+      continue;
+    }
+    if (centre.value.empty()) {
+      problem[a] = centre.problem;
+      // WRF has no coordinates in metres.
+      const bool is_wrf = axis.name == "west_east" || axis.name == "south_north";
+      const auto spacing = file_.input.global_number(a == 0 ? "DX" : "DY");
+      if (!is_wrf || !spacing || !(*spacing > 0)) continue;
+      size_m_[a] = *spacing;
+      file_.note("columns: {:.6g} m along {}, as the file's attribute {} says", *spacing, kAxisNames[a],
+                 a == 0 ? "DX" : "DY");
+      continue;
+    }
+    if (is_reversed_[a]) {
+      std::reverse(centre.value.begin(), centre.value.end());
+      file_.note("columns: '{}' descends, the field is turned so that {} ascends", variable->name, kAxisNames[a]);
+    }
+    size_m_[a] = uniform_spacing(file_.options.file, axis.name, centre.value);
+    low_m_[a] = centre.value.front() - 0.5 * size_m_[a];
+  }
+  // A single row or column is as wide as the other way.
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (size_m_[a] == 0 && axes_[a].length == 1) size_m_[a] = size_m_[1 - a];
+  }
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (!(size_m_[a] > 0)) {
+      file_.fail("no coordinates of '{}' in metres ({}, allowed m, km) give --voxel-size-m",
+                 axes_[a].name.empty() ? kAxisNames[a] : axes_[a].name, problem[a]);
+    }
+  }
+}
+
+/// Lengths that say 0, 1, 2, ... along all axes count cells, whatever the unit says.
+void LesGrid::check_counts() const {
+  if (!is_count_[2]) return;
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (axes_[a].length > 1 && !is_count_[a]) return;
+  }
+  file_.fail(
+      "coordinates count cells (found 0, 1, 2, ... or 1, 2, 3, ... along all axes, allowed heights and places in m or "
+      "km) give --voxel-size-m DX DY DZ");
+}
+
+// -- levels -------------------------------------------------------------------------------------------------------
+
+/// The dimension that counts levels, or edges of levels; nothing if there is another that is no axis.
+std::optional<std::size_t> LesGrid::vertical_dimension(const NetcdfVariable& variable) const {
+  std::optional<std::size_t> vertical;
+  for (std::size_t n = 0; n < variable.length.size(); ++n) {
+    const std::string& name = variable.dimension[n];
+    const auto axis =
+        std::find_if(axes_.begin(), axes_.end(), [&](const Axis& a) { return a.is_there && a.name == name; });
+    if (axis != axes_.end() && axis != axes_.begin() + 2) continue;
+    const std::size_t length = variable.length[n];
+    const bool may_be = axis == axes_.begin() + 2 || length == axes_[2].length + 1;
+    if (!may_be || vertical) return std::nullopt;
+    vertical = n;
+  }
+  return vertical;
+}
+
+/// Means over the columns of a field of heights, the sum of two variables if there is a base. Levels must be flat.
+std::vector<double> LesGrid::level_means(const NetcdfVariable& variable, const NetcdfVariable* base) const {
+  const std::size_t rank = variable.length.size(), vertical = *vertical_dimension(variable);
+  std::vector<std::size_t> start(rank, 0), count = variable.length;
+  std::size_t inner = 1, outer = 1;
+  for (std::size_t n = 0; n < rank; ++n) {
+    if (variable.dimension[n] == axes_[3].name && axes_[3].is_there) {
+      start[n] = file_.options.time;
+      count[n] = 1;
+    }
+    if (n > vertical) inner *= count[n];
+    if (n < vertical) outer *= count[n];
+  }
+  std::vector<double> height = file_.input.read(variable, start, count);
+  if (base != nullptr) {
+    const std::vector<double> more = file_.input.read(*base, start, count);
+    for (std::size_t n = 0; n < height.size(); ++n) height[n] += more[n];
+  }
+  const std::size_t levels = count[vertical];
+  std::vector<double> mean(levels, 0), lowest(levels, INFINITY), highest(levels, -INFINITY);
+  for (std::size_t o = 0; o < outer; ++o) {
+    for (std::size_t k = 0; k < levels; ++k) {
+      for (std::size_t i = 0; i < inner; ++i) {
+        const double z = height[(o * levels + k) * inner + i];
+        if (!std::isfinite(z)) file_.fail("'{}': a height is not finite or missing (found {})", variable.name, z);
+        mean[k] += z / static_cast<double>(outer * inner);
+        lowest[k] = std::min(lowest[k], z);
+        highest[k] = std::max(highest[k], z);
+      }
+    }
+  }
+  constexpr double flat = 0.02;  // of the distance of levels: less than what cells of uniform thickness change anyway
+  for (std::size_t k = 0; k < levels && levels > 1; ++k) {
+    const double spacing = k == 0 ? std::abs(mean[1] - mean[0]) : std::abs(mean[k] - mean[k - 1]);
+    if (highest[k] - lowest[k] > flat * spacing) {
+      file_.fail(
+          "'{}': levels are not flat (found {:.6g} to {:.6g} at level {}, allowed a difference of {} of their "
+          "distance) "
+          "interpolate the fields to fixed heights",
+          variable.name, lowest[k], highest[k], k, flat);
+    }
+    if (highest[k] > lowest[k]) continue;
+    mean[k] = lowest[k];  // without the rounding of the sum
+  }
+  return mean;
+}
+
+/// Edges of cells, in m, by the attribute "bounds" of CF: lower and upper edge of each cell. Empty if the file has
+/// none, or they do not meet.
+std::vector<double> LesGrid::edges_by_bounds(const NetcdfVariable& variable) const {
+  const auto unit = factor_of(kLength, variable.units);
+  const NetcdfVariable* bounds = file_.input.find(file_.input.text_attribute(variable, "bounds"));
+  const std::size_t levels = axes_[2].length;
+  if (!unit || bounds == nullptr || bounds->length != std::vector<std::size_t>{levels, 2}) return {};
+  std::vector<double> bound = file_.input.read(*bounds);
+  for (double& z : bound) z = *unit * (bounds->is_float32 ? decimal_of(static_cast<float>(z)) : z);
+  const bool is_turned = (bound[0] > bound[1]) != (bound.front() > bound.back());  // lower edge first, levels descend
+  std::vector<double> edge{bound[is_turned ? 1 : 0]};
+  for (std::size_t k = 0; k < levels; ++k) {
+    const double begin = bound[2 * k + (is_turned ? 1 : 0)], end = bound[2 * k + (is_turned ? 0 : 1)];
+    if (!(std::abs(begin - edge.back()) <= 1e-5 * std::abs(end - begin))) return {};
+    edge.push_back(end);
+  }
+  return edge;
+}
+
+std::optional<LesGrid::Heights> LesGrid::find_heights() {
+  const std::size_t levels = axes_[2].length;
+  if (const NetcdfVariable* own = coordinate_variable(2)) {
+    Coordinates found = coordinates(2, own);
+    if (!found.value.empty()) {
+      std::vector<double> edges = edges_by_bounds(*own);
+      if (!edges.empty())
+        return Heights{own->name + "' by its bounds '" + file_.input.text_attribute(*own, "bounds"), std::move(edges),
+                       true};
+      return Heights{own->name, std::move(found.value), false};
+    }
+    height_problem_ = found.problem;
+    is_reversed_[2] = found.descend;
+  }
+  const NetcdfVariable *perturbation = file_.input.find("PH"), *base = file_.input.find("PHB");
+  if (perturbation != nullptr && base != nullptr && perturbation->dimension == base->dimension &&
+      vertical_dimension(*perturbation)) {
+    constexpr double wrf_gravity = 9.81;  // m/s2, by which WRF makes its geopotential
+    Heights heights{"(PH + PHB) / g", level_means(*perturbation, base), false};
+    for (double& z : heights.value) z /= wrf_gravity;
+    heights.are_edges = heights.value.size() == levels + 1;
+    return heights;
+  }
+  for (const std::string& name : kHeights) {
+    const NetcdfVariable* variable = file_.input.find(name);
+    if (variable == nullptr || !vertical_dimension(*variable)) continue;
+    const auto unit = factor_of(kLength, variable->units);
+    if (variable->length.size() == 1 && variable->length[0] == levels) {
+      Coordinates found = coordinates(2, variable);
+      if (!found.value.empty()) return Heights{name, std::move(found.value), false};
+      continue;
+    }
+    if (!unit) continue;
+    Heights heights{name, level_means(*variable, nullptr), false};
+    for (double& z : heights.value) z = *unit * (variable->is_float32 ? decimal_of(static_cast<float>(z)) : z);
+    heights.are_edges = heights.value.size() == levels + 1;
+    return heights;
+  }
+  return std::nullopt;
+}
+
+void LesGrid::set_levels_of_equal_size(double size, const std::string& instead_of) {
+  for (std::size_t k = 0; k <= axes_[2].length; ++k) z_edge_m_.push_back(static_cast<double>(k) * size);
+  file_.note("levels: {} of {:.6g} m from the ground, {}, as --voxel-size-m says{}", axes_[2].length, size,
+             is_reversed_[2] ? "the file's last the lowest" : "the file's first the lowest", instead_of);
+}
+
+void LesGrid::set_levels() {
+  const auto& given = file_.options.voxel_size_m;
+  const bool has_one_level = axes_[2].length == 1;
+  std::optional<Heights> heights = find_heights();
+  if (heights) is_reversed_[2] = heights->value.front() > heights->value.back();
+  if (given && (!heights || file_.options.levels_by_voxel_size) && !(has_one_level && heights)) {
+    is_count_[2] = false;
+    const bool differ = heights && !heights->are_edges &&
+                        std::abs(std::abs(heights->value[1] - heights->value[0]) - (*given)[2]) > 1e-3 * (*given)[2];
+    set_levels_of_equal_size((*given)[2], !heights
+                                              ? ""
+                                              : fmt::format(", in place of '{}' ({:.6g} to {:.6g} m{})", heights->name,
+                                                            heights->value.front(), heights->value.back(),
+                                                            differ ? ", of other thickness" : ""));
+    return;
+  }
+  if (!heights) {
+    file_.fail("no heights of '{}' in metres ({}, allowed m, km) give --voxel-size-m DX DY DZ", axes_[2].name,
+               height_problem_.empty() ? "found no variable of this name and length" : height_problem_);
+  }
+  std::vector<double>& level = heights->value;
+  if (level.size() == 1) {
+    if (!given)
+      file_.fail("'{}': one level alone does not say how thick it is (allowed with --voxel-size-m)", heights->name);
+    const double half = 0.5 * (*given)[2];
+    z_edge_m_ = {level[0] - half, level[0] + half};
+    return;
+  }
+  if (is_reversed_[2]) std::reverse(level.begin(), level.end());
+  for (std::size_t k = 1; k < level.size(); ++k) {
+    if (!(level[k] > level[k - 1])) {
+      file_.fail("'{}': levels are not monotonic (found {:.6g} m next to {:.6g} m, allowed ascending or descending)",
+                 heights->name, level[k], level[k - 1]);
+    }
+  }
+  z_edge_m_ = heights->are_edges ? level : edges_between(level);
+  file_.note("levels: '{}', {} {}", heights->name, level.size(),
+             heights->are_edges ? "edges of cells" : "centres of cells that meet halfway");
+}
+
+// -- fields -------------------------------------------------------------------------------------------------------
+
+bool LesGrid::holds(const NetcdfVariable& variable) const {
+  for (std::size_t n = 0; n < variable.length.size(); ++n) {
+    const auto is_axis = [&](const Axis& a) {
+      return a.is_there && a.name == variable.dimension[n] && a.length == variable.length[n];
+    };
+    if (std::none_of(axes_.begin(), axes_.end(), is_axis)) return false;
+  }
+  return true;
+}
+
+std::vector<float> LesGrid::read(const NetcdfVariable& variable, const char* what) const {
+  const std::size_t rank = variable.length.size();
+  std::vector<std::size_t> start(rank, 0), count = variable.length;
+  std::array<std::size_t, 3> stride{0, 0, 0};
+  std::size_t step = 1;
+  for (std::size_t n = rank; n-- > 0;) {
+    const auto axis = std::find_if(axes_.begin(), axes_.end(),
+                                   [&](const Axis& a) { return a.is_there && a.name == variable.dimension[n]; });
+    if (axis == axes_.end() || axis->length != variable.length[n]) {
+      file_.fail("'{}' ({}): dimension '{}' is not one of the cloud's (allowed: some of those)", variable.name, what,
+                 variable.dimension[n]);
+    }
+    const auto a = static_cast<std::size_t>(axis - axes_.begin());
+    if (a == 3) {
+      start[n] = file_.options.time;
+      count[n] = 1;
+    } else {
+      stride[a] = step;
+      step *= variable.length[n];
+    }
+  }
+  const std::vector<double> stored = file_.input.read(variable, start, count);
+  const std::size_t nx = axes_[0].length, ny = axes_[1].length, nz = axes_[2].length;
+  const auto place = [&](std::size_t a, std::size_t n) {
+    return stride[a] * (is_reversed_[a] ? axes_[a].length - 1 - n : n);
+  };
+  std::vector<float> value;
+  value.reserve(nx * ny * nz);
+  for (std::size_t k = 0; k < nz; ++k) {
+    for (std::size_t j = 0; j < ny; ++j) {
+      for (std::size_t i = 0; i < nx; ++i) {
+        value.push_back(static_cast<float>(stored[place(2, k) + place(1, j) + place(0, i)]));
+      }
+    }
+  }
+  return value;
+}
+
+}  // namespace cloudbow

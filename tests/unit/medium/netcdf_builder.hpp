@@ -1,0 +1,62 @@
+// Makes small netCDF-4 files for tests, variable by variable.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <netcdf.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cloudbow {
+
+class NetcdfBuilder {
+ public:
+  explicit NetcdfBuilder(const std::filesystem::path& path) : path_(path) {
+    check(nc_create(path.c_str(), NC_CLOBBER | NC_NETCDF4, &id_));
+  }
+  ~NetcdfBuilder() {
+    if (id_ >= 0) nc_close(id_);
+  }
+  NetcdfBuilder(const NetcdfBuilder&) = delete;
+  NetcdfBuilder& operator=(const NetcdfBuilder&) = delete;
+
+  void dimension(const std::string& name, std::size_t length) {
+    int made = 0;
+    check(nc_def_dim(id_, name.c_str(), length, &made));
+  }
+  void variable(const std::string& name, const std::vector<std::string>& dimensions, const std::string& units,
+                const std::vector<double>& values, nc_type type = NC_FLOAT) {
+    std::vector<int> dimension(dimensions.size());
+    for (std::size_t n = 0; n < dimensions.size(); ++n) check(nc_inq_dimid(id_, dimensions[n].c_str(), &dimension[n]));
+    int made = 0;
+    check(nc_def_var(id_, name.c_str(), type, static_cast<int>(dimension.size()), dimension.data(), &made));
+    if (!units.empty()) text(name, "units", units);
+    check(nc_put_var_double(id_, made, values.data()));
+  }
+  void text(const std::string& name, const std::string& attribute, const std::string& value) {
+    check(nc_put_att_text(id_, find(name), attribute.c_str(), value.size(), value.c_str()));
+  }
+  void number(const std::string& name, const std::string& attribute, const std::vector<double>& value, nc_type type) {
+    const int variable = name.empty() ? NC_GLOBAL : find(name);
+    check(nc_put_att_double(id_, variable, attribute.c_str(), type, value.size(), value.data()));
+  }
+  std::filesystem::path close() {
+    nc_close(std::exchange(id_, -1));
+    return path_;
+  }
+
+ private:
+  static void check(int status) { ASSERT_EQ(status, NC_NOERR) << nc_strerror(status); }
+  int find(const std::string& name) const {
+    int variable = 0;
+    check(nc_inq_varid(id_, name.c_str(), &variable));
+    return variable;
+  }
+
+  std::filesystem::path path_;
+  int id_ = -1;
+};
+
+}  // namespace cloudbow
