@@ -135,6 +135,19 @@ std::optional<double> NetcdfInput::number_attribute(const NetcdfVariable& variab
   return number;
 }
 
+NetcdfInput::NumberRange NetcdfInput::valid_range(const NetcdfVariable& variable) const {
+  NumberRange range;
+  range.least = number_attribute(variable, "valid_min").value_or(range.least);
+  range.largest = number_attribute(variable, "valid_max").value_or(range.largest);
+  std::size_t length = 0;
+  std::array<double, 2> both{};
+  if (nc_inq_attlen(id_, variable.id, "valid_range", &length) == NC_NOERR && length == 2 &&
+      nc_get_att_double(id_, variable.id, "valid_range", both.data()) == NC_NOERR) {
+    range = {both[0], both[1]};
+  }
+  return range;
+}
+
 std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
                                       const std::vector<std::size_t>& count) const {
   double size = 1;
@@ -149,10 +162,12 @@ std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std:
   const auto missing = number_attribute(variable, "missing_value");
   const double scale = number_attribute(variable, "scale_factor").value_or(1);
   const double offset = number_attribute(variable, "add_offset").value_or(0);
+  const NumberRange valid = valid_range(variable);
   // Written nowhere, floats hold the library's own fill value.
   constexpr double never_written = 9.9e36;
   for (double& number : value) {
-    if (number == fill || number == missing || number > never_written) {
+    if (number == fill || number == missing || number > never_written || number < valid.least ||
+        number > valid.largest) {
       number = std::numeric_limits<double>::quiet_NaN();
     } else {
       number = number * scale + offset;

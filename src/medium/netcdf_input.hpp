@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,7 +30,8 @@ class NetcdfInput {
   /// Empty where there is none, or it is no text.
   std::string text_attribute(const NetcdfVariable& variable, const char* name) const;
 
-  /// A part of a numeric variable, scale_factor and add_offset applied; fill and missing values become NaN.
+  /// A part of a numeric variable, scale_factor and add_offset applied; fill and missing values and
+  /// those outside valid_range become NaN.
   /// @throws InputError naming the variable.
   std::vector<double> read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
                            const std::vector<std::size_t>& count) const;
@@ -38,6 +40,12 @@ class NetcdfInput {
  private:
   void check(int status, const std::string& what) const;
   std::optional<double> number_attribute(const NetcdfVariable& variable, const char* name) const;
+  /// Of the numbers as they are stored; beyond it they are missing.
+  struct NumberRange {
+    double least = -std::numeric_limits<double>::infinity();
+    double largest = std::numeric_limits<double>::infinity();
+  };
+  NumberRange valid_range(const NetcdfVariable& variable) const;
   void list_variables();
   double attribute_bytes(int variable) const;
   void check_length() const;
