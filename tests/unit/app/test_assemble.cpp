@@ -138,7 +138,7 @@ class MieSceneTest : public AssembleTest {
  protected:
   MieSceneTest() {
     write_droplet_table(folder_ / "drops.h5",
-                        {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.8, 0.6, 0.01}, {1, 0.4, 0.1, 0.002}}},
+                        {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.4, 0.1, 0.008}, {1, 0.2, 0.05, 0.002}}},
                         {{1.33, 0}, "", 1, "gamma", 0.1, "", ""});
   }
 
@@ -172,7 +172,7 @@ TEST_F(MieSceneTest, DropletsOfOneRadius) {
   const AssembledScene scene = mie("effective_radius_um = 10");  // the file's quantity: extinction
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.02f);
   EXPECT_EQ(scene.problem.grid.absorption[0], 0);
-  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.2);
   // What the scene says itself wins over the table.
   EXPECT_FLOAT_EQ(mie("effective_radius_um = 10\nsingle_scattering_albedo = 0.75").problem.grid.absorption[0], 0.005f);
 }
@@ -196,8 +196,8 @@ TEST_F(MieSceneTest, DropletsOfTheVoxelsRadius) {
   const AssembledScene scene = mie(cloud);  // the radii serve as water contents too
   const OpticalGrid& grid = scene.problem.grid;
   ASSERT_EQ(scene.problem.phase.size(), 2u);
-  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.8);
-  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.2);
   EXPECT_FLOAT_EQ(grid.scattering[0][0], 5 * 0.4f * 0.5f);
   EXPECT_EQ(grid.scattering[1][0], 0);
   EXPECT_FLOAT_EQ(grid.absorption[0], 5 * 0.4f * 0.5f);
@@ -260,7 +260,7 @@ TEST_F(MieSceneTest, SaysWhatIsWrong) {
 class PhaseSetTest : public AssembleTest {
  protected:
   PhaseSetTest() {
-    folder_.write("set.csv", "# three functions\nl,a,b,c\n0,1,1,1\n1,0.8,0.4,0.6\n2,0.6,0.1,0.35\n");
+    folder_.write("set.csv", "# three functions\nl,a,b,c\n0,1,1,1\n1,0.4,0.2,0.3\n2,0.1,0.05,0.08\n");
     write(std::vector<float>{1, 3, 2, 3});
   }
   void write(const std::vector<float>& index) {
@@ -289,9 +289,9 @@ class PhaseSetTest : public AssembleTest {
 TEST_F(PhaseSetTest, VoxelsTakeTheirOwnFunction) {
   const AssembledScene scene = with_set("[solver]\nclass_tolerance = 0");
   ASSERT_EQ(scene.problem.phase.size(), 3u);
-  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
-  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.6);
-  EXPECT_EQ(scene.problem.phase[2].moment(1), 0.8);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.2);
+  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.3);
+  EXPECT_EQ(scene.problem.phase[2].moment(1), 0.4);
   const auto& scattering = scene.problem.grid.scattering;
   EXPECT_EQ(scattering[0], (std::vector<float>{0, 0, 0.02f, 0}));
   EXPECT_EQ(scattering[1], (std::vector<float>{0, 0.02f, 0, 0.015f}));
@@ -304,7 +304,7 @@ TEST_F(PhaseSetTest, VoxelsTakeTheirOwnFunction) {
 
 TEST_F(PhaseSetTest, ClassesKeepScatteringAndAsymmetry) {
   const AssembledScene scene = with_set("[solver]\nclass_tolerance = 0.1");
-  ASSERT_EQ(scene.problem.phase.size(), 2u);  // 0.6 lies halfway between 0.4 and 0.8
+  ASSERT_EQ(scene.problem.phase.size(), 2u);  // 0.3 lies halfway between 0.2 and 0.4
   const auto& scattering = scene.problem.grid.scattering;
   EXPECT_FLOAT_EQ(scattering[0][1], 0.01f);
   EXPECT_FLOAT_EQ(scattering[1][1], 0.01f);
@@ -323,7 +323,8 @@ TEST_F(PhaseSetTest, SaysWhatIsWrong) {
                                     {"0,1\n1,0.8,0.3\n", ":2: 3 numbers"},
                                     {"0,1\n2,0.8\n", "found l = 2, allowed 1"},
                                     {"0,0.9\n1,0.8\n", "moment 0 of function 1"},
-                                    {"0,1\n1,nan\n", "out of range"},
+                                    {"0,1\n1,nan\n", "not numbers"},
+                                    {"0,1,1\n1,0.1,0.8\n", "function 2: phase function: negative (found -1.4 at 180"},
                                     {"nothing here\n", "too few rows"}}) {
     folder_.write("set.csv", text);
     EXPECT_THAT(set_message(), AllOf(HasSubstr("set.csv"), HasSubstr(words)));
