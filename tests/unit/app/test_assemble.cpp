@@ -1,9 +1,11 @@
 // From scene to problem. Truth: hand-counted grids, the formulas of the scene format.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netcdf.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/assemble.hpp"
@@ -131,6 +133,43 @@ TEST_F(AssembleTest, DropletsFromLiquidWater) {
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.003f);
   EXPECT_THAT(message("", "quantity = \"liquid_water_content\"\nsingle_scattering_albedo = 1"),
               AllOf(HasSubstr("effective_radius_um"), HasSubstr("missing")));
+}
+
+/// A map of 1 x 2 albedos, .1 and .7, at these places along x.
+void write_map(const std::filesystem::path& file, std::array<double, 2> x, const std::string& units) {
+  int id = 0, y_dimension = 0, x_dimension = 0, coordinate = 0, variable = 0;
+  ASSERT_EQ(nc_create(file.c_str(), NC_CLOBBER, &id), NC_NOERR);
+  nc_def_dim(id, "y", 1, &y_dimension);
+  nc_def_dim(id, "x", 2, &x_dimension);
+  nc_def_var(id, "x", NC_DOUBLE, 1, &x_dimension, &coordinate);
+  nc_put_att_text(id, coordinate, "units", units.size(), units.c_str());
+  const std::array<int, 2> dimensions{y_dimension, x_dimension};
+  nc_def_var(id, "albedo", NC_FLOAT, 2, dimensions.data(), &variable);
+  nc_enddef(id);
+  nc_put_var_double(id, coordinate, x.data());
+  const std::array<float, 2> albedo{.1F, .7F};
+  nc_put_var_float(id, variable, albedo.data());
+  nc_close(id);
+}
+
+// Two halves of four columns. In metres the map has the size of the domain, 100 m.
+TEST_F(AssembleTest, MapsOfAlbedoCoverTheDomain) {
+  const auto row = [&] { return assembled("[surface]\nalbedo_map = \"map.nc\"\n").problem.surface.albedo_map; };
+  const auto expect_row = [&](float west, float east) {
+    const std::vector<float> albedo = row();
+    ASSERT_EQ(albedo.size(), 12u);
+    for (std::size_t n = 0; n < albedo.size(); ++n) EXPECT_FLOAT_EQ(albedo[n], n % 4 < 2 ? west : east);
+  };
+  write_map(folder_ / "map.nc", {25, 75}, "m");
+  expect_row(.1F, .7F);
+  write_map(folder_ / "map.nc", {4000.075, 4000.025}, "km");  // from elsewhere, and turned
+  expect_row(.7F, .1F);
+  write_map(folder_ / "map.nc", {8, 9}, "degrees_east");  // of no known length
+  expect_row(.1F, .7F);
+  write_map(folder_ / "map.nc", {25, 1025}, "m");
+  EXPECT_THAT(message("[surface]\nalbedo_map = \"map.nc\"\n"),
+              AllOf(HasSubstr("scene.toml:9: surface.albedo_map"), HasSubstr("map.nc"),
+                    HasSubstr("found 2000 m along x"), HasSubstr("allowed 100 m"), HasSubstr("cut the map")));
 }
 
 /// The same cloud with droplets by a table: radii 5 and 10 um, extinctions 0.4 and 0.1 m2/g, albedos 0.5 and 1.
