@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -13,9 +15,9 @@
 #include "cache_directory.hpp"
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/albedo_map.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/optics/phase_classes.hpp"
-#include "cloudbow/results/raster_file.hpp"
 #include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
 
@@ -381,27 +383,35 @@ void check_cameras(const Scene& scene, double ground_m) {
   }
 }
 
+/// A map of another size, by its own coordinates, is that of another place.
+void check_map_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m) {
+  const std::array<int, 2> cells{map.nx, map.ny};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double slack = std::max(0.01, 1.0 / cells[axis]);
+    if (!map.length_m[axis] || std::abs(*map.length_m[axis] / domain_m[axis] - 1) <= slack) continue;
+    throw InputError(
+        fmt::format("{}: not the size of the domain (found {:.6g} m along {} by its coordinates, allowed {:.6g} m, to "
+                    "1 % or a cell) cut the map to the domain, or leave its coordinates out",
+                    file.string(), *map.length_m[axis], axis == 0 ? "x" : "y", domain_m[axis]));
+  }
+}
+
+std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, const Domain& domain) {
+  try {
+    const AlbedoMap map = read_albedo_map(scene.albedo_map);
+    check_map_covers(map, scene.albedo_map, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]});
+    return area_means(map, box.nx, box.ny);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.where("surface.albedo_map"), error.what()));
+  }
+}
+
 }  // namespace
 
 Direction sun_travel(const SceneSun& sun) {
   const double zenith = sun.zenith_deg * std::numbers::pi / 180;
   const double azimuth = sun.azimuth_deg * std::numbers::pi / 180;
   return {-std::sin(zenith) * std::cos(azimuth), -std::sin(zenith) * std::sin(azimuth), -std::cos(zenith)};
-}
-
-Raster read_albedo_map(const Scene& scene) {
-  try {
-    Raster raster = read_raster(scene.albedo_map, "albedo");
-    for (std::size_t i = 0; i < raster.value.size(); ++i) {
-      const float albedo = raster.value[i];
-      if (albedo >= 0 && albedo <= 1) continue;
-      throw InputError(fmt::format("{}: albedo at row {}, column {} is {} (allowed: 0 to 1)", scene.albedo_map.string(),
-                                   i / raster.nx, i % raster.nx, albedo));
-    }
-    return raster;
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.where("surface.albedo_map"), error.what()));
-  }
 }
 
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
@@ -457,8 +467,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
   if (!scene.albedo_map.empty()) {
-    const BoxGrid& box = problem.grid.box;
-    problem.surface.albedo_map = area_means(read_albedo_map(scene), box.nx, box.ny);
+    problem.surface.albedo_map = albedo_of_columns(scene, problem.grid.box, domain);
   }
   for (const double height : scene.output.heights_m) {
     const int level = nearest_edge(problem.grid.box.z_edge_m, height);

@@ -9,6 +9,7 @@
 #include "cloudbow/medium/cloud_import.hpp"
 #include "cloudbow/medium/cloud_makers.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/results/column_plot.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "command_checks.hpp"
@@ -74,7 +75,16 @@ std::filesystem::path phase_set_beside(std::filesystem::path output) { return ou
 
 /// Of the file given, or those in the cloud's own file.
 std::vector<std::vector<double>> phase_functions_of(const ImportCommand& command, ImportedCloud& cloud) {
-  if (command.phase_functions.empty()) return std::move(cloud.moments);
+  if (command.phase_functions.empty()) {
+    for (std::size_t p = 0; p < cloud.moments.size(); ++p) {
+      try {
+        check_not_negative(cloud.moments[p]);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: function {}: {}", command.import.file.string(), p + 1, error.what()));
+      }
+    }
+    return std::move(cloud.moments);
+  }
   const MomentFactor factor = command.moment_factor == "included"   ? MomentFactor::included
                               : command.moment_factor == "excluded" ? MomentFactor::excluded
                                                                     : MomentFactor::automatic;
@@ -82,6 +92,7 @@ std::vector<std::vector<double>> phase_functions_of(const ImportCommand& command
   cloud.notes.push_back(fmt::format("phase functions: {} in {}, moments {} the factor 2l+1{}", set.moments.size(),
                                     command.phase_functions.string(), set.factor_was_included ? "with" : "without",
                                     factor == MomentFactor::automatic ? " (GUESSED by their size)" : ""));
+  if (!set.note.empty()) cloud.notes.push_back(set.note);
   return std::move(set.moments);
 }
 

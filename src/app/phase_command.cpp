@@ -18,7 +18,9 @@
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/results/phase_report.hpp"
 #include "cloudbow/results/result_file.hpp"
+#include "cloudbow/sphere/scaled_vector.hpp"
 #include "history.hpp"
+#include "messages.hpp"
 
 namespace cloudbow {
 namespace {
@@ -89,8 +91,9 @@ NamedFunction make_phase_function(const Options& options) {
   }
   const std::filesystem::path file = required(options.file, "--file", options);
   const std::string title = fmt::format("{}, {}", options.type, file.filename().string());
-  if (options.type == "legendre") return {read_legendre_file(file), title};
-  return {read_phase_table_file(file), title};
+  PhaseFunctionFile read = options.type == "legendre" ? read_legendre_file(file) : read_phase_table_file(file);
+  for (const std::string& note : read.notes) tell("cloudbow: {}: {}\n", file.string(), note);
+  return {std::move(read.function), title};
 }
 
 /// The ordinates that the solver takes with so many control points.
@@ -134,7 +137,8 @@ int phase(const Options& options) {
     methods.push_back(phase_fit_method(name));
   }
   PhaseFitOptions fit = options.fit;
-  if (!options.travel.empty()) fit.travel = {options.travel[0], options.travel[1], options.travel[2]};
+  if (!options.travel.empty())
+    fit.travel = scaled_to_order_one({options.travel[0], options.travel[1], options.travel[2]});
   if (!fit.travel.allFinite()) throw InputError("phase: --travel is not a direction (allowed: three finite numbers)");
   const ControlPoints points(options.control_points);
   const OrdinateSet ordinates =
@@ -172,7 +176,7 @@ void add_phase(CLI::App& app, std::function<int()>& action, const std::string& c
   phase_app->add_option("--forward-weight", options->forward_weight, "double-henyey-greenstein: 0 to 1");
   phase_app
       ->add_option("--file", options->file,
-                   "legendre: lines \"l chi_l\" without the factor 2l+1; table: lines \"angle_deg value\"")
+                   "legendre: lines \"l chi_l\" without the factor 2l+1; table: lines \"angle_deg value\", of mean 1")
       ->type_name("FILE");
   phase_app->add_option("--control-points", options->control_points, "12, 42, 162 or 642")->capture_default_str();
   phase_app->add_option("--delta-m-order", options->delta_m_order, "Moments kept by the truncation, 1 to 64")

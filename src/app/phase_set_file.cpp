@@ -3,60 +3,46 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
+#include "number_rows.hpp"
 
 namespace cloudbow {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 256u << 20;
 constexpr double kRounding = 1e-4;  // of tables with five decimals
 
-void check_file(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) throw InputError(fmt::format("{}: no such file", file.string()));
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError(fmt::format("{}: not a file (allowed: a text file)", file.string()));
-  }
-  if (std::filesystem::file_size(file, error) > kMaxBytes) {
-    throw InputError(fmt::format("{}: too large (allowed: {} MB)", file.string(), kMaxBytes >> 20));
-  }
+/// Moments as the file has them, brought to chi_l.
+std::vector<double> without_factor(std::vector<double> moments) {
+  for (std::size_t l = 1; l < moments.size(); ++l) moments[l] /= static_cast<double>(2 * l + 1);
+  return moments;
 }
 
-/// None where a word is no number.
-std::optional<std::vector<double>> numbers_in(std::string_view line) {
-  constexpr std::string_view separators = " \t\r,";
-  std::vector<double> value;
-  for (std::size_t at = line.find_first_not_of(separators); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
-    double number = 0;
-    const auto [stop, error] = std::from_chars(line.data() + at, line.data() + end, number);
-    if (error != std::errc() || stop != line.data() + end) return std::nullopt;
-    value.push_back(number);
-    at = line.find_first_not_of(separators, end);
-  }
-  return value;
+bool is_negative(const std::vector<double>& moments) { return least_value(moments).value < least_allowed(moments); }
+
+/// Moments with the factor 2l+1 rise above 1, or they are those of a function that is negative without it.
+bool includes_factor(const std::vector<std::vector<double>>& functions, double largest) {
+  if (largest > 1 + kRounding) return true;
+  return std::any_of(functions.begin(), functions.end(), is_negative) &&
+         std::none_of(functions.begin(), functions.end(),
+                      [](const auto& moments) { return is_negative(without_factor(moments)); });
 }
 
 }  // namespace
 
 PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor factor) {
-  check_file(file);
-  std::ifstream stream(file);
-  if (!stream) throw InputError(fmt::format("{}: cannot be opened", file.string()));
+  std::ifstream stream = open_text(file);
   PhaseSetFile set;
   std::string line;
   std::size_t degree = 0;
   double largest = 0;
   for (int number = 1; std::getline(stream, line); ++number) {
-    const auto row = numbers_in(std::string_view(line).substr(0, line.find('#')));
+    const auto row = numbers_in(line);
     const auto fail = [&](const std::string& problem) {
       throw InputError(fmt::format("{}:{}: {}", file.string(), number, problem));
     };
@@ -84,7 +70,7 @@ PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor
   if (degree < 2)
     throw InputError(fmt::format("{}: too few rows (found {}, allowed l = 0, 1, ...)", file.string(), degree));
   set.factor_was_included =
-      factor == MomentFactor::included || (factor == MomentFactor::automatic && largest > 1 + kRounding);
+      factor == MomentFactor::included || (factor == MomentFactor::automatic && includes_factor(set.moments, largest));
   if (!set.factor_was_included && largest > 1 + kRounding) {
     throw InputError(
         fmt::format("{}: a moment is {} (allowed: -1 to 1, without the factor 2l+1)", file.string(), largest));
@@ -96,9 +82,13 @@ PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor
     }
     moments[0] = 1;
     while (moments.size() > 2 && moments.back() == 0) moments.pop_back();
-    for (std::size_t l = 1; l < moments.size(); ++l) {
-      if (set.factor_was_included) moments[l] /= static_cast<double>(2 * l + 1);
-      moments[l] = std::clamp(moments[l], -1.0, 1.0);
+    if (set.factor_was_included) moments = without_factor(std::move(moments));
+    for (double& moment : moments) moment = std::clamp(moment, -1.0, 1.0);
+    try {
+      const std::string note = check_not_negative(moments);
+      if (!note.empty() && set.note.empty()) set.note = fmt::format("function {}: {}", p + 1, note);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: function {}: {}", file.string(), p + 1, error.what()));
     }
   }
   return set;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/cloud_files.hpp"
@@ -66,6 +68,16 @@ void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& firs
   fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(forecast.memory) / 1e9,
              static_cast<double>(available) / 1e9);
   fmt::print("time      {:.1f} s predicted\n", forecast.seconds);
+}
+
+/// Each once: the scenes of a spectrum share their files.
+void tell_notes(const std::vector<Scene>& scenes) {
+  std::set<std::string> told;
+  for (const Scene& scene : scenes) {
+    for (const std::string& note : scene.notes) {
+      if (told.insert(note).second) tell("cloudbow: {}\n", note);
+    }
+  }
 }
 
 std::filesystem::path output_file(const RunOptions& options, const Scene& scene) {
@@ -132,6 +144,7 @@ void check_not_an_input(const std::filesystem::path& output, const Scene& scene)
 int run(const RunOptions& options) {
   std::vector<Scene> scenes = read_scenes(options.scene, options.overrides);
   const Scene first = scenes.front();
+  tell_notes(scenes);
   const std::filesystem::path output = output_file(options, first);
   check_not_an_input(output, first);
   if (options.compare) check_comparable(first);

@@ -92,6 +92,11 @@ void SceneReader::remember(const ConfigReader& reader, const std::string& key) {
   scene_.place[reader.full_name(key)] = reader.place_of(key);
 }
 
+void SceneReader::note(const ConfigReader& reader, const std::string& key, std::span<const std::string> notes) {
+  for (const std::string& note : notes)
+    scene_.notes.push_back(fmt::format("{}: {}: {}", reader.place_of(key), reader.full_name(key), note));
+}
+
 void SceneReader::read_domain(const ConfigReader& reader) {
   reader.check_keys({"boundary", "min_m", "max_m", "vertical_cells"});
   SceneDomain& domain = scene_.domain;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "cloudbow/app/phase_function_file.hpp"
 #include "cloudbow/app/phase_set_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/rayleigh.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
 #include "scene_reader.hpp"
@@ -47,7 +47,10 @@ SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const ConfigR
                                                     reader.number("forward_weight", kFraction, at_))};
   }
   if (type == "legendre") return read_legendre(reader);
-  if (type == "table") return read_table(reader);
+  if (type == "table") {
+    reader.check_keys({"type", "file"});
+    return read_function_file(reader, read_phase_table_file);
+  }
   if (type == "mie") return read_mie(reader);
   if (type == "set") return read_set(reader);
   reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
@@ -60,23 +63,24 @@ SceneReader::DefinedPhaseFunction SceneReader::read_legendre(const ConfigReader&
     reader.fail(reader.has("file") ? "file" : "moments", "moments = [...] and file exclude each other",
                 reader.has("file") ? "both" : "neither", "one of the two");
   }
+  if (reader.has("file")) return read_function_file(reader, read_legendre_file);
+  const auto moments = *reader.find_numbers("moments", {"chi_0 = 1, then -1 to 1, without the factor 2l+1", -1, 1});
   std::optional<PhaseFunction> function;
-  if (reader.has("file")) {
-    const auto file = existing_file(reader, "file");
-    reader.with_place("file", [&] { function = read_legendre_file(file); });
-  } else {
-    const auto moments = *reader.find_numbers("moments", {"chi_0 = 1, then -1 to 1", -1, 1});
-    reader.with_place("moments", [&] { function = PhaseFunction::legendre(moments); });
-  }
+  reader.with_place("moments", [&] {
+    function = PhaseFunction::legendre(moments);
+    const std::string told = check_not_negative(moments);
+    if (!told.empty()) note(reader, "moments", std::span(&told, 1));
+  });
   return {*function, true};
 }
 
-SceneReader::DefinedPhaseFunction SceneReader::read_table(const ConfigReader& reader) {
-  reader.check_keys({"type", "file"});
+SceneReader::DefinedPhaseFunction SceneReader::read_function_file(
+    const ConfigReader& reader, PhaseFunctionFile (*reader_of_file)(const std::filesystem::path&)) {
   const auto file = existing_file(reader, "file");
-  std::optional<PhaseFunction> function;
-  reader.with_place("file", [&] { function = read_phase_table_file(file); });
-  return {*function, true};
+  std::optional<PhaseFunctionFile> found;
+  reader.with_place("file", [&] { found = reader_of_file(file); });
+  note(reader, "file", found->notes);
+  return {found->function, true};
 }
 
 SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& reader) {
@@ -89,6 +93,7 @@ SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& read
   defined.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
   reader.with_place(
       "file", [&] { defined.droplets = std::make_shared<const DropletTable>(read_droplet_table(file, wavelength)); });
+  note(reader, "file", defined.droplets->notes);
   if (defined.effective_radius_um) {
     reader.with_place("effective_radius_um", [&] { mixture_for(*defined.droplets, *defined.effective_radius_um); });
   }
@@ -101,9 +106,9 @@ SceneReader::DefinedPhaseFunction SceneReader::read_set(const ConfigReader& read
   set->file = existing_file(reader, "file");
   set->index_grid = reader.find_text("index_grid").value_or("phase_index");
   reader.with_place("file", [&] {
-    for (auto& moments : read_phase_set_file(set->file, MomentFactor::excluded).moments) {
-      set->function.push_back(PhaseFunction::legendre(std::move(moments)));
-    }
+    PhaseSetFile found = read_phase_set_file(set->file, MomentFactor::excluded);
+    if (!found.note.empty()) note(reader, "file", std::span(&found.note, 1));
+    for (auto& moments : found.moments) set->function.push_back(PhaseFunction::legendre(std::move(moments)));
   });
   DefinedPhaseFunction defined;
   defined.measured = true;

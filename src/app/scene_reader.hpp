@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cloudbow/app/config_reader.hpp"
+#include "cloudbow/app/phase_function_file.hpp"
 #include "cloudbow/app/scene.hpp"
 
 namespace cloudbow {
@@ -46,11 +47,15 @@ class SceneReader {
   /// The file of this wavelength, of a list with one for each or of one for all.
   std::filesystem::path existing_spectral_file(const ConfigReader& reader, const std::string& key);
   void remember(const ConfigReader& reader, const std::string& key);
+  /// Keeps what the user must be told of the file or value of a key.
+  void note(const ConfigReader& reader, const std::string& key, std::span<const std::string> notes);
 
   void read_phase_functions();
   DefinedPhaseFunction read_phase_function(const ConfigReader& reader);
   DefinedPhaseFunction read_legendre(const ConfigReader& reader);
-  DefinedPhaseFunction read_table(const ConfigReader& reader);
+  /// A function alone in a text file, by one of the readers of phase_function_file.hpp.
+  DefinedPhaseFunction read_function_file(const ConfigReader& reader,
+                                          PhaseFunctionFile (*reader_of_file)(const std::filesystem::path&));
   DefinedPhaseFunction read_mie(const ConfigReader& reader);
   DefinedPhaseFunction read_set(const ConfigReader& reader);
   const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const;

@@ -4,15 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
 
 namespace cloudbow {
 namespace {
 
-void check_moments(const std::vector<double>& moments, double radius) {
-  constexpr double rounding = 1e-4;      // of tables with five decimals
-  constexpr double last_allowed = 0.05;  // of the largest (2l+1) chi_l
+std::string check_moments(const std::vector<double>& moments, double radius) {
+  constexpr double rounding = 1e-4;  // of tables with five decimals
   const auto fail = [radius](const std::string& problem) {
     throw InputError(fmt::format("phase function at effective radius {} um: {}", radius, problem));
   };
@@ -20,26 +21,31 @@ void check_moments(const std::vector<double>& moments, double radius) {
   if (!(std::abs(moments[0] - 1) <= rounding)) {
     fail(fmt::format("wrong norm (found moment 0 = {}, allowed 1)", moments[0]));
   }
-  double largest = 0;
   for (std::size_t l = 0; l < moments.size(); ++l) {
     if (!(std::abs(moments[l]) <= 1 + rounding)) {
       fail(fmt::format("moment {} out of range (found {}, allowed -1 to 1, without the factor 2l+1)", l, moments[l]));
     }
-    largest = std::max(largest, static_cast<double>(2 * l + 1) * std::abs(moments[l]));
   }
   // A series that is cut while its terms are large rings all over the sphere.
-  const double last = static_cast<double>(2 * moments.size() - 1) * std::abs(moments.back());
-  if (last > last_allowed * largest) {
+  const SeriesTerms terms = terms_of(moments);
+  if (terms.last > kFallen * terms.largest) {
     fail(
         fmt::format("too few moments (found {}, of which the last times 2l+1 is {:.3g}, allowed a series that has "
                     "fallen to {} of its largest, {:.3g})",
-                    moments.size(), last, last_allowed, largest));
+                    moments.size(), terms.last, kFallen, terms.largest));
+  }
+  try {
+    const std::string note = check_not_negative(moments);
+    return note.empty() ? note : fmt::format("effective radius {} um: {}", radius, note);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("effective radius {} um: {}", radius, error.what()));
   }
 }
 
 }  // namespace
 
-void check_droplet_table(const DropletTable& table) {
+std::string check_droplet_table(const DropletTable& table) {
+  std::string first_note;
   const std::size_t rows = table.size();
   if (rows == 0) throw InputError("no effective radius (allowed at least one)");
   if (table.extinction_m2_per_g.size() != rows || table.single_scattering_albedo.size() != rows ||
@@ -68,8 +74,10 @@ void check_droplet_table(const DropletTable& table) {
           fmt::format("single-scattering albedo at effective radius {} um out of range (found {}, allowed 0 to 1)",
                       radius, albedo));
     }
-    check_moments(table.moments[n], radius);
+    std::string note = check_moments(table.moments[n], radius);
+    if (first_note.empty()) first_note = std::move(note);
   }
+  return first_note;
 }
 
 DropletMixture mixture_for(const DropletTable& table, double effective_radius_um) {

@@ -31,10 +31,12 @@ void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {
   const std::complex<double> m = recipe.refractive_index;
   if (!(recipe.wavelength_um > 0) || std::isinf(recipe.wavelength_um))
     reject("wavelength", recipe.wavelength_um, "> 0 um");
-  if (!(m.real() > 0) || std::isinf(m.real())) reject("refractive index", m.real(), "n > 0");
-  if (!(m.imag() >= 0) || std::isinf(m.imag())) reject("refractive index", m.imag(), "k >= 0");
+  // Recurrences take |m| x steps. No matter that light enters has an index outside these.
+  if (!(m.real() >= 1e-3 && m.real() <= 1e3)) reject("refractive index", m.real(), "0.001 <= n <= 1000");
+  if (!(m.imag() >= 0 && m.imag() <= 1e3)) reject("refractive index", m.imag(), "0 <= k <= 1000");
   if (m == 1.0) reject("refractive index", 1, "one that differs from 1");
-  if (!(recipe.density_g_cm3 > 0)) reject("density", recipe.density_g_cm3, "> 0 g/cm3");
+  if (!(recipe.density_g_cm3 >= 1e-3 && recipe.density_g_cm3 <= 100))
+    reject("density", recipe.density_g_cm3, "0.001 to 100 g/cm3");
   if (radii.empty()) throw InputError("effective radius: none given (allowed at least one)");
   for (std::size_t n = 1; n < radii.size(); ++n) {
     if (!(radii[n] > radii[n - 1])) reject("effective radius", radii[n], "radii that ascend");
@@ -55,11 +57,17 @@ Sizes choose_sizes(const DropletRecipe& recipe, std::span<const double> radii, d
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   const double smallest = distributions.front().smallest_radius_um() * wave_number;
   const double largest = distributions.back().largest_radius_um() * wave_number;
-  if (largest > kLargestSizeParameter) {
+  if (!(largest <= kLargestSizeParameter)) {
     throw InputError(
         fmt::format("effective radius: droplets too large for this wavelength (found {} um, of which the largest "
-                    "droplets have a size parameter of {:.0f}, allowed {:.0f})",
+                    "droplets have a size parameter of {:.5g}, allowed {:.0f})",
                     radii.back(), largest, kLargestSizeParameter));
+  }
+  if (!(smallest >= kSmallestSizeParameter)) {
+    throw InputError(
+        fmt::format("effective radius: droplets too small for this wavelength (found {} um, of which the smallest "
+                    "droplets have a size parameter of {:.3g}, allowed {:.0e})",
+                    radii.front(), smallest, kSmallestSizeParameter));
   }
   // u(x) = x / step + per_e_fold ln x: steps of 1 in u. A width of the distribution (its relative width is about sqrt
   // v) holds at least four, where the trapezoidal rule is exact to 1e-16 for a bell.

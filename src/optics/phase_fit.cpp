@@ -35,7 +35,8 @@ void check(const PhaseFitOptions& options) {
   if (!(options.bound_factor >= 1)) {
     throw InputError(fmt::format("phase function fit: bound factor {} (allowed: 1 or more)", options.bound_factor));
   }
-  if (!(options.travel.norm() > 0)) throw InputError("phase function fit: the direction of travel has no length");
+  if (!(options.travel.norm() > 0 && std::isfinite(options.travel.norm())))
+    throw InputError("phase function fit: the direction of travel has no length, or one beyond what a number holds");
 }
 
 FitOptions column_options(const PhaseFitOptions& options) {

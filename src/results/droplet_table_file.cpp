@@ -10,12 +10,12 @@
 #include <numbers>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/rehearsal.hpp"
-#include "cloudbow/core/text_case.hpp"
 #include "droplet_table_readers.hpp"
 #include "netcdf4_file.hpp"
 
@@ -242,7 +242,7 @@ DropletTable read_by_content(const std::filesystem::path& path, std::optional<do
   stream.close();
   if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_table(path, wavelength_um);
   if (start.starts_with("CDF")) return read_libradtran_table(path, wavelength_um);
-  if (lower_case(std::string(start)).find("able vs. effective radius") != std::string::npos) {
+  if (is_shdom_table(start)) {
     DropletTable table = read_shdom_table(path);
     choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
     return table;
@@ -311,7 +311,7 @@ DropletTable read_droplet_table(const std::filesystem::path& file, std::optional
       std::error_code error;
       if (!std::filesystem::is_regular_file(file, error)) throw InputError("no such file");
       DropletTable table = read_by_content(file, wavelength_um);
-      check_droplet_table(table);
+      if (std::string note = check_droplet_table(table); !note.empty()) table.notes.push_back(std::move(note));
       return table;
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));

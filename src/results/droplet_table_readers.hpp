@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "cloudbow/optics/droplet_table.hpp"
 
@@ -11,6 +12,8 @@ namespace cloudbow {
 
 DropletTable read_libradtran_table(const std::filesystem::path& file, std::optional<double> wavelength_um);
 DropletTable read_shdom_table(const std::filesystem::path& file);
+/// By the first bytes of the file.
+bool is_shdom_table(std::string_view head);
 
 /// Index of the wavelength wanted; of the only one where none is. @throws InputError where it is not there.
 std::size_t choose_wavelength(std::span<const double> there_um, std::optional<double> wanted_um);

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
 #include "droplet_table_readers.hpp"
 #include "hdf5_handle.hpp"
 
@@ -92,20 +95,64 @@ class NetcdfFile {
   int id_ = 0;
 };
 
-/// libRadtran writes moments times 2l+1, and says so in their units; other programs that use the format need not. Where
-/// the asymmetry parameter stands beside them it decides, else the units, else the first moments: no chi_1 is above 1.
-bool includes_factor(const NetcdfFile& file, const std::vector<std::vector<double>>& moments,
-                     const std::vector<double>& asymmetry) {
+/// [km-1/(g/m3)] as libRadtran (km^-1/(g/m^3)), these pages and others spell it.
+bool is_per_km_and_content(const std::string& units) {
+  std::string plain;
+  for (const char c : units) {
+    if (c != '^' && c != ' ' && c != '*' && c != '{' && c != '}') plain += c;
+  }
+  return plain.starts_with("km-1") || plain.starts_with("1/km") || plain.starts_with("/km") ||
+         plain.starts_with("(km-1)");
+}
+
+using MomentRows = std::vector<std::vector<double>>;
+
+MomentRows without_factor(MomentRows rows) {
+  for (auto& row : rows) {
+    for (std::size_t l = 0; l < row.size(); ++l) row[l] /= static_cast<double>(2 * l + 1);
+  }
+  return rows;
+}
+
+bool any_negative(const MomentRows& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [](const auto& row) { return least_value(row).value < least_allowed(row); });
+}
+
+/// The asymmetry parameters beside the moments say whether these hold the factor 2l+1, unless all are near 0.
+std::optional<bool> includes_factor_by(const std::vector<double>& asymmetry, const MomentRows& rows) {
+  constexpr double slack = 0.02;  // of tables with two decimals
   double with = 0, without = 0;
   for (std::size_t n = 0; n < asymmetry.size(); ++n) {
-    with += std::abs(moments[n][1] / 3 - asymmetry[n]);
-    without += std::abs(moments[n][1] - asymmetry[n]);
+    with = std::max(with, std::abs(rows[n][1] / 3 - asymmetry[n]));
+    without = std::max(without, std::abs(rows[n][1] - asymmetry[n]));
   }
-  if (!asymmetry.empty()) return with <= without;
+  if (!(std::min(with, without) <= slack)) {
+    throw InputError(
+        fmt::format("'pmom' and 'gg' contradict each other (found moments 1 that differ from the asymmetry parameters "
+                    "by up to {:.3g}, or {:.3g} if they hold the factor 2l+1; allowed {})",
+                    without, with, slack));
+  }
+  if (std::max(with, without) <= slack) return std::nullopt;
+  return with <= without;
+}
+
+/// libRadtran writes moments times 2l+1, and says so in their units; other programs that use the format need not. The
+/// asymmetry parameters beside them decide, else the units, else the moments: no chi_l is above 1, and no phase
+/// function negative. What is left is guessed, and told.
+bool includes_factor(const NetcdfFile& file, const MomentRows& rows, const std::vector<double>& asymmetry,
+                     std::vector<std::string>& notes) {
+  if (const auto included = includes_factor_by(asymmetry, rows)) return *included;
   if (file.text_attribute("pmom", "units").find("2*l+1") != std::string::npos) return true;
-  return std::any_of(moments.begin(), moments.end(), [](const auto& row) {
+  const bool any_above_one = std::any_of(rows.begin(), rows.end(), [](const auto& row) {
     return std::any_of(row.begin(), row.end(), [](double value) { return std::abs(value) > 1.0001; });
   });
+  if (any_above_one) return true;
+  if (any_negative(rows)) return !any_negative(without_factor(rows));
+  notes.emplace_back(
+      "'pmom' read as moments without the factor 2l+1 (GUESSED: none is above 1; units of 'pmom' that "
+      "say \"including factor 2*l+1\", or 'gg', would decide)");
+  return false;
 }
 
 }  // namespace
@@ -131,9 +178,7 @@ DropletTable read_libradtran_table(const std::filesystem::path& path, std::optio
   table.single_scattering_albedo = file.read("ssa", {waves, rows}, {wave, 0}, {1, rows});
   table.extinction_m2_per_g = file.read("ext", {waves, rows}, {wave, 0}, {1, rows});
   const std::string units = file.text_attribute("ext", "units");
-  std::string plain = units;
-  std::erase_if(plain, [](char c) { return c == ' ' || c == '^' || c == '*'; });
-  if (!plain.empty() && !plain.starts_with("km-1") && !plain.starts_with("1/km")) {
+  if (!units.empty() && !is_per_km_and_content(units)) {
     throw InputError(fmt::format("'ext': unknown unit (found '{}', allowed 'km^-1/(g/m^3)')", units));
   }
   for (double& extinction : table.extinction_m2_per_g) extinction /= 1000;
@@ -158,11 +203,8 @@ DropletTable read_libradtran_table(const std::filesystem::path& path, std::optio
   }
   std::vector<double> asymmetry;
   if (file.has("gg")) asymmetry = file.read("gg", {waves, rows}, {wave, 0}, {1, rows});
-  if (includes_factor(file, table.moments, asymmetry)) {
-    for (auto& row : table.moments) {
-      for (std::size_t l = 0; l < row.size(); ++l) row[l] /= static_cast<double>(2 * l + 1);
-    }
-  }
+  if (includes_factor(file, table.moments, asymmetry, table.notes))
+    table.moments = without_factor(std::move(table.moments));
   return table;
 }
 

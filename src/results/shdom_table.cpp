@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
@@ -28,9 +30,9 @@ std::vector<double> leading_numbers(std::string line) {
   return numbers;
 }
 
+/// @param line in lower case
 bool is_row_head(const std::string& line) {
-  const std::string lower = lower_case(line);
-  return lower.find("reff") != std::string::npos && lower.find("ext") != std::string::npos;
+  return line.find("reff") != std::string::npos && line.find("ext") != std::string::npos;
 }
 
 /// Coefficients of one radius, (2l+1) chi_l for l = 0 .. degree. Polarised tables have more elements of the phase
@@ -54,6 +56,10 @@ std::vector<double> moments_of(const std::vector<double>& numbers, int degree, d
 
 }  // namespace
 
+bool is_shdom_table(std::string_view head) {
+  return lower_case(std::string(head)).find("table vs. effective radius") != std::string::npos;
+}
+
 DropletTable read_shdom_table(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::file_size(path, error) > kMaxBytes) {
@@ -73,7 +79,8 @@ DropletTable read_shdom_table(const std::filesystem::path& path) {
   };
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    if (is_row_head(line)) {
+    const std::string lower = lower_case(line);
+    if (is_row_head(lower)) {
       finish_row();
       const std::vector<double> head = leading_numbers(line);
       if (head.size() < 4 || head[3] < 1 || head[3] > kMaxDegree) {
@@ -89,10 +96,10 @@ DropletTable read_shdom_table(const std::filesystem::path& path) {
     } else if (!table.effective_radius_um.empty()) {
       const std::vector<double> more = leading_numbers(line);
       numbers.insert(numbers.end(), more.begin(), more.end());
-    } else if (lower_case(line).find("wavelength") != std::string::npos) {
+    } else if (lower.find("wavelength") != std::string::npos) {
       const std::vector<double> edges = leading_numbers(line);
       if (!edges.empty()) table.wavelength_um = edges.size() > 1 ? (edges[0] + edges[1]) / 2 : edges[0];
-    } else if (lower_case(line).find("ending effective radius") != std::string::npos) {
+    } else if (lower.find("ending effective radius") != std::string::npos) {
       const std::vector<double> axis = leading_numbers(line);
       if (!axis.empty()) rows = axis[0];
     }

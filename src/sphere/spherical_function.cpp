@@ -119,4 +119,10 @@ void SphericalFunction::deform(const Direction& centre, double value, double rea
   add_scaled<double>(change, deformation_lobe(*points_, centre, reach), values_);
 }
 
+void SphericalFunction::move_value_at(const Direction& direction, double change) {
+  const auto [index, weight] = points_->stencil(direction);
+  const double squares = weight[0] * weight[0] + weight[1] * weight[1] + weight[2] * weight[2];
+  for (std::size_t k = 0; k < 3; ++k) values_[static_cast<std::size_t>(index[k])] += weight[k] * change / squares;
+}
+
 }  // namespace cloudbow

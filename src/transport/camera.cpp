@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/sphere/scaled_vector.hpp"
 
 namespace cloudbow {
 namespace {
@@ -46,17 +47,17 @@ Direction panorama_line(const Camera& camera, double column, double row) {
 
 Camera make_camera(const std::string& name, Camera::Projection projection, const CameraPlacement& placement,
                    double field_of_view, int width, int height, int rays) {
-  const Eigen::Vector3d sight = placement.look_at_m - placement.position_m;
+  const Eigen::Vector3d sight = scaled_to_order_one(placement.look_at_m - placement.position_m);
+  const Eigen::Vector3d up = scaled_to_order_one(placement.up);
   if (!(sight.norm() > 0)) {
     throw InputError(
         fmt::format("looks at where it stands (found {}, allowed any other point)", text(placement.look_at_m)));
   }
-  if (!(placement.up.norm() > 0)) {
+  if (!(up.norm() > 0)) {
     throw InputError(fmt::format("up without length (found {}, allowed any other vector)", text(placement.up)));
   }
-  Camera camera{
-      name,   projection, placement.position_m, sight.normalized(), {}, placement.up.normalized(), field_of_view, width,
-      height, rays};
+  Camera camera{name,   projection, placement.position_m, sight.normalized(), {}, up.normalized(), field_of_view, width,
+                height, rays};
   const Eigen::Vector3d right = camera.forward.cross(camera.up);
   if (right.norm() < kParallel) {
     throw InputError(

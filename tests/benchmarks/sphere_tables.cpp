@@ -1,5 +1,6 @@
-// Makes the tables of docs/sphere.md: sphere_tables [weights|location|shapes|queries|solve|rotation|curves]...
-// Without arguments, all but curves (the numbers behind the pictures). Times are processor time of one thread.
+// Makes the tables of docs/sphere.md: sphere_tables
+// [weights|location|shapes|queries|solve|rotation|deformation|curves]... Without arguments, all but curves (the numbers
+// behind the pictures). Times are processor time of one thread.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -756,6 +757,58 @@ void print_rotation() {
   }
 }
 
+// ------------------------------------------------------------------------------------------------------ deformation
+
+using Change = std::function<void(SphericalFunction&, const Direction&)>;
+
+/// A change by 1 of the value at 1000 directions, each of a function that is 0.
+void print_deformation_row(const PointsPtr& points, const std::string& operation, const Change& change) {
+  const auto directions = random_directions(1000, 11);
+  const auto samples = random_directions(20000, 5);
+  const SphericalFunction nothing(points, std::vector<double>(points->size(), 0.0));
+  double error = 0, moved = 0, norm = 0, largest = 0, least_integral = 4 * pi, largest_integral = 0;
+  for (std::size_t n = 0; n < directions.size(); ++n) {
+    SphericalFunction changed = nothing;
+    change(changed, directions[n]);
+    error = std::max(error, std::abs(changed(directions[n]) - 1));
+    double squares = 0;
+    for (const double value : changed.values()) {
+      moved += value != 0;
+      squares += value * value;
+      largest = std::max(largest, value);
+    }
+    norm += std::sqrt(squares);
+    if (n % 20 != 0) continue;
+    double integral = 0;
+    for (const Direction& d : samples) integral += changed(d) * 4 * pi / static_cast<double>(samples.size());
+    least_integral = std::min(least_integral, integral);
+    largest_integral = std::max(largest_integral, integral);
+  }
+  SphericalFunction changed = nothing;
+  const double time = seconds_of([&] {
+    for (const Direction& d : directions) change(changed, d);
+  });
+  const auto count = static_cast<double>(directions.size());
+  fmt::print("| {} | {} | {:.0e} | {:.1f} | {:.2f} | {:.2f} | {:.3f} to {:.3f} | {:.2g} |\n", points->size(), operation,
+             error, moved / count, norm / count, largest, least_integral, largest_integral, time / count * 1e6);
+}
+
+void print_deformation() {
+  fmt::print(
+      "\n## deformation\n\n| points | operation | error there | control points that move | root of the sum of "
+      "their squares | largest of them | integral, sr | microseconds |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const int count : {42, 162, 642}) {
+    const PointsPtr points = make_points(count);
+    print_deformation_row(points, "move_value_at",
+                          [](SphericalFunction& f, const Direction& d) { f.move_value_at(d, 1); });
+    for (const double reach : {0.7, 1.4}) {
+      print_deformation_row(points, fmt::format("deform, reach {} rad", reach),
+                            [reach](SphericalFunction& f, const Direction& d) { f.deform(d, f(d) + 1, reach); });
+    }
+  }
+}
+
 // ----------------------------------------------------------------------------------------------------------- curves
 
 /// Values along a great circle through the peak: columns shape, angle [degrees], exact, then the representations.
@@ -781,14 +834,15 @@ void print_curves() {
 int main(int argc, char** argv) {
   using namespace cloudbow;
   const std::pair<std::string_view, void (*)()> tables[] = {
-      {"weights", print_weights}, {"location", print_location}, {"shapes", print_shapes}, {"queries", print_queries},
-      {"solve", print_solve},     {"rotation", print_rotation}, {"curves", print_curves}};
+      {"weights", print_weights},         {"location", print_location}, {"shapes", print_shapes},
+      {"queries", print_queries},         {"solve", print_solve},       {"rotation", print_rotation},
+      {"deformation", print_deformation}, {"curves", print_curves}};
   const std::vector<std::string_view> wanted(argv + 1, argv + argc);
   for (const auto& name : wanted) {
     if (std::none_of(std::begin(tables), std::end(tables), [&](const auto& table) { return table.first == name; })) {
       fmt::print(stderr,
                  "sphere_tables: there is no table \"{}\" (allowed: weights, location, shapes, queries, solve, "
-                 "rotation, curves)\n",
+                 "rotation, deformation, curves)\n",
                  name);
       return 2;
     }

@@ -46,7 +46,7 @@ struct Tally {
 /// After the file's name, where nothing of the mutant can stand.
 bool tells_of_a_child(std::string_view message) {
   message.remove_prefix(std::min(message.find(": "), message.size()));
-  for (const char* library : {"HDF5", "netCDF", "OpenVDB"}) {
+  for (const char* library : {"HDF5", "libpng", "netCDF", "OpenVDB"}) {
     if (message.starts_with(std::string(": the file is damaged (") + library)) return true;
   }
   return false;

@@ -5,7 +5,9 @@ usage: make_seeds.py --cloudbow PROGRAM FOLDER
 """
 import argparse
 import re
+import struct
 import subprocess
+import zlib
 from pathlib import Path
 
 import netCDF4
@@ -87,10 +89,12 @@ fields = ["fluxes", "absorption", "actinic", "radiance_field"]
 """
 
 PHASE_FILES = {
-    "moments.txt": "# l chi\n0 1\n1 0.85\n2 0.7\n3 0.5\n",
-    "table.txt": "# angle value\n0 10\n30 3\n90 1\n180 2\n",
-    "set.csv": "l,one,two\n0,1,1\n1,0.8,0.7\n2,0.6,0.5\n",
-    "factor.csv": "0 1 1\n1 2.4 2.1\n2 3.0 2.5\n",
+    "moments.txt": "# l chi\n0 1\n1 0.5\n2 0.25\n",
+    "column.txt": "1.0\n0.5\n0.25\n",
+    "table.txt": "# angle value\n0 1.6\n90 1\n180 0.4\n",
+    "radians.txt": "! radians\n0,1.6\n1.5707963,1.0D0\n3.1415927,4D-1\n",
+    "set.csv": "l,one,two\n0,1,1\n1,0.5,0.3\n2,0.25,0.1\n",
+    "factor.csv": "0 1 1\n1 1.5 1.2\n2 1.25 0.5\n",
 }
 
 CLOUD_TEXTS = {
@@ -115,9 +119,9 @@ SHDOM_MIE = """\
    2   5.000  10.000  number, starting, ending effective radius
    2  maximum rank allowed
    5.0000  300.0  0.999  2  Reff  Ext  Alb  Nleg
-   1.0  2.4  3.0
+   1.0  0.9  0.04
   10.0000  150.0  0.998  2  Reff  Ext  Alb  Nleg
-   1.0  2.5  3.2
+   1.0  0.8  0.03
 """
 
 TINY_RUN = """\
@@ -176,11 +180,45 @@ def write_libradtran(path, form):
             file.createDimension(name, length)
         file.createVariable("wavelen", "f8", ("nlam",))[:] = [0.67]
         file.createVariable("reff", "f8", ("nreff",))[:] = [5, 10]
-        for name, values in (("ext", [[300, 150]]), ("ssa", [[0.999, 0.998]]), ("gg", [[0.8, 0.83]])):
+        for name, values in (("ext", [[300, 150]]), ("ssa", [[0.999, 0.998]]), ("gg", [[0.3, 0.267]])):
             file.createVariable(name, "f8", ("nlam", "nreff"))[:] = values
         file["ext"].units = "km^-1/(g/m^3)"
         file.createVariable("nmom", "i4", ("nlam", "nreff", "nphamat"))[:] = 3
-        file.createVariable("pmom", "f4", ("nlam", "nreff", "nphamat", "nmommax"))[:] = [[[[1, 2.4, 3.0]], [[1, 2.5, 3.2]]]]
+        file.createVariable("pmom", "f4", ("nlam", "nreff", "nphamat", "nmommax"))[:] = [[[[1, 0.9, 0.04]], [[1, 0.8, 0.03]]]]
+
+
+def png_chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+
+def png(width, height, depth, colour, lines, more=b"", interlaced=0):
+    """A PNG of given lines (bytes), each with filter 0."""
+    head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, interlaced)
+    packed = zlib.compress(b"".join(b"\0" + line for line in lines))
+    return b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", head) + more + png_chunk(b"IDAT", packed) + png_chunk(b"IEND", b"")
+
+
+def write_albedo_maps(folder):
+    grey, colour, palette, grey_and_alpha = 0, 2, 3, 4
+    pictures = {"grey8": png(3, 2, 8, grey, [b"\x10\x20\x30", b"\x40\x50\x60"]),
+                "grey16_gamma": png(2, 2, 16, grey, [b"\x10\0\x20\0", b"\x40\0\x50\0"], png_chunk(b"gAMA", struct.pack(">I", 45455))),
+                "grey1": png(8, 2, 1, grey, [b"\xaa", b"\x55"]),
+                "colour": png(2, 1, 8, colour, [b"\x10\x10\x10\x20\x20\x20"]),
+                "palette": png(4, 1, 2, palette, [b"\x1b"], png_chunk(b"PLTE", bytes([0, 0, 0, 85, 85, 85, 170, 170, 170, 255, 255, 255]))),
+                "alpha": png(2, 1, 8, grey_and_alpha, [b"\x10\xff\x20\xff"]),
+                "interlaced": png(2, 2, 8, grey, [b"\x10", b"\x20", b"\x30\x40"], interlaced=1)}
+    for name, content in pictures.items():
+        (folder / f"{name}.png").write_bytes(content)
+    for form in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF4"):
+        with netCDF4.Dataset(folder / f"{form}.nc", "w", format=form) as file:
+            for name, length in (("time", 1), ("lat", 3), ("lon", 2)):
+                file.createDimension(name, length)
+            file.createVariable("lat", "f4", ("lat",))[:] = [51, 50.5, 50]
+            file.createVariable("lon", "f4", ("lon",))[:] = [8, 8.5]
+            albedo = file.createVariable("albedo", "i2", ("time", "lat", "lon"), fill_value=-1)
+            albedo.setncatts({"scale_factor": 0.01, "add_offset": 0.1, "units": "%", "valid_range": np.array([0, 10000], "i2")})
+            albedo.set_auto_maskandscale(False)
+            albedo[:] = 1000
 
 
 def main():
@@ -212,6 +250,7 @@ def main():
         write_les(folder("cloud_netcdf") / f"{form}.nc", form)
         write_wrf(folder("cloud_netcdf") / f"wrf_{form}.nc", form)
         write_libradtran(folder("droplet_table") / f"{form}.nc", form)
+    write_albedo_maps(folder("albedo_map"))
     clouds = folder("cloud_vdb")
     size = ["--cells", 4, 4, 4, "--voxel-size-m", 50, 50, 50]
     cloudbow("cloud", "make", "slab", *size, "-o", clouds / "float.vdb")

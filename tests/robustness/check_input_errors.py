@@ -76,7 +76,7 @@ def scenes():
 
 def phase_commands(folder):
     """(name, arguments, words of the message) of `cloudbow phase`; the files are in the folder."""
-    for name, text in (("moments.txt", "0 1\n1 0.85\n"), ("gap.txt", "0 1\n2 0.85\n"), ("large.txt", "0 1\n1 1.85\n"), ("words.txt", "0 1\n1 much\n"), ("nothing.txt", ""),
+    for name, text in (("moments.txt", "0 1\n1 0.3\n"), ("factor.txt", "0 1\n1 0\n2 0.5\n"), ("coarse.txt", "0 1.2\n180 1.2\n"), ("gap.txt", "0 1\n2 0.85\n"), ("large.txt", "0 1\n1 1.85\n"), ("words.txt", "0 1\n1 much\n"), ("nothing.txt", ""),
                        ("half.txt", "0 1\n90 1\n"), ("falling.txt", "0 1\n90 1\n80 1\n180 1\n"), ("negative.txt", "0 1\n180 -1\n"), ("zero.txt", "0 0\n180 0\n")):
         (folder / name).write_text(text)
     hg = ["henyey-greenstein", "--asymmetry-parameter", "0.5"]
@@ -98,10 +98,12 @@ def phase_commands(folder):
     yield "no file", ["legendre"], ["--file", "missing"]
     yield "missing file", ["legendre", "--file", folder / "none.txt"], ["none.txt"]
     yield "a directory as file", ["table", "--file", folder / "folder"], ["folder", "directory"]
-    yield "a binary file as table", ["table", "--file", folder / "cloud.vdb"], ["cloud.vdb:1", "not two numbers"]
+    yield "a binary file as table", ["table", "--file", folder / "cloud.vdb"], ["cloud.vdb:1", "wrong layout", "angle_deg value"]
     yield "a moment left out", ["legendre", "--file", folder / "gap.txt"], ["gap.txt", "l = 2", "l = 1"]
     yield "a moment above 1", ["legendre", "--file", folder / "large.txt"], ["large.txt", "1.85", "-1 to 1"]
     yield "a moment in words", ["legendre", "--file", folder / "words.txt"], ["words.txt:2", "much"]
+    yield "moments with the factor 2l+1", ["legendre", "--file", folder / "factor.txt"], ["factor.txt", "-0.25 at 90 degrees", "2l+1"]
+    yield "a table of another norm", ["table", "--file", folder / "coarse.txt"], ["coarse.txt", "1.2", "1 %"]
     yield "no moments", ["legendre", "--file", folder / "nothing.txt"], ["nothing.txt", "missing"]
     yield "a table of half the angles", ["table", "--file", folder / "half.txt"], ["half.txt", "90", "180"]
     yield "a table that turns back", ["table", "--file", folder / "falling.txt"], ["falling.txt", "80", "ascending"]

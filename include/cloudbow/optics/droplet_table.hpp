@@ -15,14 +15,16 @@ struct DropletTable {
   std::vector<double> extinction_m2_per_g;       ///< extinction coefficient [1/m] of 1 g/m3 of water
   std::vector<double> single_scattering_albedo;  ///< 0 to 1
   std::vector<std::vector<double>> moments;      ///< [radius][l] chi_l, chi_0 = 1, without the factor 2l+1
+  std::vector<std::string> notes{};              ///< what its reader guessed: the user must be told
 
   std::size_t size() const { return effective_radius_um.size(); }
 };
 
 /// @throws InputError "PROBLEM (found X, allowed Y)": no row, rows of different number, radii that do not ascend,
 /// values out of range, chi_0 not 1 or |chi_l| > 1 (to 1e-4, the digits of text tables), moments of which the last
-/// still matters: (2l+1) |chi_l| above 5 % of the largest.
-void check_droplet_table(const DropletTable& table);
+/// still matters: (2l+1) |chi_l| above 5 % of the largest; phase functions that are negative (check_not_negative()).
+/// @returns what the user must be told of phase functions that ring below 0, of the first row that does.
+std::string check_droplet_table(const DropletTable& table);
 
 struct DropletOptics {
   double extinction_m2_per_g;

@@ -1,9 +1,11 @@
 // From scene to problem. Truth: hand-counted grids, the formulas of the scene format.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netcdf.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/app/assemble.hpp"
@@ -133,12 +135,49 @@ TEST_F(AssembleTest, DropletsFromLiquidWater) {
               AllOf(HasSubstr("effective_radius_um"), HasSubstr("missing")));
 }
 
+/// A map of 1 x 2 albedos, .1 and .7, at these places along x.
+void write_map(const std::filesystem::path& file, std::array<double, 2> x, const std::string& units) {
+  int id = 0, y_dimension = 0, x_dimension = 0, coordinate = 0, variable = 0;
+  ASSERT_EQ(nc_create(file.c_str(), NC_CLOBBER, &id), NC_NOERR);
+  nc_def_dim(id, "y", 1, &y_dimension);
+  nc_def_dim(id, "x", 2, &x_dimension);
+  nc_def_var(id, "x", NC_DOUBLE, 1, &x_dimension, &coordinate);
+  nc_put_att_text(id, coordinate, "units", units.size(), units.c_str());
+  const std::array<int, 2> dimensions{y_dimension, x_dimension};
+  nc_def_var(id, "albedo", NC_FLOAT, 2, dimensions.data(), &variable);
+  nc_enddef(id);
+  nc_put_var_double(id, coordinate, x.data());
+  const std::array<float, 2> albedo{.1F, .7F};
+  nc_put_var_float(id, variable, albedo.data());
+  nc_close(id);
+}
+
+// Two halves of four columns. In metres the map has the size of the domain, 100 m.
+TEST_F(AssembleTest, MapsOfAlbedoCoverTheDomain) {
+  const auto row = [&] { return assembled("[surface]\nalbedo_map = \"map.nc\"\n").problem.surface.albedo_map; };
+  const auto expect_row = [&](float west, float east) {
+    const std::vector<float> albedo = row();
+    ASSERT_EQ(albedo.size(), 12u);
+    for (std::size_t n = 0; n < albedo.size(); ++n) EXPECT_FLOAT_EQ(albedo[n], n % 4 < 2 ? west : east);
+  };
+  write_map(folder_ / "map.nc", {25, 75}, "m");
+  expect_row(.1F, .7F);
+  write_map(folder_ / "map.nc", {4000.075, 4000.025}, "km");  // from elsewhere, and turned
+  expect_row(.7F, .1F);
+  write_map(folder_ / "map.nc", {8, 9}, "degrees_east");  // of no known length
+  expect_row(.1F, .7F);
+  write_map(folder_ / "map.nc", {25, 1025}, "m");
+  EXPECT_THAT(message("[surface]\nalbedo_map = \"map.nc\"\n"),
+              AllOf(HasSubstr("scene.toml:9: surface.albedo_map"), HasSubstr("map.nc"),
+                    HasSubstr("found 2000 m along x"), HasSubstr("allowed 100 m"), HasSubstr("cut the map")));
+}
+
 /// The same cloud with droplets by a table: radii 5 and 10 um, extinctions 0.4 and 0.1 m2/g, albedos 0.5 and 1.
 class MieSceneTest : public AssembleTest {
  protected:
   MieSceneTest() {
     write_droplet_table(folder_ / "drops.h5",
-                        {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.8, 0.6, 0.01}, {1, 0.4, 0.1, 0.002}}},
+                        {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.4, 0.1, 0.008}, {1, 0.2, 0.05, 0.002}}},
                         {{1.33, 0}, "", 1, "gamma", 0.1, "", ""});
   }
 
@@ -172,7 +211,7 @@ TEST_F(MieSceneTest, DropletsOfOneRadius) {
   const AssembledScene scene = mie("effective_radius_um = 10");  // the file's quantity: extinction
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.02f);
   EXPECT_EQ(scene.problem.grid.absorption[0], 0);
-  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.2);
   // What the scene says itself wins over the table.
   EXPECT_FLOAT_EQ(mie("effective_radius_um = 10\nsingle_scattering_albedo = 0.75").problem.grid.absorption[0], 0.005f);
 }
@@ -196,8 +235,8 @@ TEST_F(MieSceneTest, DropletsOfTheVoxelsRadius) {
   const AssembledScene scene = mie(cloud);  // the radii serve as water contents too
   const OpticalGrid& grid = scene.problem.grid;
   ASSERT_EQ(scene.problem.phase.size(), 2u);
-  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.8);
-  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
+  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.2);
   EXPECT_FLOAT_EQ(grid.scattering[0][0], 5 * 0.4f * 0.5f);
   EXPECT_EQ(grid.scattering[1][0], 0);
   EXPECT_FLOAT_EQ(grid.absorption[0], 5 * 0.4f * 0.5f);
@@ -260,7 +299,7 @@ TEST_F(MieSceneTest, SaysWhatIsWrong) {
 class PhaseSetTest : public AssembleTest {
  protected:
   PhaseSetTest() {
-    folder_.write("set.csv", "# three functions\nl,a,b,c\n0,1,1,1\n1,0.8,0.4,0.6\n2,0.6,0.1,0.35\n");
+    folder_.write("set.csv", "# three functions\nl,a,b,c\n0,1,1,1\n1,0.4,0.2,0.3\n2,0.1,0.05,0.08\n");
     write(std::vector<float>{1, 3, 2, 3});
   }
   void write(const std::vector<float>& index) {
@@ -289,9 +328,9 @@ class PhaseSetTest : public AssembleTest {
 TEST_F(PhaseSetTest, VoxelsTakeTheirOwnFunction) {
   const AssembledScene scene = with_set("[solver]\nclass_tolerance = 0");
   ASSERT_EQ(scene.problem.phase.size(), 3u);
-  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.4);
-  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.6);
-  EXPECT_EQ(scene.problem.phase[2].moment(1), 0.8);
+  EXPECT_EQ(scene.problem.phase[0].moment(1), 0.2);
+  EXPECT_EQ(scene.problem.phase[1].moment(1), 0.3);
+  EXPECT_EQ(scene.problem.phase[2].moment(1), 0.4);
   const auto& scattering = scene.problem.grid.scattering;
   EXPECT_EQ(scattering[0], (std::vector<float>{0, 0, 0.02f, 0}));
   EXPECT_EQ(scattering[1], (std::vector<float>{0, 0.02f, 0, 0.015f}));
@@ -304,7 +343,7 @@ TEST_F(PhaseSetTest, VoxelsTakeTheirOwnFunction) {
 
 TEST_F(PhaseSetTest, ClassesKeepScatteringAndAsymmetry) {
   const AssembledScene scene = with_set("[solver]\nclass_tolerance = 0.1");
-  ASSERT_EQ(scene.problem.phase.size(), 2u);  // 0.6 lies halfway between 0.4 and 0.8
+  ASSERT_EQ(scene.problem.phase.size(), 2u);  // 0.3 lies halfway between 0.2 and 0.4
   const auto& scattering = scene.problem.grid.scattering;
   EXPECT_FLOAT_EQ(scattering[0][1], 0.01f);
   EXPECT_FLOAT_EQ(scattering[1][1], 0.01f);
@@ -323,7 +362,8 @@ TEST_F(PhaseSetTest, SaysWhatIsWrong) {
                                     {"0,1\n1,0.8,0.3\n", ":2: 3 numbers"},
                                     {"0,1\n2,0.8\n", "found l = 2, allowed 1"},
                                     {"0,0.9\n1,0.8\n", "moment 0 of function 1"},
-                                    {"0,1\n1,nan\n", "out of range"},
+                                    {"0,1\n1,nan\n", "not numbers"},
+                                    {"0,1,1\n1,0.1,0.8\n", "function 2: phase function: negative (found -1.4 at 180"},
                                     {"nothing here\n", "too few rows"}}) {
     folder_.write("set.csv", text);
     EXPECT_THAT(set_message(), AllOf(HasSubstr("set.csv"), HasSubstr(words)));

@@ -95,6 +95,7 @@ TEST(CommandLine, UsageErrors) {
            {"export", "result.h5", "--direction", "0", "0", "1"},
            {"mie", "--wavelength-um", "1"},
            {"mie", "--wavelength-um", "0", "--effective-radius-um", "5", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "1", "--effective-radius-um", "1e-300", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "1:2:0.5", "--effective-radius-um", "5", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "9:5:1", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "5:9", "-o", "x.h5"},
@@ -115,7 +116,7 @@ TEST(CommandLine, ImportsACloudWithItsPhaseFunctions) {
   const auto cells = folder.write("cells.csv",
                                   "# shape nx,ny,nz=2,2,3, dx=0.05 km, dy=0.05 km\n# z levels km: 0.1 0.2 0.3\n"
                                   "i,j,k,extinction_per_km,ssa,iphase\n0,0,1,10,0.9,1\n1,1,1,20,0.8,2\n");
-  const auto moments = folder.write("moments.csv", "l,a,b\n0,1,1\n1,2.4,2.1\n2,3,2.5\n");
+  const auto moments = folder.write("moments.csv", "l,a,b\n0,1,1\n1,1.5,1.2\n2,1.25,0.5\n");
   const auto vdb = folder / "cloud.vdb", png = folder / "cloud.png";
   const Outcome outcome = cloudbow({"cloud", "import", cells, "--phase-functions", moments, "-o", vdb});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
@@ -241,9 +242,9 @@ TEST(CommandLine, DryRunWritesNothing) {
 
 TEST(CommandLine, NotConvergedIsThreeAndStillWritten) {
   const TemporaryFolder folder;
-  const Outcome outcome = cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--quiet",
-                                    "--set", "solver.mode=3d", "--set", "solver.max_sweeps=1", "--set",
-                                    "layer.0.optical_depth=50"});
+  const Outcome outcome =
+      cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--quiet", "--set",
+                "solver.mode=3d", "--set", "solver.max_sweeps=1", "--set", "layer.0.optical_depth=50"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.errors, HasSubstr("not converged"));
   EXPECT_TRUE(std::filesystem::exists(folder / "result.h5"));
@@ -338,6 +339,16 @@ TEST(CommandLine, DescribesAPhaseFunction) {
   EXPECT_THAT(outcome.output, testing::Not(HasSubstr("collocation")));
   EXPECT_TRUE(std::filesystem::exists(plot));
   EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST(CommandLine, OnlyTheDirectionOfTravelCounts) {
+  const auto table = [](const std::string& length) {
+    return cloudbow({"phase", "henyey-greenstein", "--asymmetry-parameter", "0.8", "--control-points", "42", "--fit",
+                     "least-squares", "--travel", length, length, length});
+  };
+  const Outcome of_one = table("1");
+  EXPECT_EQ(of_one.exit_code, 0) << of_one.errors;
+  for (const char* length : {"1e300", "1e-300", "5e-324"}) EXPECT_EQ(table(length).output, of_one.output) << length;
 }
 
 TEST(CommandLine, MakesAndDescribesAndSolvesACloud) {

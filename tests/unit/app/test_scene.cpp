@@ -183,6 +183,12 @@ TEST(Scene, MomentsAndTablesFromFiles) {
   EXPECT_TRUE(scene.phase_functions[0].measured);
   EXPECT_NEAR(scene.phase_functions[2].function.asymmetry_parameter(), 0, 1e-12);  // constant: isotropic
 
+  EXPECT_TRUE(scene.notes.empty());
+
+  folder.write("table.txt", "0 1.005\n90 1.005\n180 1.005\n");
+  EXPECT_THAT(read_scene(folder / "scene.toml").notes,
+              testing::ElementsAre(AllOf(HasSubstr("phase_function.t.file: "), HasSubstr("off by +0.50 %"))));
+
   folder.write("moments.txt", "0 1\n2 0.5\n");
   try {
     read_scene(folder / "scene.toml");

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "cloudbow/core/error.hpp"
@@ -10,9 +11,10 @@
 namespace cloudbow {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
-DropletTable two_rows() { return {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.8, 0.6, 0.01}, {1, 0.4, 0.1, 0.002}}}; }
+DropletTable two_rows() { return {0.67, {5, 10}, {0.4, 0.1}, {0.5, 1}, {{1, 0.4, 0.1, 0.008}, {1, 0.2, 0.05, 0.002}}}; }
 
 std::string message(const DropletTable& table) {
   try {
@@ -29,9 +31,9 @@ TEST(DropletTable, RowsAreKeptAsTheyAre) {
   const DropletOptics lower = droplet_optics(table, 5), upper = droplet_optics(table, 10);
   EXPECT_EQ(lower.extinction_m2_per_g, 0.4);
   EXPECT_EQ(lower.single_scattering_albedo, 0.5);
-  EXPECT_EQ(lower.phase_function.moment(3), 0.01);
+  EXPECT_EQ(lower.phase_function.moment(3), 0.008);
   EXPECT_EQ(upper.extinction_m2_per_g, 0.1);
-  EXPECT_EQ(upper.phase_function.moment(1), 0.4);
+  EXPECT_EQ(upper.phase_function.moment(1), 0.2);
 }
 
 // Masses m1 = m2 = 1/2 of radii 5 and 10: surface (m/r) adds up, r_e = 1 / (1/2 / 5 + 1/2 / 10) = 6.667. Extinction
@@ -45,8 +47,8 @@ TEST(DropletTable, BetweenRowsStandsTheirMixture) {
   const DropletOptics optics = droplet_optics(table, radius);
   EXPECT_NEAR(optics.extinction_m2_per_g, 0.25, 1e-15);
   EXPECT_NEAR(optics.single_scattering_albedo, 0.15 / 0.25, 1e-15);
-  EXPECT_NEAR(optics.phase_function.moment(1), (2 * 0.8 + 0.4) / 3, 1e-15);
-  EXPECT_NEAR(optics.phase_function.moment(3), (2 * 0.01 + 0.002) / 3, 1e-15);
+  EXPECT_NEAR(optics.phase_function.moment(1), (2 * 0.4 + 0.2) / 3, 1e-15);
+  EXPECT_NEAR(optics.phase_function.moment(3), (2 * 0.008 + 0.002) / 3, 1e-15);
 }
 
 TEST(DropletTable, OutsideIsAnError) {
@@ -54,6 +56,18 @@ TEST(DropletTable, OutsideIsAnError) {
   EXPECT_THROW(mixture_for(two_rows(), 10.1), InputError);
   EXPECT_NO_THROW(mixture_for(two_rows(), 10 * (1 + 5e-7)));  // stored as a float
   EXPECT_EQ(mixture_for({0, {7}, {0.2}, {1}, {{1, 0.8, 0.01}}}, 7).lower, 0u);
+}
+
+// Henyey and Greenstein's function of .9, cut after 64 moments: 129 x .9^63 = .17 is left of its terms, the half of
+// which rings at 180 degrees, where the function itself is .028.
+TEST(DropletTable, RingingOfASeriesThatWasCutIsTold) {
+  DropletTable table = two_rows();
+  for (int l = 1; l < 64; ++l) {
+    table.moments[1].resize(64);
+    table.moments[1][l] = std::pow(0.9, l);
+  }
+  EXPECT_THAT(check_droplet_table(table), AllOf(HasSubstr("radius 10 um"), HasSubstr("-0.05"), HasSubstr("180")));
+  EXPECT_EQ(check_droplet_table(two_rows()), "");
 }
 
 TEST(DropletTable, SaysWhatIsWrong) {
@@ -69,6 +83,8 @@ TEST(DropletTable, SaysWhatIsWrong) {
   table = two_rows();
   table.moments[0] = {1, 0.85, 0.79, 0.72, 0.65};  // the front of a peaked function
   EXPECT_THAT(message(table), HasSubstr("too few moments"));
+  table.moments[0] = {1, 0.8, 0.6, 0.01};  // 1 + 2.4 mu + 3 P_2 + .07 P_3
+  EXPECT_THAT(message(table), AllOf(HasSubstr("radius 5 um"), HasSubstr("negative (found -0.79"), HasSubstr("2l+1")));
   table = two_rows();
   table.single_scattering_albedo[0] = 1.1;
   EXPECT_THAT(message(table), HasSubstr("single-scattering albedo"));

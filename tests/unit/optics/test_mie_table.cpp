@@ -79,6 +79,13 @@ TEST(MieTable, TinyDropletsAreRayleigh) {
 
 // A distribution of 1 % width is nearly one sphere, whose series gives its g and Q_ext without any angle. Across the
 // width they vary by 1 %.
+// As above, near the smallest size that is allowed.
+TEST(MieTable, AtomsAreRayleighToo) {
+  const DropletTable table = table_of(DropletRecipe{}, {1e-11});
+  EXPECT_NEAR(table.moments[0][2], 0.1, 1e-12);
+  EXPECT_EQ(table.moments[0].size(), 3u);
+}
+
 TEST(MieTable, NarrowDistributionIsOneSphere) {
   DropletRecipe recipe;
   recipe.wavelength_um = 1;
@@ -173,6 +180,23 @@ TEST(MieTable, RefusesWhatItCannotDo) {
   EXPECT_THROW(table_of(good, {}), InputError);
   EXPECT_THROW(table_of(good, {2, 1}), InputError);
   EXPECT_THROW(table_of(good, {1e4}), InputError);
+  for (const double radius : {1e-20, 1e-300, 5e-324, 1e300})
+    EXPECT_THROW(table_of(good, {radius}), InputError) << radius;
+  for (const double wavelength : {1e-300, 1e300}) {
+    bad = good;
+    bad.wavelength_um = wavelength;
+    EXPECT_THROW(table_of(bad, {1}), InputError) << wavelength;
+  }
+  for (const std::complex<double> index : {std::complex<double>{1e5, 0}, {1e300, 0}, {1e-300, 0}, {1.3, 1e300}}) {
+    bad = good;
+    bad.refractive_index = index;
+    EXPECT_THROW(table_of(bad, {1}), InputError) << index;
+  }
+  for (const double density : {1e-320, 1e300}) {
+    bad = good;
+    bad.density_g_cm3 = density;
+    EXPECT_THROW(table_of(bad, {1}), InputError) << density;
+  }
 }
 
 }  // namespace

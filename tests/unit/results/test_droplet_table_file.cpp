@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -50,7 +51,7 @@ class DropletTableFile : public testing::Test {
 };
 
 DropletTable small_table() {
-  return {0.67, {6, 12}, {0.27, 0.13}, {1 - 1e-12, 0.75}, {{1, 0.75, 0.01}, {1, 0.25, 0.125, 0.003}}};
+  return {0.67, {6, 12}, {0.27, 0.13}, {1 - 1e-12, 0.75}, {{1, 0.25, 0.01}, {1, 0.25, 0.125, 0.003}}};
 }
 
 DropletTableInfo some_info() { return {{1.331, 2e-8}, "somewhere", 1, "gamma", 0.1, "cloudbow", "cloudbow mie"}; }
@@ -73,7 +74,7 @@ TEST_F(DropletTableFile, HoldsSeveralWavelengths) {
   DropletTable blue = small_table();
   blue.wavelength_um = 0.45;
   blue.extinction_m2_per_g = {0.26, 0.125};
-  blue.moments = {{1, 0.5, 0.125, 0.01, 0.002}, {1, 0.375, 0.01}};
+  blue.moments = {{1, 0.5, 0.125, 0.01, 0.002}, {1, 0.3, 0.01}};
   DropletTableInfo blue_info = some_info();
   blue_info.refractive_index = {1.337, 1e-9};
   write_droplet_tables(file, std::vector{small_table(), blue}, std::vector{some_info(), blue_info});
@@ -102,7 +103,7 @@ TEST_F(DropletTableFile, IsNetcdf4) {
   ASSERT_EQ(nc_get_var_double(id, variable, phase.data()), NC_NOERR);
   nc_close(id);
   // P = 1 + 3 chi_1 + 5 chi_2 + ... straight on; alternating backwards.
-  EXPECT_NEAR(phase[0], 1 + 3 * 0.75 + 5 * 0.01, 1e-6);
+  EXPECT_NEAR(phase[0], 1 + 3 * 0.25 + 5 * 0.01, 1e-6);
   EXPECT_NEAR(phase.back(), 1 - 3 * 0.25 + 5 * 0.125 - 7 * 0.003, 1e-6);
   EXPECT_EQ(angle.front(), 0);
   EXPECT_EQ(angle.back(), 180);
@@ -133,8 +134,9 @@ struct LibradtranFile {
   std::vector<double> reff = {5, 10};
   std::vector<double> ssa = {0.9, 0.8, 0.99, 0.98};
   std::vector<double> ext = {300, 150, 301, 151};  // 1/km for 1 g/m3
-  std::vector<double> pmom = {1, 2.4,  2.5, 0.05, 9, 9, 9, 9, 1, 2.1, 1.5, 0.05, 9, 9, 9, 9,
-                              1, 2.55, 3,   0.07, 9, 9, 9, 9, 1, 2.7, 3.5, 0.14, 9, 9, 9, 9};
+  std::vector<double> pmom = {1, 1.2,   0.5, 0.05, 9, 9, 9, 9, 1, 1.05, 0.4, 0.05,  9, 9, 9, 9,
+                              1, 1.275, 0.6, 0.06, 9, 9, 9, 9, 1, 1.35, 0.7, 0.063, 9, 9, 9, 9};
+  std::vector<double> gg{};  // empty: none
   const char* pmom_units = "including factor 2*l+1";
   const char* ext_units = "km^-1/(g/m^3)";
   const char* without = "";  // a variable to leave out
@@ -157,6 +159,7 @@ struct LibradtranFile {
     const int v_lambda = define("wavelen", {lambda}, NC_DOUBLE), v_radius = define("reff", {radius}, NC_DOUBLE);
     const int v_ext = define("ext", {lambda, radius}, NC_DOUBLE), v_ssa = define("ssa", {lambda, radius}, NC_DOUBLE);
     const int v_nmom = define("nmom", {lambda, radius, element}, NC_INT);
+    const int v_gg = gg.empty() ? -1 : define("gg", {lambda, radius}, NC_DOUBLE);
     const int v_pmom = define("pmom", {lambda, radius, element, moment}, NC_FLOAT);
     if (v_ext >= 0) nc_put_att_text(id, v_ext, "units", std::string(ext_units).size(), ext_units);
     if (v_pmom >= 0) nc_put_att_text(id, v_pmom, "units", std::string(pmom_units).size(), pmom_units);
@@ -169,6 +172,7 @@ struct LibradtranFile {
     nc_put_var_double(id, v_ssa, ssa.data());
     nc_put_var_int(id, v_nmom, nmom.data());
     if (v_pmom >= 0) nc_put_var_double(id, v_pmom, pmom.data());
+    if (v_gg >= 0) nc_put_var_double(id, v_gg, gg.data());
     nc_close(id);
   }
 };
@@ -184,8 +188,8 @@ TEST_F(DropletTableFile, ReadsLibradtran) {
     EXPECT_NEAR(table.extinction_m2_per_g[1], 0.151, 1e-15);  // 151 1/km for 1 g/m3
     EXPECT_EQ(table.single_scattering_albedo[0], 0.99);
     // The first matrix element only, the factor 2l+1 taken out; floats.
-    EXPECT_NEAR(table.moments[0][1], 2.55 / 3, 1e-7);
-    EXPECT_NEAR(table.moments[1][3], 0.14 / 7, 1e-8);
+    EXPECT_NEAR(table.moments[0][1], 1.275 / 3, 1e-7);
+    EXPECT_NEAR(table.moments[1][3], 0.063 / 7, 1e-8);
     EXPECT_EQ(table.moments[0].size(), 4u);
     EXPECT_THAT(message(folder_ / "wc.mie.cdf"), HasSubstr("2 wavelengths from 0.55 to 0.67 um"));
     EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.6), HasSubstr("no such wavelength"));
@@ -238,10 +242,51 @@ TEST_F(DropletTableFile, SaysWhatIsWrongWithLibradtransForm) {
 TEST_F(DropletTableFile, TellsMomentsWithoutTheFactor) {
   LibradtranFile content;
   content.pmom_units = "-";
-  content.pmom = {1, 0.8,  0.5, 0.01, 0, 0, 0, 0, 1, 0.7, 0.3, 0.01, 0, 0, 0, 0,
-                  1, 0.85, 0.6, 0.01, 0, 0, 0, 0, 1, 0.9, 0.7, 0.02, 0, 0, 0, 0};
+  content.pmom = {1, 0.4,  0.1,  0.008, 0, 0, 0, 0, 1, 0.3, 0.1, 0.006, 0, 0, 0, 0,
+                  1, 0.42, 0.12, 0.008, 0, 0, 0, 0, 1, 0.3, 0.1, 0.006, 0, 0, 0, 0};
   content.write(folder_ / "wc.mie.cdf");
-  EXPECT_NEAR(read_droplet_table(folder_ / "wc.mie.cdf", 0.67).moments[0][1], 0.85, 1e-7);
+  const DropletTable table = read_droplet_table(folder_ / "wc.mie.cdf", 0.67);
+  EXPECT_NEAR(table.moments[0][1], 0.42, 1e-7);
+  ASSERT_EQ(table.notes.size(), 1u);
+  EXPECT_THAT(table.notes[0], AllOf(HasSubstr("without the factor 2l+1"), HasSubstr("GUESSED")));
+}
+
+// None is above 1, but 1 + 2.85 mu + ... were negative: 1 + .95 mu + ... is meant.
+TEST_F(DropletTableFile, TellsMomentsWithTheFactorByTheSign) {
+  LibradtranFile content;
+  content.pmom_units = "-";
+  for (std::size_t n = 0; n < 4; ++n) {
+    const std::vector<double> moments{1, 0.95, 0.04, 0.005};
+    std::copy(moments.begin(), moments.end(), content.pmom.begin() + static_cast<std::ptrdiff_t>(8 * n));
+  }
+  content.write(folder_ / "wc.mie.cdf");
+  const DropletTable table = read_droplet_table(folder_ / "wc.mie.cdf", 0.67);
+  EXPECT_NEAR(table.moments[0][1], 0.95 / 3, 1e-7);
+  EXPECT_THAT(table.notes, testing::IsEmpty());
+  content.pmom[17] = 0.8;  // negative either way
+  content.pmom[18] = -1;
+  content.write(folder_ / "wc.mie.cdf");
+  EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), AllOf(HasSubstr("radius 5 um"), HasSubstr("negative")));
+}
+
+TEST_F(DropletTableFile, AsymmetryParametersTellTheFactor) {
+  LibradtranFile content;
+  content.pmom_units = "-";
+  content.gg = {0.4, 0.35, 0.425, 0.45};
+  content.write(folder_ / "wc.mie.cdf");
+  EXPECT_NEAR(read_droplet_table(folder_ / "wc.mie.cdf", 0.67).moments[0][1], 0.425, 1e-7);
+  content.gg[2] = 0.85;
+  content.write(folder_ / "wc.mie.cdf");
+  EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), AllOf(HasSubstr("contradict"), HasSubstr("0.425")));
+}
+
+TEST_F(DropletTableFile, KnowsTheUnitHoweverItIsSpelled) {
+  LibradtranFile content;
+  for (const char* units : {"km^-1/(g/m^3)", "km-1/(g/m3)", "1/km/(g/m3)", "km^{-1} / (g m^{-3})"}) {
+    content.ext_units = units;
+    content.write(folder_ / "wc.mie.cdf");
+    EXPECT_NEAR(read_droplet_table(folder_ / "wc.mie.cdf", 0.67).extinction_m2_per_g[1], 0.151, 1e-15) << units;
+  }
 }
 
 constexpr const char* kShdom =
@@ -252,10 +297,10 @@ constexpr const char* kShdom =
     "  7.00000 gamma size distribution shape parameter\n"
     "   2    5.000   10.000  number, starting, ending effective radius\n"
     "   5.0000  3.01000E+02 0.990000      4   Reff  Ext  Alb  Nleg\n"
-    "     1.00000   2.55000   3.00000   1.40000\n"
-    "     0.09000\n"
+    "     1.00000   1.27500   0.60000   0.06000\n"
+    "     0.04500\n"
     "  10.0000  1.51000D+02 0.980000      3   Reff  Ext  Alb  Nleg\n"
-    "     1.00000   2.70000   3.50000   0.14000\n";
+    "     1.00000   1.35000   0.70000   0.06300\n";
 
 TEST_F(DropletTableFile, ReadsShdom) {
   const DropletTable table = read_droplet_table(write_text(kShdom));
@@ -265,9 +310,13 @@ TEST_F(DropletTableFile, ReadsShdom) {
   EXPECT_DOUBLE_EQ(table.extinction_m2_per_g[1], 0.151);  // Fortran's D exponent
   EXPECT_DOUBLE_EQ(table.single_scattering_albedo[1], 0.98);
   ASSERT_EQ(table.moments[0].size(), 5u);
-  EXPECT_DOUBLE_EQ(table.moments[0][1], 0.85);
-  EXPECT_DOUBLE_EQ(table.moments[0][4], 0.01);
-  EXPECT_DOUBLE_EQ(table.moments[1][3], 0.02);
+  EXPECT_DOUBLE_EQ(table.moments[0][1], 0.425);
+  EXPECT_DOUBLE_EQ(table.moments[0][4], 0.005);
+  EXPECT_DOUBLE_EQ(table.moments[1][3], 0.009);
+  std::string upper = kShdom;  // heads in any case
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  EXPECT_EQ(read_droplet_table(write_text(upper)).moments, table.moments);
 }
 
 // Polarised tables: six elements, each a line that begins with its number; the first is the phase function.
@@ -277,11 +326,11 @@ TEST_F(DropletTableFile, ReadsShdomPolarised) {
       " 0.672 0.672  wavelength range (micron)\n"
       " 1 10.0 10.0  number, starting, ending effective radius\n"
       " 10.0000 1.5E+02 0.98 3  Reff  Ext  Alb  Nrank\n"
-      " 1 1.0 2.7 3.5 0.14\n";
+      " 1 1.0 1.35 0.7 0.063\n";
   for (int element = 2; element <= 6; ++element) text += " " + std::to_string(element) + " 0.0 0.1 0.2 0.3\n";
   const DropletTable table = read_droplet_table(write_text(text));
   EXPECT_EQ(table.moments[0].size(), 4u);
-  EXPECT_DOUBLE_EQ(table.moments[0][1], 0.9);
+  EXPECT_DOUBLE_EQ(table.moments[0][1], 0.45);
 }
 
 TEST_F(DropletTableFile, SaysWhatIsWrongWithShdomsForm) {
@@ -290,13 +339,14 @@ TEST_F(DropletTableFile, SaysWhatIsWrongWithShdomsForm) {
     text.replace(text.find(from), from.size(), to);
     return message(write_text(text));
   };
-  EXPECT_THAT(message_after("     0.09000\n", ""), AllOf(HasSubstr("found 4, allowed 5"), HasSubstr("radius 5 um")));
+  EXPECT_THAT(message_after("     0.04500\n", ""), AllOf(HasSubstr("found 4, allowed 5"), HasSubstr("radius 5 um")));
   EXPECT_THAT(message_after("   2    5.000", "   3    5.000"), HasSubstr("incomplete (found 2 effective radii"));
   EXPECT_THAT(message_after("3.01000E+02", "abc"), HasSubstr("line 7"));
-  EXPECT_THAT(message_after(" 1.00000   2.70000", " 0.50000   2.70000"), HasSubstr("wrong norm"));
-  EXPECT_THAT(message_after("2.70000", "3.70000"), HasSubstr("out of range"));
+  EXPECT_THAT(message_after(" 1.00000   1.35000", " 0.50000   1.35000"), HasSubstr("wrong norm"));
+  EXPECT_THAT(message_after("1.35000", "3.70000"), HasSubstr("out of range"));
+  EXPECT_THAT(message_after("1.35000", "2.70000"), AllOf(HasSubstr("radius 10 um"), HasSubstr("negative")));
   EXPECT_THAT(message_after("10.0000", " 4.0000"), HasSubstr("do not ascend"));
-  EXPECT_THAT(message_after("0.14000", "3.14000"), HasSubstr("too few moments"));
+  EXPECT_THAT(message_after("0.06300", "3.14000"), HasSubstr("too few moments"));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -89,6 +91,45 @@ TEST_F(OnControlPoints, DeformedTakesTheValueGivenAndKeepsWhatIsOutOfReach) {
       EXPECT_GE(deformed.values()[m], function_.values()[m]);  // it was raised: nothing sinks
     }
   }
+}
+
+// Truth: the definition, that the value there moves by the change and nothing else does, and the closed form of the
+// least-norm solution of one equation w . d = change, whose norm is |change| / |w|.
+TEST_F(OnControlPoints, MovesTheValueAtADirectionByTheSmallestChange) {
+  const double change = 2.5;
+  for (const Direction& direction : random_directions(200)) {
+    SphericalFunction moved = function_;
+    moved.move_value_at(direction, change);
+    EXPECT_NEAR(moved(direction), function_(direction) + change, 1e-14);  // a few roundings of numbers up to 6
+    const auto [index, weight] = points_->stencil(direction);
+    double squares = 0, weights = 0;
+    for (int m = 0; m < points_->size(); ++m) {
+      const double difference = moved.values()[m] - function_.values()[m];
+      squares += difference * difference;
+      if (std::find(index.begin(), index.end(), m) == index.end()) {
+        EXPECT_EQ(difference, 0);
+      }
+    }
+    for (const double w : weight) weights += w * w;
+    EXPECT_NEAR(std::sqrt(squares), change / std::sqrt(weights), 1e-13);
+    // Any other change of the three that does the same is larger: here one moved along the plane w . d = 0.
+    std::array<double, 3> other{};
+    double larger = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      other[k] =
+          moved.values()[index[k]] - function_.values()[index[k]] + 0.1 * (weight[(k + 1) % 3] - weight[(k + 2) % 3]);
+      larger += other[k] * other[k];
+    }
+    EXPECT_NEAR(weight[0] * other[0] + weight[1] * other[1] + weight[2] * other[2], change, 1e-13);
+    EXPECT_GE(larger, squares - 1e-12);  // equal where all weights are
+  }
+}
+
+TEST_F(OnControlPoints, MovesAControlPointAlone) {
+  SphericalFunction moved = function_;
+  moved.move_value_at(points_->directions()[20], -1);
+  for (int m = 0; m < points_->size(); ++m)
+    EXPECT_NEAR(moved.values()[m], function_.values()[m] - (m == 20 ? 1 : 0), 1e-13);
 }
 
 TEST_F(OnControlPoints, LobeFallsOffFromItsCentre) {

@@ -1,0 +1,23 @@
+// Text files of numbers, row by row.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cloudbow {
+
+/// @throws InputError naming the file: it is not there, is no regular file, is too large or cannot be opened.
+std::ifstream open_text(const std::filesystem::path& file);
+
+/// The numbers of a line up to a comment, which begins with "#" or "!". Blanks and commas separate them; Fortran's
+/// exponents (1.5D+01) are read. Empty for a line without any, nothing if a word is no number.
+std::optional<std::vector<double>> numbers_in(std::string_view line);
+
+/// A file that is no text must not garble the terminal: its first 80 characters, each that is none as "?".
+std::string printable(std::string_view text);
+
+}  // namespace cloudbow

@@ -1,0 +1,84 @@
+#include "cloudbow/medium/albedo_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "albedo_map_readers.hpp"
+#include "cloudbow/core/rehearsal.hpp"
+
+namespace cloudbow {
+namespace {
+
+/// Opening a pipe would wait for its other end.
+void check_regular(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) fail_import(file, "cannot be read (there is no such file)");
+  if (!std::filesystem::is_regular_file(status)) fail_import(file, "cannot be read (allowed: a regular file)");
+}
+
+void check_values(const std::filesystem::path& file, AlbedoMap& map) {
+  constexpr float rounding = 1e-6F;  // of packed numbers
+  for (std::size_t n = 0; n < map.value.size(); ++n) {
+    float& albedo = map.value[n];
+    if (albedo >= -rounding && albedo <= 1 + rounding) {
+      albedo = std::clamp(albedo, 0.F, 1.F);
+      continue;
+    }
+    const std::size_t nx = static_cast<std::size_t>(map.nx);
+    const std::string place = fmt::format("row {}, column {}, counted from the smallest y and x", n / nx, n % nx);
+    if (std::isnan(albedo)) fail_import(file, "no value at {} (allowed: an albedo everywhere) fill the gaps", place);
+    fail_import(
+        file,
+        "albedo out of range (found {} at {}, allowed 0 to 1) a file that holds per cent or packed numbers must "
+        "say so by units = \"%\" or scale_factor",
+        albedo, place);
+  }
+}
+
+/// Shares of the old cells in each new one along an axis, and their sums of weights 1.
+template <class Use>
+void overlaps(int old_count, int new_count, Use&& use) {
+  for (int to = 0; to < new_count; ++to) {
+    const double low = static_cast<double>(to) * old_count / new_count;
+    const double high = static_cast<double>(to + 1) * old_count / new_count;
+    for (int from = static_cast<int>(low); from < old_count && from < high; ++from) {
+      const double share = std::min<double>(from + 1, high) - std::max<double>(from, low);
+      if (share > 0) use(static_cast<std::size_t>(from), static_cast<std::size_t>(to), share / (high - low));
+    }
+  }
+}
+
+}  // namespace
+
+AlbedoMap read_albedo_map(const std::filesystem::path& file) {
+  check_regular(file);
+  const bool png = is_png(file);
+  return after_rehearsal(file, {.library = png ? "libpng" : "netCDF"}, [&] {
+    AlbedoMap map = png ? read_png_map(file) : read_netcdf_map(file);
+    check_values(file, map);
+    return map;
+  });
+}
+
+std::vector<float> area_means(const AlbedoMap& map, int nx, int ny) {
+  const auto width = static_cast<std::size_t>(nx);
+  std::vector<double> sum(width * static_cast<std::size_t>(ny), 0.);
+  // Rows come in their order, some twice in a row: one of them, brought to the new columns, is kept.
+  std::vector<double> row(width);
+  std::size_t row_from = static_cast<std::size_t>(map.ny);
+  overlaps(map.ny, ny, [&](std::size_t from, std::size_t to, double share) {
+    if (from != row_from) {
+      row_from = from;
+      std::fill(row.begin(), row.end(), 0.);
+      const float* value = map.value.data() + from * static_cast<std::size_t>(map.nx);
+      overlaps(map.nx, nx, [&](std::size_t i, std::size_t column, double part) {
+        row[column] += part * static_cast<double>(value[i]);
+      });
+    }
+    for (std::size_t i = 0; i < width; ++i) sum[to * width + i] += share * row[i];
+  });
+  return {sum.begin(), sum.end()};
+}
+
+}  // namespace cloudbow
