@@ -17,6 +17,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/results/phase_report.hpp"
+#include "cloudbow/results/picture_format.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "history.hpp"
 
@@ -115,7 +116,9 @@ void check_outputs(const Options& options) {
       throw InputError(fmt::format("{}: would overwrite what it is made from", output.string()));
     check_writable(output);
   }
-  if (options.plot.empty() || options.output.empty()) return;
+  if (options.plot.empty()) return;
+  picture_format(options.plot);
+  if (options.output.empty()) return;
   const auto plain = [](const std::filesystem::path& file) {
     return std::filesystem::absolute(file).lexically_normal();
   };
