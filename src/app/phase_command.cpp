@@ -117,13 +117,12 @@ void check_outputs(const Options& options) {
     check_writable(output);
   }
   if (options.plot.empty()) return;
-  picture_format(options.plot);
-  if (options.output.empty()) return;
   const auto plain = [](const std::filesystem::path& file) {
     return std::filesystem::absolute(file).lexically_normal();
   };
-  if (plain(options.plot) == plain(options.output))
+  if (!options.output.empty() && plain(options.plot) == plain(options.output))
     throw InputError(fmt::format("{}: named for the plot and for the file", options.plot.string()));
+  picture_format(options.plot);
 }
 
 int phase(const Options& options) {

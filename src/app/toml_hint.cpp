@@ -48,7 +48,9 @@ std::string hint_of_value(std::string_view value, std::string_view key) {
   if (word == "true" || word == "false") return fmt::format("true and false are written in small letters: {}", word);
   if (begins_with_digit(value) || (value.front() == '.' && begins_with_digit(value.substr(1))))
     return hint_of_number(value);
-  if (value.front() == '[' || value.front() == '{' || value.size() > kLongestValue) return "text stands in quotes";
+  const bool printable = std::none_of(value.begin(), value.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
+  if (value.front() == '[' || value.front() == '{' || value.size() > kLongestValue || !printable)
+    return "text stands in quotes";
   return fmt::format("text stands in quotes: {}\"{}\"", key.empty() ? "" : fmt::format("{} = ", key), value);
 }
 
@@ -58,7 +60,8 @@ std::string toml_hint(std::string_view problem, std::string_view line, std::size
   const auto says = [problem](std::string_view words) { return problem.find(words) != std::string_view::npos; };
   if (says("redefine")) return "each key and each [table] stands once";
   if (says("expected '='")) return "a line is KEY = VALUE";
-  if (says("table header")) return "a table begins with its name in brackets: [sun]";
+  if (says("table header") || (says("parsing key:") && trimmed(line).starts_with('[')))
+    return "a table begins with its name in brackets: [sun]";
   const auto equals = line.find('=');
   const std::string_view key = equals == std::string_view::npos ? "" : trimmed(line.substr(0, equals));
   const std::size_t after_key = equals == std::string_view::npos ? 0 : equals + 1;

@@ -20,7 +20,7 @@ PictureFormat picture_format(const std::filesystem::path& file, const std::vecto
     if (ending == name) return format;
     allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", name);
   }
-  throw InputError(fmt::format("{}: no kind of picture that is written (found {}, allowed {})", file.string(),
+  throw InputError(fmt::format("{}: not a kind of picture that is written (found {}, allowed {})", file.string(),
                                file.extension().string(), allowed));
 }
 
