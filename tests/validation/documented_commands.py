@@ -38,7 +38,7 @@ SLOW = {
     "cloudbow run configs/gallery/": "minutes: cameras, three wavelengths",
     "cloudbow render sunset.h5": "needs the one before",
     "cloudbow render satellite.h5": "needs the one before",
-    "cloudbow tradeoff": "a field at all levels of accuracy",
+    "cloudbow tradeoff scene.toml": "a field at all levels of accuracy",
     "cloudbow run configs/cumulus.toml --set 'output.fields=[\"fluxes\",\"radiance_field\"]'": "as in docs/radiance-fields.md",
     "cloudbow export cumulus.h5 --vdb radiance.vdb": "needs the one before",
     "cloudbow run scene.toml --set sun.zenith_deg=30 --set solver.accuracy=fine": "a field at `fine`",
