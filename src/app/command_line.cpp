@@ -25,6 +25,7 @@
 #include "messages.hpp"
 #include "phase_command.hpp"
 #include "tradeoff_command.hpp"
+#include "usage_error.hpp"
 #include "verify_command.hpp"
 
 namespace cloudbow {
@@ -136,7 +137,7 @@ void add_render(CLI::App& app, Action& action) {
   RenderOptions& render_options = options->render;
   CLI::App* render_app = app.add_subcommand("render", "Draw an image or a flux field of a result file");
   render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->type_name("FILE")->required();
-  render_app->add_option("-o,--output", render_options.image_file, "Picture (PNG, or OpenEXR by its name)")
+  render_app->add_option("-o,--output", render_options.image_file, "Picture: PNG, or OpenEXR if its name ends in .exr")
       ->type_name("FILE")
       ->required();
   render_app->add_option("--variable,--field", render_options.variable, "Variable to draw")->capture_default_str();
@@ -238,7 +239,7 @@ int parse_and_act(int argc, const char* const* argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", error.what()));
+    throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", usage_error(app, error)));
   }
   const int code = action();
   check_printed();

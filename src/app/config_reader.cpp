@@ -4,36 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "cloudbow/core/error.hpp"
+#include "suggestion.hpp"
 
 namespace cloudbow {
-namespace {
-
-/// Levenshtein's distance: single letters put in, taken out or changed.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, changed});
-    }
-  }
-  return row.back();
-}
-
-std::string list(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-}  // namespace
 
 bool NumberRange::contains(double value) const {
   return std::isfinite(value) && (low_included ? value >= low : value > low) &&
@@ -73,7 +48,9 @@ double ConfigReader::as_number(const std::string& key, const ConfigNode& node, c
              integer != nullptr && node.kind == ConfigNode::Kind::scalar) {
     value = static_cast<double>(*integer);
   } else {
-    fail(key, "not a number", describe(node), range.allowed);
+    const bool is_text = node.kind == ConfigNode::Kind::scalar && std::holds_alternative<std::string>(node.scalar);
+    fail(key, "not a number", describe(node),
+         fmt::format("{}{}", range.allowed, is_text ? "; numbers stand without quotes" : ""));
   }
   if (!range.contains(value)) fail(key, "out of range", describe(node), range.allowed);
   return value;
@@ -150,7 +127,7 @@ std::optional<std::string> ConfigReader::find_choice(const std::string& key,
                                                      const std::vector<std::string>& allowed) const {
   auto value = find_text(key);
   if (value && std::find(allowed.begin(), allowed.end(), *value) == allowed.end()) {
-    fail(key, "not one of the choices", describe(*table_.find(key)), list(allowed));
+    fail(key, "not one of the choices", describe(*table_.find(key)), candidates_for(*value, allowed));
   }
   return value;
 }
@@ -221,16 +198,7 @@ void ConfigReader::check_keys(const std::vector<std::string>& known,
     if (std::find(not_available.begin(), not_available.end(), key) != not_available.end()) {
       throw InputError(fmt::format("{}: {}: not available in this version", place_of(key), full_name(key)));
     }
-    std::string suggestion;
-    std::size_t nearest = std::max<std::size_t>(2, key.size() / 3) + 1;
-    for (const std::string& candidate : known) {
-      const std::size_t distance = edit_distance(key, candidate);
-      if (distance < nearest) {
-        nearest = distance;
-        suggestion = fmt::format("; did you mean {}?", candidate);
-      }
-    }
-    fail(key, "unknown key", key, list(known) + suggestion);
+    fail(key, "unknown key", describe_key(key), candidates_for(key, known));
   }
 }
 

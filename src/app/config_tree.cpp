@@ -4,60 +4,75 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 
 #include "cloudbow/core/error.hpp"
+#include "toml_depth.hpp"
+#include "toml_hint.hpp"
 
 namespace cloudbow {
 namespace {
 
 // Scenes are small; what is larger is not a scene.
 constexpr std::uintmax_t kMaxBytes = 4u << 20;
-// The parser recurses over the parts of a dotted key and overflows the stack at some ten thousand.
-constexpr int kMaxKeyParts = 32;
+constexpr std::size_t kLongestPlace = 200;  // bytes of a --set in a message
+
+/// Files that are given in the place of a scene, by their first bytes.
+struct OtherFile {
+  std::string_view begin, found, way_out;
+};
+constexpr std::string_view kImport =
+    "; `cloudbow cloud import` makes a cloud of a model's output, for [cloud] of a scene";
+constexpr std::string_view kEncoding = "; save it as UTF-8";
+constexpr std::array<OtherFile, 8> kOtherFiles{{{" BDV", "an OpenVDB file", "; a scene names it: file in [cloud]"},
+                                                {"\x89HDF", "an HDF5 or netCDF-4 file", kImport},
+                                                {"CDF\x01", "a netCDF file", kImport},
+                                                {"CDF\x02", "a netCDF file", kImport},
+                                                {"CDF\x05", "a netCDF file", kImport},
+                                                {"\x89PNG", "a PNG picture", ""},
+                                                {"\xff\xfe", "text in UTF-16", kEncoding},
+                                                {"\xfe\xff", "text in UTF-16", kEncoding}}};
 
 std::string read_text(const std::filesystem::path& path) {
-  const auto fail = [&](std::string_view found) {
-    throw InputError(fmt::format("{}: cannot be read as a scene (found {}, allowed a TOML file of at most {} MB)",
-                                 path.string(), found, kMaxBytes >> 20));
+  const auto fail = [&](std::string_view found, std::string_view way_out = "") {
+    throw InputError(fmt::format("{}: cannot be read as a scene (found {}, allowed a TOML file of at most {} MB){}",
+                                 path.string(), found, kMaxBytes >> 20, way_out));
   };
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) fail("no such file");
   if (std::filesystem::is_directory(status)) fail("a directory");
   if (!std::filesystem::is_regular_file(status)) fail("no regular file");
-  if (std::filesystem::file_size(path, error) > kMaxBytes) fail("a larger file");
   std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::string text(std::min<std::uintmax_t>(std::filesystem::file_size(path, error), kMaxBytes + 1), '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream) fail("a file that may not be read");
+  for (const OtherFile& other : kOtherFiles)
+    if (text.starts_with(other.begin)) fail(other.found, other.way_out);
+  if (text.size() > kMaxBytes) fail("a larger file");
   return text;
 }
 
-/// Rejects keys of very many parts before the parser sees them.
-void check_dotted_keys(const std::string& text, const std::string& file) {
-  std::istringstream lines(text);
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    int dots = 0;
-    for (const char c : line.substr(0, line.find('#'))) {
-      const bool key_character =
-          std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("_-\"' \t", c) != nullptr;
-      if (c == '.') {
-        ++dots;
-      } else if (!key_character) {
-        dots = 0;
-      }
-      if (dots >= kMaxKeyParts) {
-        throw InputError(fmt::format("{}:{}: key of too many parts (found more than {}, allowed {})", file, number,
-                                     kMaxKeyParts, kMaxKeyParts));
-      }
-    }
-  }
+[[noreturn]] void fail_too_deep(const std::string& place) {
+  throw InputError(
+      fmt::format("{}: nested too deeply (found more than {} levels of keys, lists and tables, allowed {})", place,
+                  kMaxTomlDepth, kMaxTomlDepth));
+}
+
+/// @param number from 1
+std::string_view line_of(std::string_view text, std::size_t number) {
+  for (std::size_t n = 1; n < number; ++n) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text.substr(0, text.find('\n'));
+}
+
+/// The parser, and what walks over its tree, recurse: some ten thousand levels overflow the stack.
+void check_depth(const std::string& text, const std::string& file) {
+  if (const auto line = first_line_too_deep(text)) fail_too_deep(fmt::format("{}:{}", file, *line));
 }
 
 ConfigNode convert(const toml::node& node, const std::string& place_of_file) {
@@ -137,6 +152,9 @@ std::string key_text(const std::string& key) {
   return bare ? key : quoted(key);
 }
 
+/// For messages.
+std::string shortened(const std::string& text) { return text.size() <= 80 ? text : text.substr(0, 77) + "..."; }
+
 std::string inline_text(const ConfigNode& node) {
   std::string text;
   switch (node.kind) {
@@ -199,18 +217,20 @@ ConfigNode parse_override_value(const std::string& value, const std::string& pla
 }
 
 void apply_override(ConfigNode& root, const std::string& assignment) {
-  const std::string place = fmt::format("--set {}", assignment);
+  const std::string shown = assignment.substr(0, kLongestPlace);
+  const bool printable = std::none_of(shown.begin(), shown.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
+  const std::string place = fmt::format("--set {}", printable ? shown : quoted(shown));
   const auto equals = assignment.find('=');
   std::vector<std::string> parts;
   std::istringstream key(assignment.substr(0, equals));
   for (std::string part; std::getline(key, part, '.');) parts.push_back(part);
   const bool has_empty_part = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part.empty(); });
-  if (equals == std::string::npos || parts.empty() || has_empty_part || parts.size() > kMaxKeyParts) {
-    throw InputError(fmt::format("--set: found '{}', allowed KEY=VALUE with a dotted key, as in sun.zenith_deg=30",
-                                 assignment.substr(0, 200)));
+  if (equals == std::string::npos || parts.empty() || has_empty_part) {
+    throw InputError(
+        fmt::format("--set: found '{}', allowed KEY=VALUE with a dotted key, as in sun.zenith_deg=30", shown));
   }
   const std::string value = assignment.substr(equals + 1);
-  check_dotted_keys(value, place);
+  if (parts.size() > kMaxTomlDepth || first_line_too_deep(fmt::format("value = {}", value))) fail_too_deep(place);
 
   ConfigNode* node = &root;
   std::string path;
@@ -248,24 +268,26 @@ const ConfigNode* ConfigNode::find(const std::string& key) const {
   return found == keys.end() ? nullptr : &items[static_cast<std::size_t>(found - keys.begin())];
 }
 
+std::string describe_key(const std::string& key) { return shortened(key_text(key)); }
+
 std::string describe(const ConfigNode& node) {
   if (node.kind == ConfigNode::Kind::table) return "a table";
   if (node.kind == ConfigNode::Kind::array) return fmt::format("an array of {}", node.items.size());
-  const std::string text = scalar_text(node.scalar);
-  return text.size() <= 80 ? text : text.substr(0, 77) + "...";
+  return shortened(scalar_text(node.scalar));
 }
 
 ConfigTree read_config(const std::filesystem::path& path, std::span<const std::string> overrides) {
   ConfigTree tree;
   tree.text = read_text(path);
-  check_dotted_keys(tree.text, path.string());
+  check_depth(tree.text, path.string());
   try {
     const toml::table table = toml::parse(std::string_view(tree.text), std::string_view(path.native()));
     tree.root = convert(table, path.string());
   } catch (const toml::parse_error& error) {
     const auto& begin = error.source().begin;
-    throw InputError(
-        fmt::format("{}:{}:{}: not valid TOML ({})", path.string(), begin.line, begin.column, error.description()));
+    const std::string hint = toml_hint(error.description(), line_of(tree.text, begin.line), begin.column);
+    throw InputError(fmt::format("{}:{}:{}: not valid TOML ({}){}", path.string(), begin.line, begin.column,
+                                 error.description(), hint.empty() ? "" : "; " + hint));
   }
   tree.root.place = path.string();
   for (const std::string& assignment : overrides) apply_override(tree.root, assignment);

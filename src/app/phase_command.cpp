@@ -17,6 +17,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/results/phase_report.hpp"
+#include "cloudbow/results/picture_format.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/sphere/scaled_vector.hpp"
 #include "history.hpp"
@@ -118,12 +119,13 @@ void check_outputs(const Options& options) {
       throw InputError(fmt::format("{}: would overwrite what it is made from", output.string()));
     check_writable(output);
   }
-  if (options.plot.empty() || options.output.empty()) return;
+  if (options.plot.empty()) return;
   const auto plain = [](const std::filesystem::path& file) {
     return std::filesystem::absolute(file).lexically_normal();
   };
-  if (plain(options.plot) == plain(options.output))
+  if (!options.output.empty() && plain(options.plot) == plain(options.output))
     throw InputError(fmt::format("{}: named for the plot and for the file", options.plot.string()));
+  picture_format(options.plot);
 }
 
 int phase(const Options& options) {

@@ -14,6 +14,7 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/results/picture_format.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/tradeoff.hpp"
 #include "messages.hpp"
@@ -111,18 +112,26 @@ void check_options(const TradeoffOptions& options, const Scene& scene) {
     check_not_an_input(file, scene);
     check_writable(file);
   }
+  if (!options.plot.empty()) picture_format(options.plot);
 }
 
-/// Its result, or nothing where it needs more memory than there is; then `note` says so.
-std::optional<BoundaryResult> solve_level(const Level& level, const TradeoffOptions& options,
-                                          const ScratchFolder& scratch, std::string& note) {
+/// Empty for a level that can be solved.
+std::string why_left_out(const Level& level, const TradeoffOptions& options) {
   const std::uint64_t available = options.memory_bytes != 0 ? options.memory_bytes : physical_memory_bytes();
-  const std::size_t needed = foreseen_memory(read_scenes(options.scene, level.overrides), available, options.threads);
-  if (needed > available) {
-    note = fmt::format("{:<20}left out: needs {:.2f} GB, there are {:.2f} GB", level.name,
-                       static_cast<double>(needed) * 1e-9, static_cast<double>(available) * 1e-9);
-    return std::nullopt;
+  std::size_t needed = 0;
+  try {
+    needed = foreseen_memory(read_scenes(options.scene, level.overrides), available, options.threads);
+  } catch (const InputError& error) {
+    // Columns by themselves do not know all that a scene may ask for. Of a faulty scene the next level tells.
+    if (!is_column_mode(level.name) || !options.levels.empty()) throw;
+    return error.what();
   }
+  if (needed <= available) return "";
+  return fmt::format("needs {:.2f} GB, there are {:.2f} GB", static_cast<double>(needed) * 1e-9,
+                     static_cast<double>(available) * 1e-9);
+}
+
+BoundaryResult solve_level(const Level& level, const TradeoffOptions& options, const ScratchFolder& scratch) {
   const std::filesystem::path file = scratch / (level.name + ".h5");
   std::vector<std::string> arguments{"run", options.scene.string(), "-o", file.string()};
   for (const std::string& setting : level.overrides) arguments.insert(arguments.end(), {"--set", setting});
@@ -162,19 +171,18 @@ int tradeoff(const TradeoffOptions& options) {
   report.title = scene.title.empty() ? scene.path.stem().string() : scene.title;
   std::vector<BoundaryResult> results;
   for (const Level& level : levels) {
-    std::string note;
-    std::optional<BoundaryResult> result = solve_level(level, options, scratch, note);
-    if (!result) {
-      report.notes.push_back(note);
+    if (const std::string reason = why_left_out(level, options); !reason.empty()) {
+      report.notes.push_back(fmt::format("{:<20}left out: {}", level.name, reason));
       continue;
     }
-    if (truth) flux_errors(*result, *truth);  // tells of another grid before dearer levels are solved
-    report.rows.push_back({level.name, result->cost, {}});
-    results.push_back(std::move(*result));
+    BoundaryResult result = solve_level(level, options, scratch);
+    if (truth) flux_errors(result, *truth);  // tells of another grid before dearer levels are solved
+    report.rows.push_back({level.name, result.cost, {}});
+    results.push_back(std::move(result));
   }
   if (results.empty()) {
     throw InputError(
-        fmt::format("{}: no level fits into memory ({})", options.scene.string(), fmt::join(report.notes, "; ")));
+        fmt::format("{}: no level can be solved ({})", options.scene.string(), fmt::join(report.notes, "; ")));
   }
   report.truth = truth ? options.reference.string() : report.rows.back().level;
   const BoundaryResult& exact = truth ? *truth : results.back();

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "cloudbow/core/error.hpp"
@@ -224,11 +225,14 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
   image.columns = static_cast<int>(x.size());
   image.rows = static_cast<int>(y.size());
   image.value = read_block(dataset, start, size);
-  image.column_width_m = dx;
-  image.row_edge_m = edges_around(y, dy);
   if (kind.camera) {
     image.place = "camera";
     image.value = upside_down(image.value, image.rows, image.columns);
+    image.row_edge_m.resize(y.size() + 1);
+    std::iota(image.row_edge_m.begin(), image.row_edge_m.end(), 0.0);
+  } else {
+    image.column_width_m = dx;
+    image.row_edge_m = edges_around(y, dy);
   }
   return image;
 }

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "atomic_file.hpp"
+#include "cloudbow/results/picture_format.hpp"
 
 namespace cloudbow {
 
@@ -37,6 +38,7 @@ png_image make_png(int width, int height, png_uint_32 format) {
 }  // namespace
 
 void write_png(const std::filesystem::path& file, const IndexedImage& image) {
+  picture_format(file);
   assert(image.colour.size() <= 255 &&
          image.index.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   std::vector<std::uint8_t> colormap(4, 0);
@@ -47,6 +49,7 @@ void write_png(const std::filesystem::path& file, const IndexedImage& image) {
 }
 
 void write_png(const std::filesystem::path& file, const RgbImage& image) {
+  picture_format(file);
   assert(image.rgb.size() == 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   png_image png = make_png(image.width, image.height, PNG_FORMAT_RGB);
   write_file_atomically(file, encode(file, png, image.rgb, nullptr));

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/results/picture_format.hpp"
 #include "exr_file.hpp"
 #include "png_file.hpp"
 #include "tone_curve.hpp"
@@ -236,7 +237,8 @@ RenderReport render(const RenderOptions& options) {
   display_level(tone, 0);  // tells of an unknown name
   auto colour = make_colormap(options.colormap.empty() ? "grey" : options.colormap, kColours);
   check_options(options);
-  const bool is_exr = options.image_file.extension() == ".exr";
+  const bool is_exr =
+      picture_format(options.image_file, {PictureFormat::png, PictureFormat::exr}) == PictureFormat::exr;
   RenderReport report;
   const std::optional<Channels> channels = find_channels(options);
   report.image = channels

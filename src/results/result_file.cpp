@@ -399,8 +399,9 @@ class ResultWriter {
     for (std::size_t n = 0; n < first_.camera_images.size(); ++n) {
       const Camera& camera = first_.camera_images[n].camera;
       const ImagePlane plane{"row_" + camera.name, "column_" + camera.name};
-      netcdf4::write_coordinate(file, plane.y.c_str(), centres(camera.height, 0, 1),
-                                {{"units", "1"}, {"long_name", "pixel centre, rows from the image's top edge"}});
+      // Descending, so that what plots by coordinates has the first row on top.
+      netcdf4::write_coordinate(file, plane.y.c_str(), centres(camera.height, camera.height, -1),
+                                {{"units", "1"}, {"long_name", "pixel centre, height above the image's bottom edge"}});
       netcdf4::write_coordinate(file, plane.x.c_str(), centres(camera.width, 0, 1),
                                 {{"units", "1"}, {"long_name", "pixel centre, columns from the image's left edge"}});
       const auto radiance_of = [n](const Solution& s) -> auto& { return s.camera_images[n].radiance; };

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """The installed program and package work where they were moved to: the program finds its OpenVDB module, a project of somebody else finds the
-package by find_package, solves by the public headers and finds the module too.
+package by find_package, solves by the public headers and finds the module too. The project is the one that docs/cpp-api.md shows.
 
 usage: check_install.py --build FOLDER --compiler C++ [--flags FLAGS] --libdir lib
 """
 import argparse
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,15 @@ def run(*words, **more):
     if done.returncode != 0:
         sys.exit(f"{' '.join(map(str, words))}\nexit code {done.returncode}\n{done.stdout}")
     return done.stdout
+
+
+def write_project(folder):
+    """CMakeLists.txt and main.cpp of the page, each its only block of that kind."""
+    page = (Path(__file__).resolve().parents[2] / "docs/cpp-api.md").read_text()
+    folder.mkdir()
+    for kind, name in (("cmake", "CMakeLists.txt"), ("cpp", "main.cpp")):
+        (block,) = re.findall(rf"^```{kind}\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+        (folder / name).write_text(block)
 
 
 def main():
@@ -38,12 +48,12 @@ def main():
         made = run(prefix / "bin/cloudbow", "cloud", "make", "slab", "--cells", 4, 4, 2, "--voxel-size-m", 50, 50, 50, "-o", cloud, env=clean)
         assert "density" in made, made
 
-        project = Path(__file__).resolve().parent / "project"
-        build = folder / "consumer"
+        project, build = folder / "project", folder / "mine"
+        write_project(project)
         run("cmake", "-S", project, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={options.compiler}",
             f"-DCMAKE_CXX_FLAGS={options.flags}")
         run("cmake", "--build", build)
-        said = run(build / "consumer", cloud, env=clean)
+        said = run(build / "mine", cloud, env=clean)
         print(said)
         assert "voxels 32" in said, said
 

@@ -29,6 +29,10 @@ def scenes():
     yield "nan", replaced("zenith_deg = 60.0", "zenith_deg = nan"), ["scene.toml:13", "sun.zenith_deg", "nan"]
     yield "infinity", replaced("scale = 1.0", "scale = inf"), ["scene.toml:6", "cloud.scale", "inf"]
     yield "not TOML", SCENE + "albedo = = 3\n", ["scene.toml:20"]
+    yield "text without quotes", replaced('"cloud.vdb"', "cloud.vdb"), ["scene.toml:3", 'file = "cloud.vdb"', "quotes"]
+    yield "number in quotes", replaced("60.0", '"60.0"'), ["scene.toml:13", "sun.zenith_deg", "without quotes"]
+    yield "number with its unit", replaced("60.0", "60 deg"), ["scene.toml:13", "unit"]
+    yield "key of too many parts", 'x = "#"\n"#"' + 20000 * ".a" + " = 1\n" + SCENE, ["scene.toml:2", "nested", "32"]
     yield "value out of range", replaced("albedo = 0.05", "albedo = -0.1"), ["scene.toml:17", "surface.albedo", "-0.1", "0 to 1"]
     yield "albedo 1.2", replaced("albedo = 0.05", "albedo = 1.2"), ["scene.toml:17", "surface.albedo", "1.2", "0 to 1"]
     yield "surface of an unknown type", replaced('"lambertian"', '"snow"'), ["scene.toml:16", "surface.type", "snow", "rpv"]
@@ -195,6 +199,10 @@ def main():
         checker.expect_error("missing output folder", ["run", scene, "--quiet", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)
         checker.expect_error("a file as output folder", ["run", scene, "--quiet", "-o", cloud / "output.h5"], ["cloud.vdb"], output)
         checker.expect_error("output is a directory", ["run", scene, "--quiet", "-o", folder / "folder"], ["folder"], output)
+        checker.expect_error("a cloud as scene", ["run", cloud, "-o", output], ["cloud.vdb", "OpenVDB", "[cloud]"], output)
+        checker.expect_error("a result as scene", ["run", folder / "bright.h5", "-o", output], ["bright.h5", "HDF5", "cloud import"], output)
+        checker.expect_error("unknown command", ["rn", scene], ["rn", "render", "did you mean run?"], output)
+        checker.expect_error("unknown option", [*run, "--thread", "1"], ["--thread", "--checkpoint", "did you mean --threads?"], output)
         checker.expect_error("unknown key set", [*run, "--set", "sun.zenit_deg=3"], ["sun.zenit_deg"], output)
         checker.expect_error("value set out of range", [*run, "--set", "sun.zenith_deg=95"], ["sun.zenith_deg", "95"], output)
         checker.expect_error("azimuths of columns that have none", [*run, "--set", "solver.mode=independent-diffuse", "--set", 'output.fields=["radiance_field"]'],
@@ -216,6 +224,10 @@ def main():
             scene.write_text(text)
             subprocess.run([options.cloudbow, "run", str(scene), "--quiet", "-o", str(folder / f"{name}.h5"), "--set", 'output.fields=["fluxes","actinic"]', *more], check=True)
         vdb = folder / "output.vdb"
+        for ending in ("jpg", "pdf", "gif"):
+            picture = folder / f"output.{ending}"
+            checker.expect_error(f"render: {ending}", ["render", folder / "result.h5", "-o", picture], [picture.name, ".png", ".exr"], picture)
+            checker.expect_error(f"cloud info: {ending}", ["cloud", "info", cloud, "--plot", picture], [picture.name, ".png"], picture)
         for name, arguments, words in export_commands(folder):
             checker.expect_error(f"export: {name}", ["export", *arguments, "--vdb", vdb], words, vdb)
         done = ["export", folder / "result.h5", "--actinic", "--vdb"]

@@ -9,8 +9,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import xarray
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
 
 import support
 
@@ -37,6 +41,7 @@ SCENE = [
     ("sun", {"zenith_deg": 40.0, "azimuth_deg": 30.0, "irradiance_w_m2": 1000.0}),
     ("surface", {"type": "lambertian", "albedo": 0.2}),
     ("solver", {"accuracy": "draft", "mode": "3d"}),
+    ("[camera]", {"name": "eye", "position_m": [150.0, 0.0, 900.0], "look_at_m": [150.0, 200.0, 100.0], "width": 4, "height": 3}),
     ("output", {"fields": ["fluxes", "absorption", "actinic"]}),
 ]
 
@@ -64,6 +69,18 @@ def check_dataset(path, engine, complain):
                 # A mean of float32 numbers against the mean that was taken in double.
                 complain(bool(np.allclose(profile[name], mean, rtol=2e-6, atol=1e-6 * float(data["direct_flux"].max()))),
                          f"{engine}: /profile/{name} is not the mean of /{name}")
+
+
+def check_upright(path, complain):
+    """Plots by coordinates have a camera's first row on top, as it stands in the file."""
+    with xarray.open_dataset(path) as data:
+        if "camera_eye" not in data:
+            return
+        mesh = data.camera_eye.plot()
+        complain(np.array_equal(mesh.get_array().reshape(data.camera_eye.shape), data.camera_eye), "the plot of a camera has other values")
+        height = mesh.axes.transData.transform(mesh.get_coordinates()[:, 0])[:, 1]  # of the edges of rows, on the picture
+        complain(bool((np.diff(height) < 0).all()), f"a camera's image is upside down in a plot (rows at {height})")
+        plt.close(mesh.figure)
 
 
 def check_groups(path, complain):
@@ -102,6 +119,7 @@ def main():
             cloudbow.run(scene, path, error_estimate=True)
         for engine in ("netcdf4", "h5netcdf"):
             check_dataset(path, engine, complain)
+        check_upright(path, complain)
         check_groups(path, complain)
         check_tools(path, complain)
     print("\n".join(faults) or "the result reads well in every tool")

@@ -79,6 +79,14 @@ def independent_columns(cloudbow, folder):
     check(list(rows) == ["independent-columns", "draft"] and error > 10, f"columns by themselves miss the sideways light: {error:.0f} %")
 
 
+def images(cloudbow, folder):
+    """Columns under a slanted beam know no images."""
+    table, rows = tradeoff(cloudbow, folder, "images", "--set", 'radiance=[{name="nadir",zenith_deg=0.0}]')
+    note = next((line for line in table.splitlines() if line.startswith("independent-diffuse")), "")
+    check(list(rows) == ["independent-columns", "draft", "balanced", "fine", "reference"] and "left out" in note and "[[radiance]]" in note,
+          f"the level that cannot make images is left out: {note}")
+
+
 def compared_in_one_run(cloudbow, folder):
     """`run --compare` holds what two runs give."""
     name = "upwelling_flux"
@@ -125,7 +133,7 @@ def main():
         return 0
     with support.Workspace(options.keep) as folder:
         try:
-            for part in (two_levels, against_a_file, independent_columns, compared_in_one_run, not_converged, interrupted):
+            for part in (two_levels, against_a_file, independent_columns, images, compared_in_one_run, not_converged, interrupted):
                 part(cloudbow, folder)
         except Failure as failure:
             print(f"FAIL  {failure}")

@@ -77,7 +77,7 @@ class ConfigReader {
   /// Runs `action`, whose InputError gets the key's place in front.
   void with_place(const std::string& key, const std::function<void()>& action) const;
 
-  std::string full_name(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+  std::string full_name(const std::string& key) const { return (path_.empty() ? "" : path_ + ".") + describe_key(key); }
 
  private:
   double as_number(const std::string& key, const ConfigNode& node, const NumberRange& range) const;

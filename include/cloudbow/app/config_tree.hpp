@@ -39,5 +39,7 @@ ConfigTree read_config(const std::filesystem::path& path, std::span<const std::s
 
 /// A node as messages show it: a number, a string in quotes, "a table", "an array of 3".
 std::string describe(const ConfigNode& node);
+/// A key as messages show it: as TOML writes it, shortened.
+std::string describe_key(const std::string& key);
 
 }  // namespace cloudbow

@@ -13,7 +13,7 @@ namespace cloudbow {
 
 struct RenderOptions {
   std::filesystem::path result_file;
-  std::filesystem::path image_file;         ///< PNG, or OpenEXR where its name ends in .exr
+  std::filesystem::path image_file;         ///< PNG, or OpenEXR if its name ends in .exr; no other ending
   std::string variable = "upwelling_flux";  ///< one of list_flux_images()
   std::string level = "top";                ///< "top", "bottom" or a height in metres
   std::optional<double> wavelength_um;      ///< of a spectrum: draw the nearest alone

@@ -305,6 +305,7 @@ TEST(CommandLine, TradeoffTellsWhatIsWrongBeforeItSolves) {
            {{"--set", "sun.zenith_deg=95"}, "zenith_deg"},
            {{"--set", "output.flux_levels=[50]"}, "flux_levels"},
            {{"--plot", folder / "nowhere" / "plot.png"}, "nowhere"},
+           {{"--plot", folder / "plot.pdf"}, "found .pdf, allowed .png"},
            {{"--csv", scene}, "overwrite"}}) {
     std::vector<std::string> all{"tradeoff", scene, "--csv", csv};
     if (arguments[0] == "--csv") all.resize(2);
@@ -326,6 +327,66 @@ TEST(CommandLine, TradeoffLeavesOutWhatDoesNotFit) {
   EXPECT_THAT([&] { tradeoff(options); },
               testing::ThrowsMessage<InputError>(
                   AllOf(HasSubstr("draft"), HasSubstr("reference"), HasSubstr("there are 0.00 GB"))));
+}
+
+// An image is what columns under a slanted beam do not know.
+TEST(CommandLine, TradeoffLeavesOutWhatCannotDoTheScene) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(cloudbow({"cloud", "make", "sphere", "--cells", "4", "4", "4", "--voxel-size-m", "50", "50", "50", "-o",
+                      folder / "sphere.vdb"})
+                .exit_code,
+            0);
+  const std::string scene =
+      folder.write("scene.toml",
+                   "[cloud]\nfile = \"sphere.vdb\"\nsingle_scattering_albedo = 1\nphase_function = "
+                   "\"isotropic\"\n[sun]\nzenith_deg = 30\nazimuth_deg = 0\n[[radiance]]\nname = \"nadir\"\n"
+                   "zenith_deg = 0\n");
+  TradeoffOptions options;
+  options.scene = scene;
+  options.memory_bytes = 1'000'000;  // so that nothing is solved, and all levels are told of
+  EXPECT_THAT([&] { tradeoff(options); },
+              testing::ThrowsMessage<InputError>(AllOf(HasSubstr("independent-columns left out: needs"),
+                                                       HasSubstr("independent-diffuse left out: /"),
+                                                       HasSubstr("[[radiance]]"), HasSubstr("draft"))));
+  const Outcome asked = cloudbow({"tradeoff", scene, "--levels", "independent-diffuse,draft"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.errors, AllOf(HasSubstr("independent-diffuse"), HasSubstr("[[radiance]]")));
+}
+
+TEST(CommandLine, WordsThatNobodyKnowsComeWithThoseThatAreKnown) {
+  for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"rn", "scene.toml"}, "cloudbow: unknown command (found rn, allowed run, cloud, mie, render, export, "},
+           {{"rn", "scene.toml"}, "; did you mean run?)"},
+           {{"info", "cloud.vdb"}, "; did you mean cloud info?)"},
+           {{"cloud", "mke", "slab"},
+            "cloud: unknown command (found mke, allowed make, import, info; did you mean make?)"},
+           {{"cloud"}, "cloud: no command (found none, allowed make, import, info)"},
+           {{}, "no command (found none, allowed run, "},
+           {{"--verison"}, "unknown option (found --verison, allowed --help, --version; did you mean --version?)"},
+           {{"run", "scene.toml", "--dryrun"},
+            "run: unknown option (found --dryrun, allowed --help, --output, --set, "},
+           {{"run", "scene.toml", "--dryrun"}, "; did you mean --dry-run?)"},
+           {{"run", "scene.toml", "--out=r.h5"}, "(found --out, "},
+           {{"render", "r.h5", "--outptu", "r.png"}, "; did you mean --output?)"},
+           {{"cloud", "info", "cloud.vdb", "--polt", "x.png"}, "cloud info: unknown option (found --polt, "},
+           {{"run", "scene.toml", "other.toml"}, "run: a word too many (found other.toml)"},
+           {{"run"}, "scene is required"}}) {
+    const Outcome outcome = cloudbow(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_THAT(outcome.errors, HasSubstr(told));
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  }
+}
+
+TEST(CommandLine, PlotsByOtherEndingsThanTheirKindAreRefused) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"hg.jpg", "hg.pdf", "hg.exr"}) {
+    const Outcome outcome =
+        cloudbow({"phase", "rayleigh", "--control-points", "42", "--plot", folder / name, "-o", folder / "hg.h5"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.errors, AllOf(HasSubstr(name), HasSubstr("allowed .png")));
+    EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
+  }
 }
 
 TEST(CommandLine, DescribesAPhaseFunction) {

@@ -406,6 +406,39 @@ TEST_F(NaturalColours, Mistakes) {
               AllOf(HasSubstr("camera_ear"), HasSubstr("camera_eye")));
 }
 
+// A PNG file by the name of another kind would deceive those who open it.
+TEST_F(Render, EndingsSayTheKindOfPicture) {
+  write(sample::solution(3, 2, 1, {0, 1}));
+  for (const char* name : {"r.jpg", "r.pdf", "r.gif", "r.svg", "r.tif", "r.h5.bak", "r."}) {
+    options_.image_file = folder_ / name;
+    EXPECT_THAT([&] { render(options_); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("allowed .png, .exr"))));
+    EXPECT_FALSE(fs::exists(options_.image_file));
+  }
+  for (const char* name : {"r.PNG", "picture", ".png"}) {
+    options_.image_file = folder_ / name;
+    draw();
+  }
+  options_.image_file = folder_ / "r.EXR";
+  render(options_);
+  std::ifstream exr(options_.image_file, std::ios::binary);
+  EXPECT_EQ(exr.get(), 0x76);  // the first byte of the magic number
+}
+
+// Rows stand from the top in files, whatever their coordinate says: it ascended once.
+TEST_F(NaturalColours, CameraStandsUprightByAscendingRows) {
+  write_spectrum();
+  options_.variable = "camera_eye";
+  const Picture now = draw();
+  const hid_t file = H5Fopen(options_.result_file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t rows = H5Dopen2(file, "row_eye", H5P_DEFAULT);
+  const std::array<double, 2> ascending{0.5, 1.5};
+  EXPECT_GE(H5Dwrite(rows, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, ascending.data()), 0);
+  H5Dclose(rows);
+  H5Fclose(file);
+  EXPECT_EQ(draw().rgba, now.rgba);
+}
+
 TEST_F(NaturalColours, FluxesOfASpectrumAreMapsOfOneWavelength) {
   write_spectrum();
   options_.wavelength_um = 0.45;

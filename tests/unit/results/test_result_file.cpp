@@ -153,7 +153,7 @@ TEST_F(ResultFile, ImagesHaveTheirOwnPixels) {
   EXPECT_THAT(shape, ElementsAre(2, 2));
   EXPECT_EQ(camera[3], 3);
   EXPECT_TRUE(std::isnan(camera[2]));
-  EXPECT_THAT(read_values<double>(file, "row_eye", H5T_NATIVE_DOUBLE), ElementsAre(0.5, 1.5));
+  EXPECT_THAT(read_values<double>(file, "row_eye", H5T_NATIVE_DOUBLE), ElementsAre(1.5, 0.5));
   EXPECT_EQ(read_number(file, "camera_eye", "field_of_view_deg"), 180);
   std::array<double, 3> position{};
   EXPECT_GE(H5LTget_attribute_double(file, "camera_eye", "position_m", position.data()), 0);

@@ -1,0 +1,16 @@
+// How deeply a TOML text nests, before a parser that recurses sees it.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace cloudbow {
+
+/// Levels of dotted keys, headers, lists and inline tables, all counted together. No scene needs more than five.
+inline constexpr int kMaxTomlDepth = 32;
+
+/// The first line (from 1) with more than kMaxTomlDepth levels. Text that is not TOML is counted up to its first fault,
+/// where a parser stops, as TOML's grammar cuts it.
+std::optional<int> first_line_too_deep(std::string_view text);
+
+}  // namespace cloudbow
