@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 
 namespace cloudbow {
 namespace {
@@ -22,20 +23,8 @@ constexpr std::uintmax_t kMaxBytes = 4u << 20;
 constexpr int kMaxKeyParts = 32;
 
 std::string read_text(const std::filesystem::path& path) {
-  const auto fail = [&](std::string_view found) {
-    throw InputError(fmt::format("{}: cannot be read as a scene (found {}, allowed a TOML file of at most {} MB)",
-                                 path.string(), found, kMaxBytes >> 20));
-  };
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) fail("no such file");
-  if (std::filesystem::is_directory(status)) fail("a directory");
-  if (!std::filesystem::is_regular_file(status)) fail("no regular file");
-  if (std::filesystem::file_size(path, error) > kMaxBytes) fail("a larger file");
-  std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) fail("a file that may not be read");
-  return text;
+  std::ifstream stream = open_input(path, "a scene, TOML", kMaxBytes);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// Rejects keys of very many parts before the parser sees them.

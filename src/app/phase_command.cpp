@@ -15,9 +15,9 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/results/phase_report.hpp"
-#include "cloudbow/results/result_file.hpp"
 #include "history.hpp"
 
 namespace cloudbow {
@@ -107,22 +107,6 @@ std::string usual_ordinates(int control_points) {
   }
 }
 
-void check_outputs(const Options& options) {
-  for (const auto& output : {options.plot, options.output}) {
-    if (output.empty()) continue;
-    std::error_code error;
-    if (options.file && std::filesystem::equivalent(output, *options.file, error))
-      throw InputError(fmt::format("{}: would overwrite what it is made from", output.string()));
-    check_writable(output);
-  }
-  if (options.plot.empty() || options.output.empty()) return;
-  const auto plain = [](const std::filesystem::path& file) {
-    return std::filesystem::absolute(file).lexically_normal();
-  };
-  if (plain(options.plot) == plain(options.output))
-    throw InputError(fmt::format("{}: named for the plot and for the file", options.plot.string()));
-}
-
 int phase(const Options& options) {
   const auto [function, title] = make_phase_function(options);
   if (options.delta_m_order < 1 || options.delta_m_order > kMostDeltaMOrder) {
@@ -139,7 +123,8 @@ int phase(const Options& options) {
   const ControlPoints points(options.control_points);
   const OrdinateSet ordinates =
       make_ordinate_set(options.ordinates.empty() ? usual_ordinates(points.size()) : options.ordinates);
-  check_outputs(options);
+  const std::filesystem::path input = options.file.value_or("");
+  check_outputs({{options.plot, "the plot"}, {options.output, "the file of all figures"}}, std::span(&input, 1));
 
   const DeltaM scaled = delta_m(function, options.delta_m_order);
   PhaseReport report{title, options.delta_m_order, scaled.forward_fraction, points, ordinates.name, fit, {}};
@@ -148,11 +133,11 @@ int phase(const Options& options) {
     report.functions.push_back(
         {"delta-M", scaled.truncated, fit_phase_function(scaled.truncated, points, ordinates, methods, fit)});
   }
-  fmt::print("{}", phase_table(report));
   if (!options.plot.empty()) write_phase_plot(options.plot, report);
   if (!options.output.empty()) {
     write_phase_file(options.output, report, fmt::format("cloudbow {}", version()), history_line(options.command));
   }
+  fmt::print("{}", phase_table(report));
   return kExitDone;
 }
 

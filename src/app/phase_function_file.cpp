@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 
 namespace cloudbow {
 namespace {
@@ -24,18 +25,7 @@ std::string printable(std::string text) {
 
 std::vector<std::pair<double, double>> read_pairs(const std::filesystem::path& file) {
   constexpr std::uintmax_t max_bytes = 64u << 20;
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) throw InputError(fmt::format("{}: there is no such file", file.string()));
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError(fmt::format("{}: {} (allowed: a text file)", file.string(),
-                                 std::filesystem::is_directory(status) ? "a directory" : "not a file"));
-  }
-  if (std::filesystem::file_size(file, error) > max_bytes) {
-    throw InputError(fmt::format("{}: too large (allowed at most {} MB)", file.string(), max_bytes >> 20));
-  }
-  std::ifstream stream(file);
-  if (!stream) throw InputError(fmt::format("{}: cannot be opened", file.string()));
+  std::ifstream stream = open_input(file, "a text file", max_bytes);
   std::vector<std::pair<double, double>> pairs;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

@@ -10,25 +10,15 @@
 #include <string>
 #include <string_view>
 
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 
 namespace cloudbow {
 namespace {
 
 constexpr std::uintmax_t kMaxBytes = 256u << 20;
 constexpr double kRounding = 1e-4;  // of tables with five decimals
-
-void check_file(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) throw InputError(fmt::format("{}: no such file", file.string()));
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError(fmt::format("{}: not a file (allowed: a text file)", file.string()));
-  }
-  if (std::filesystem::file_size(file, error) > kMaxBytes) {
-    throw InputError(fmt::format("{}: too large (allowed: {} MB)", file.string(), kMaxBytes >> 20));
-  }
-}
 
 /// None where a word is no number.
 std::optional<std::vector<double>> numbers_in(std::string_view line) {
@@ -48,9 +38,7 @@ std::optional<std::vector<double>> numbers_in(std::string_view line) {
 }  // namespace
 
 PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor factor) {
-  check_file(file);
-  std::ifstream stream(file);
-  if (!stream) throw InputError(fmt::format("{}: cannot be opened", file.string()));
+  std::ifstream stream = open_input(file, "a text file", kMaxBytes);
   PhaseSetFile set;
   std::string line;
   std::size_t degree = 0;
@@ -115,10 +103,7 @@ void write_phase_set_file(const std::filesystem::path& file, const std::vector<s
     for (const auto& function : moments) text += fmt::format(",{:.9g}", l < function.size() ? function[l] : 0.0);
     text += '\n';
   }
-  std::ofstream stream(file, std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(fmt::format("{}: cannot be written", file.string()));
+  write_file_atomically(file, text);
 }
 
 }  // namespace cloudbow

@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <new>
 
+#include "cloudbow/core/hdf5_file.hpp"
 #include "import_parts.hpp"
 
 namespace cloudbow {
@@ -20,6 +22,7 @@ double name_bytes(const std::string& name) { return kWord + padded(static_cast<d
 }  // namespace
 
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
+  hdf5::check_file(path);
   check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");
   try {
     list_variables();
@@ -33,6 +36,7 @@ NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
 NetcdfInput::~NetcdfInput() { nc_close(id_); }
 
 void NetcdfInput::check(int status, const std::string& what) const {
+  if (status == NC_ENOMEM) throw std::bad_alloc();
   if (status != NC_NOERR) fail_import(path_, "{} (the library says: {})", what, nc_strerror(status));
 }
 

@@ -32,13 +32,6 @@ void check_size(const std::filesystem::path& file, std::size_t nx, std::size_t n
     fail(file, fmt::format("{} x {} values (allowed: 1 to {} in all)", nx, ny, most_pixels));
 }
 
-std::vector<hsize_t> shape_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
-  std::vector<hsize_t> shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a shape")));
-  if (!shape.empty()) check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
-  return shape;
-}
-
 bool is_plane_of_numbers(hid_t file, const std::string& name) {
   H5O_info_t info;
   check(H5Oget_info_by_name(file, name.c_str(), &info, H5P_DEFAULT), "look at an object");

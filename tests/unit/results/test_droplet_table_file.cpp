@@ -109,7 +109,7 @@ TEST_F(DropletTableFile, IsNetcdf4) {
 
 TEST_F(DropletTableFile, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(message(folder_ / "none.h5"), HasSubstr("no such file"));
-  EXPECT_THAT(message(folder_), HasSubstr("no such file"));
+  EXPECT_THAT(message(folder_), HasSubstr("a directory"));
   EXPECT_THAT(message(write_text("")), HasSubstr("not a table of droplets"));
   EXPECT_THAT(message(write_text("1 2 3\n")), HasSubstr("not a table of droplets"));
   EXPECT_THAT(message(write_text("\x89HDF\r\n\x1a\nand then nothing")), HasSubstr("table.txt: damaged"));
