@@ -217,6 +217,8 @@ void judge(const std::string& path, const std::string& library, const Limits& li
 
 }  // namespace
 
+bool memory_is_limited() { return memory_left_by_host() != RLIM_INFINITY; }
+
 void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read) {
   const Limits limits = limits_for(path, options);
   const std::array<int, 2> answer = open_pipe();

@@ -135,7 +135,7 @@ TEST_F(Hdf5File, AFilterOfAPlugInIsRefused) {
 }
 
 TEST_F(Hdf5File, ALinkOfAPlugInIsRefused) {
-  const auto nowhere = [](const char*, hid_t, const void*, size_t, hid_t) -> hid_t { return -1; };
+  const auto nowhere = [](const char*, hid_t, const void*, size_t, hid_t, hid_t) -> hid_t { return -1; };
   const H5L_class_t foreign{H5L_LINK_CLASS_T_VERS, static_cast<H5L_type_t>(100), "foreign", nullptr, nullptr, nullptr,
                             nowhere, nullptr, nullptr};
   ASSERT_GE(H5Lregister(&foreign), 0);
