@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "cache_directory.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/interrupt.hpp"
@@ -17,7 +18,6 @@
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
 #include "cloudbow/transport/columns.hpp"
-#include "cache_directory.hpp"
 #include "goal_run.hpp"
 #include "history.hpp"
 #include "messages.hpp"

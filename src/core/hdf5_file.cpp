@@ -23,8 +23,8 @@ namespace {
 
 /// HDF5's error stack, innermost failure first.
 struct Failure {
-  std::string text;       ///< of the innermost, or the system's own message, which stands in it as: error message = '...'
-  bool of_lock = false;   ///< another program holds the file
+  std::string text;  ///< of the innermost, or the system's own message, which stands in it as: error message = '...'
+  bool of_lock = false;  ///< another program holds the file
   bool of_memory = false;
 };
 
@@ -66,10 +66,9 @@ std::string foreign_filter(hid_t properties) {
     unsigned flags = 0;
     std::size_t values = 0;
     std::array<char, 64> name{};
-    const H5Z_filter_t filter =
-        check(H5Pget_filter2(properties, static_cast<unsigned>(n), &flags, &values, nullptr, name.size() - 1,
-                             name.data(), nullptr),
-              "read a filter");
+    const H5Z_filter_t filter = check(H5Pget_filter2(properties, static_cast<unsigned>(n), &flags, &values, nullptr,
+                                                     name.size() - 1, name.data(), nullptr),
+                                      "read a filter");
     if (filter > H5Z_FILTER_SCALEOFFSET) return fmt::format("filter {} of a plug-in ({})", filter, name.data());
   }
   return {};
@@ -115,10 +114,11 @@ void check_links(hid_t file, const std::filesystem::path& path) {
   if (!walk.failure.empty()) throw Error(walk.failure);
   check(status, "list a file");
   if (walk.found.empty()) return;
-  throw InputError(fmt::format(
-      "{}: leads elsewhere (found {}, allowed a file that holds its data itself, with the filters of HDF5) write a copy "
-      "with h5repack, or by the program that made it",
-      path.string(), walk.found));
+  throw InputError(
+      fmt::format("{}: leads elsewhere (found {}, allowed a file that holds its data itself, with the filters of HDF5) "
+                  "write a copy "
+                  "with h5repack, or by the program that made it",
+                  path.string(), walk.found));
 }
 
 }  // namespace

@@ -53,8 +53,7 @@ MemoryInUse memory_in_use() {
 /// What a limit leaves beyond what is in use.
 rlim_t room_below(auto resource, rlim_t in_use) {
   rlimit limit{};
-  if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
-    return RLIM_INFINITY;
+  if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return RLIM_INFINITY;
   return limit.rlim_cur - std::min(limit.rlim_cur, in_use);
 }
 
@@ -189,15 +188,14 @@ void judge(const std::string& path, const std::string& library, const Limits& li
   const auto damaged = [&](const std::string& found) {
     return InputError(fmt::format("{}: the file is damaged ({}) get a complete copy", path, found));
   };
-  if (end.signal == SIGXCPU ||
-      (end.signal == SIGKILL && end.cpu_seconds >= static_cast<double>(limits.cpu_seconds))) {
+  if (end.signal == SIGXCPU || (end.signal == SIGKILL && end.cpu_seconds >= static_cast<double>(limits.cpu_seconds))) {
     throw damaged(fmt::format("{} computes more than {} s on it", library, limits.cpu_seconds));
   }
   if (end.signal == SIGKILL) {
-    throw InputError(
-        fmt::format("{}: can't be read (the process that tried it first, with {}, was killed: by the system, which does "
-                    "so if memory runs out, or by a user) try again with more memory",
-                    path, library));
+    throw InputError(fmt::format(
+        "{}: can't be read (the process that tried it first, with {}, was killed: by the system, which does "
+        "so if memory runs out, or by a user) try again with more memory",
+        path, library));
   }
   if (end.signal == SIGALRM) throw damaged(fmt::format("{} needs more than {} s for it", library, limits.wall_seconds));
   if (end.code == out_of_memory && limits.memory_is_of_host)
@@ -205,9 +203,10 @@ void judge(const std::string& path, const std::string& library, const Limits& li
   if (end.code == out_of_memory)
     throw damaged(fmt::format("{} needs more than {} MB for it", library, limits.memory_bytes / megabyte));
   if (end.code == found_an_error && limits.memory_is_short) {
-    throw InputError(fmt::format("{} (memory may be the reason: the limits of this process leave {} MB; raise `ulimit "
-                                 "-v` and `ulimit -d`)",
-                                 message, limits.memory_bytes / megabyte));
+    throw InputError(
+        fmt::format("{} (memory may be the reason: the limits of this process leave {} MB; raise `ulimit "
+                    "-v` and `ulimit -d`)",
+                    message, limits.memory_bytes / megabyte));
   }
   if (end.code == found_an_error) throw InputError(message);
   if (end.signal == 0 && end.code == 0) return;

@@ -23,7 +23,9 @@ using testing::HasSubstr;
 
 constexpr H5Z_filter_t kForeignFilter = 300;
 
-std::size_t same_bytes(unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*, void**) { return bytes; }
+std::size_t same_bytes(unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*, void**) {
+  return bytes;
+}
 
 class Hdf5File : public TemporaryFolder {
  protected:
@@ -40,7 +42,8 @@ class Hdf5File : public TemporaryFolder {
     EXPECT_GE(H5Fclose(file), 0);
   }
 
-  static void make_dataset(hid_t group, const char* name, const std::function<void(hid_t)>& set = [](hid_t) {}) {
+  static void make_dataset(
+      hid_t group, const char* name, const std::function<void(hid_t)>& set = [](hid_t) {}) {
     const std::array<hsize_t, 1> shape{4};
     const hid_t space = H5Screate_simple(1, shape.data(), nullptr);
     const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
@@ -136,8 +139,15 @@ TEST_F(Hdf5File, AFilterOfAPlugInIsRefused) {
 
 TEST_F(Hdf5File, ALinkOfAPlugInIsRefused) {
   const auto nowhere = [](const char*, hid_t, const void*, size_t, hid_t, hid_t) -> hid_t { return -1; };
-  const H5L_class_t foreign{H5L_LINK_CLASS_T_VERS, static_cast<H5L_type_t>(100), "foreign", nullptr, nullptr, nullptr,
-                            nowhere, nullptr, nullptr};
+  const H5L_class_t foreign{H5L_LINK_CLASS_T_VERS,
+                            static_cast<H5L_type_t>(100),
+                            "foreign",
+                            nullptr,
+                            nullptr,
+                            nullptr,
+                            nowhere,
+                            nullptr,
+                            nullptr};
   ASSERT_GE(H5Lregister(&foreign), 0);
   make_file([](hid_t file) {
     EXPECT_GE(H5Lcreate_ud(file, "odd", static_cast<H5L_type_t>(100), "", 0, H5P_DEFAULT, H5P_DEFAULT), 0);

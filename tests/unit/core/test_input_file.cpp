@@ -51,15 +51,16 @@ TEST_F(InputFile, OtherKindsAreRefusedAtOnce) {
   address.sun_family = AF_UNIX;
   std::strncpy(address.sun_path, (folder_ / "socket").c_str(), sizeof address.sun_path - 1);
   ASSERT_EQ(bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  for (const auto& [file, kind] : std::vector<std::pair<fs::path, std::string>>{{folder_ / "none", "no such file"},
-                                                                                {folder_ / "to_nothing", "no such file"},
-                                                                                {folder_ / "none" / "none", "no such file"},
-                                                                                {"", "no such file"},
-                                                                                {folder_, "a directory"},
-                                                                                {folder_ / "pipe", "a named pipe"},
-                                                                                {folder_ / "to_pipe", "a named pipe"},
-                                                                                {folder_ / "socket", "a socket"},
-                                                                                {"/dev/null", "a device"}}) {
+  for (const auto& [file, kind] :
+       std::vector<std::pair<fs::path, std::string>>{{folder_ / "none", "no such file"},
+                                                     {folder_ / "to_nothing", "no such file"},
+                                                     {folder_ / "none" / "none", "no such file"},
+                                                     {"", "no such file"},
+                                                     {folder_, "a directory"},
+                                                     {folder_ / "pipe", "a named pipe"},
+                                                     {folder_ / "to_pipe", "a named pipe"},
+                                                     {folder_ / "socket", "a socket"},
+                                                     {"/dev/null", "a device"}}) {
     EXPECT_EQ(message_of(file), file.string() + ": can't be read (found " + kind + ", allowed a poem)");
   }
   close(descriptor);

@@ -69,9 +69,11 @@ TEST_F(OutputFiles, TheRemainsOfAKilledRunAreNoInputOfTheNext) {
 }
 
 TEST_F(OutputFiles, OthersAreAccepted) {
-  EXPECT_EQ(message_of({{folder_ / "new", "the plot"}, {"", "the table"}, {"", "the file"}, {folder_ / "sub" / "new", "the text"}},
-                       {folder_ / "there", ""}),
-            "");
+  EXPECT_EQ(
+      message_of(
+          {{folder_ / "new", "the plot"}, {"", "the table"}, {"", "the file"}, {folder_ / "sub" / "new", "the text"}},
+          {folder_ / "there", ""}),
+      "");
   EXPECT_FALSE(fs::exists(folder_ / "new"));
 }
 
