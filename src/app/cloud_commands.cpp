@@ -1,17 +1,18 @@
 #include "cloud_commands.hpp"
 
+#include <array>
 #include <limits>
 #include <memory>
 
 #include "cloudbow/app/phase_set_file.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/medium/cloud_import.hpp"
 #include "cloudbow/medium/cloud_makers.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/results/column_plot.hpp"
-#include "cloudbow/results/result_file.hpp"
 #include "command_checks.hpp"
 
 namespace cloudbow {
@@ -51,6 +52,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
     action = [options] {
       std::copy(options->cells.begin(), options->cells.end(), options->maker.cells.begin());
       std::copy(options->voxel_size_m.begin(), options->voxel_size_m.end(), options->maker.voxel_size_m.begin());
+      check_outputs({{options->output, "the cloud"}});
       write_cloud_vdb(options->output, make_cloud(options->maker), options->write);
       fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->output)));
       return kExitDone;
@@ -121,14 +123,10 @@ int import_to_vdb(const ImportCommand& command) {
     }
   }
   if (!command.columns.empty()) options.columns = {command.columns[0], command.columns[1]};
-  std::error_code error;
-  for (const auto& input : {options.file, command.phase_functions}) {
-    for (const auto& output : {command.output, phase_set_beside(command.output)}) {
-      if (!input.empty() && std::filesystem::equivalent(output, input, error)) {
-        throw InputError(fmt::format("{}: would overwrite what is imported", output.string()));
-      }
-    }
-  }
+  const std::array<std::filesystem::path, 2> inputs{options.file, command.phase_functions};
+  const std::array<OutputFile, 2> outputs{OutputFile{command.output, "the cloud"},
+                                          OutputFile{phase_set_beside(command.output), "its phase functions"}};
+  check_distinct(outputs, inputs);
   check_writable(command.output);
 
   ImportedCloud cloud = import_cloud(options);
@@ -241,10 +239,7 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
       ->type_name("FILE");
   app->callback([&action, options] {
     action = [options] {
-      std::error_code error;
-      if (!options->plot.empty() && std::filesystem::equivalent(options->file, options->plot, error)) {
-        throw InputError(fmt::format("{}: would overwrite the cloud", options->plot.string()));
-      }
+      check_outputs({{options->plot, "the plot"}}, std::span(&options->file, 1));
       fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->file)));
       if (!options->plot.empty()) plot_columns(options->file, options->plot);
       return kExitDone;

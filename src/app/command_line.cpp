@@ -1,6 +1,8 @@
 #include "cloudbow/app/command_line.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -30,6 +32,8 @@
 
 namespace cloudbow {
 namespace {
+
+constexpr int kExitBrokenPipe = 128 + SIGPIPE;  // as a shell tells it
 
 /// What a subcommand sets up and then does. Only the one that the user named is run.
 using Action = std::function<int()>;
@@ -213,8 +217,9 @@ std::string command_text(int argc, const char* const* argv) {
 
 /// What was printed may wait for room on a disk that has none. Whoever closes stdout wants nothing of it.
 void check_printed() {
-  if (std::fflush(stdout) != 0 && errno != EBADF)
-    throw InputError(fmt::format("stdout: can't be written ({})", std::generic_category().message(errno)));
+  if (std::fflush(stdout) == 0 || errno == EBADF) return;
+  if (errno == EPIPE) throw std::system_error(errno, std::generic_category(), "stdout");
+  throw InputError(fmt::format("stdout: can't be written ({})", std::generic_category().message(errno)));
 }
 
 int parse_and_act(int argc, const char* const* argv) {
@@ -246,11 +251,26 @@ int parse_and_act(int argc, const char* const* argv) {
   return code;
 }
 
+/// What a parent may have left in another state than programs expect.
+void settle_process() {
+  // Else the next file that is opened becomes a standard stream, and messages are written into it.
+  while (true) {
+    const int descriptor = open("/dev/null", O_RDWR);
+    if (descriptor <= STDERR_FILENO && descriptor >= 0) continue;
+    if (descriptor >= 0) close(descriptor);
+    break;
+  }
+  // A file over the limit of its size is reported, as a full disk is. A reader of stderr that has gone ends no run.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  // Ignored, it would hide how children end.
+  std::signal(SIGCHLD, SIG_DFL);
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
-  // A file over the limit of its size is to be told, as a full disk is.
-  std::signal(SIGXFSZ, SIG_IGN);
+  settle_process();
   try {
     return parse_and_act(argc, argv);
   } catch (const InputError& error) {
@@ -261,6 +281,10 @@ int run_command_line(int argc, const char* const* argv) {
     return 128 + interrupted.signal;
   } catch (const std::bad_alloc&) {
     tell("cloudbow: internal error: out of memory\n");
+    return kExitInternalError;
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::broken_pipe) return kExitBrokenPipe;
+    tell("cloudbow: internal error: {}\n", error.what());
     return kExitInternalError;
   } catch (const std::exception& error) {
     tell("cloudbow: internal error: {}\n", error.what());

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "toml_depth.hpp"
 #include "toml_hint.hpp"
 
@@ -43,12 +44,9 @@ std::string read_text(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: cannot be read as a scene (found {}, allowed a TOML file of at most {} MB){}",
                                  path.string(), found, kMaxBytes >> 20, way_out));
   };
+  if (const std::string reason = unreadable_reason(path); !reason.empty()) fail(reason);
+  std::ifstream stream = open_input(path, "a TOML file");
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) fail("no such file");
-  if (std::filesystem::is_directory(status)) fail("a directory");
-  if (!std::filesystem::is_regular_file(status)) fail("no regular file");
-  std::ifstream stream(path, std::ios::binary);
   std::string text(std::min<std::uintmax_t>(std::filesystem::file_size(path, error), kMaxBytes + 1), '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream) fail("a file that may not be read");

@@ -8,7 +8,9 @@
 #include <string>
 
 #include "cache_directory.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "verify/scenes.hpp"
 
 namespace cloudbow {
@@ -25,7 +27,9 @@ std::filesystem::path speed_file() {
 }  // namespace
 
 double machine_slowness() {
-  std::ifstream file(speed_file());
+  const std::filesystem::path path = speed_file();
+  if (!unreadable_reason(path).empty()) return 1;
+  std::ifstream file(path);
   std::string header;
   double factor = 0;
   if (!std::getline(file, header) || header != kHeader || !(file >> factor)) return 1;
@@ -49,10 +53,7 @@ double calibrate_machine() {
     least = n == 0 ? seconds : std::min(least, seconds);
   }
   const double factor = std::clamp(least / predicted, kLeast, kMost);
-  std::ofstream file(path);
-  file << kHeader << '\n' << fmt::format("{:.4g}", factor) << '\n';
-  file.close();
-  if (!file) throw InputError(fmt::format("{}: can't be written", path.string()));
+  write_file_atomically(path, fmt::format("{}\n{:.4g}\n", kHeader, factor));
   return factor;
 }
 

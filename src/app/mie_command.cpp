@@ -11,10 +11,10 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/optics/mie_table.hpp"
 #include "cloudbow/optics/refractive_index.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
-#include "cloudbow/results/result_file.hpp"
 
 namespace cloudbow {
 namespace {
@@ -107,7 +107,7 @@ int make_mie_file(const MieOptions& options) {
   const std::vector<double> wavelengths = parse_wavelengths(options.wavelength_um);
   std::vector<DropletRecipe> recipes;
   for (const double wavelength : wavelengths) recipes.push_back(make_recipe(options, wavelength));
-  check_writable(options.output);
+  check_outputs({{options.output, "the table"}});
 
   const InterruptGuard guard;
   std::vector<DropletTable> tables;

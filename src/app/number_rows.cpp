@@ -1,31 +1,10 @@
 #include "number_rows.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-#include "cloudbow/core/error.hpp"
-
 namespace cloudbow {
-
-std::ifstream open_text(const std::filesystem::path& file) {
-  constexpr std::uintmax_t max_bytes = 256u << 20;
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) throw InputError(fmt::format("{}: there is no such file", file.string()));
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError(fmt::format("{}: {} (allowed: a text file)", file.string(),
-                                 std::filesystem::is_directory(status) ? "a directory" : "not a file"));
-  }
-  if (std::filesystem::file_size(file, error) > max_bytes) {
-    throw InputError(fmt::format("{}: too large (allowed at most {} MB)", file.string(), max_bytes >> 20));
-  }
-  std::ifstream stream(file);
-  if (!stream) throw InputError(fmt::format("{}: cannot be opened", file.string()));
-  return stream;
-}
 
 std::optional<std::vector<double>> numbers_in(std::string_view line) {
   constexpr std::string_view separators = " \t\r,";

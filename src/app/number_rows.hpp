@@ -1,8 +1,7 @@
 // Text files of numbers, row by row.
 #pragma once
 
-#include <filesystem>
-#include <fstream>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,8 +9,8 @@
 
 namespace cloudbow {
 
-/// @throws InputError naming the file: it is not there, is no regular file, is too large or cannot be opened.
-std::ifstream open_text(const std::filesystem::path& file);
+/// Of a file of numbers in text; larger ones are refused.
+inline constexpr std::uintmax_t kMostTextBytes = 256u << 20;
 
 /// The numbers of a line up to a comment, which begins with "#" or "!". Blanks and commas separate them; Fortran's
 /// exponents (1.5D+01) are read. Empty for a line without any, nothing if a word is no number.

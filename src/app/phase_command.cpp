@@ -15,10 +15,10 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/results/phase_report.hpp"
 #include "cloudbow/results/picture_format.hpp"
-#include "cloudbow/results/result_file.hpp"
 #include "cloudbow/sphere/scaled_vector.hpp"
 #include "history.hpp"
 #include "messages.hpp"
@@ -111,23 +111,6 @@ std::string usual_ordinates(int control_points) {
   }
 }
 
-void check_outputs(const Options& options) {
-  for (const auto& output : {options.plot, options.output}) {
-    if (output.empty()) continue;
-    std::error_code error;
-    if (options.file && std::filesystem::equivalent(output, *options.file, error))
-      throw InputError(fmt::format("{}: would overwrite what it is made from", output.string()));
-    check_writable(output);
-  }
-  if (options.plot.empty()) return;
-  const auto plain = [](const std::filesystem::path& file) {
-    return std::filesystem::absolute(file).lexically_normal();
-  };
-  if (!options.output.empty() && plain(options.plot) == plain(options.output))
-    throw InputError(fmt::format("{}: named for the plot and for the file", options.plot.string()));
-  picture_format(options.plot);
-}
-
 int phase(const Options& options) {
   const auto [function, title] = make_phase_function(options);
   if (options.delta_m_order < 1 || options.delta_m_order > kMostDeltaMOrder) {
@@ -145,7 +128,9 @@ int phase(const Options& options) {
   const ControlPoints points(options.control_points);
   const OrdinateSet ordinates =
       make_ordinate_set(options.ordinates.empty() ? usual_ordinates(points.size()) : options.ordinates);
-  check_outputs(options);
+  const std::filesystem::path input = options.file.value_or("");
+  check_outputs({{options.plot, "the plot"}, {options.output, "the file of all figures"}}, std::span(&input, 1));
+  if (!options.plot.empty()) picture_format(options.plot);
 
   const DeltaM scaled = delta_m(function, options.delta_m_order);
   PhaseReport report{title, options.delta_m_order, scaled.forward_fraction, points, ordinates.name, fit, {}};
@@ -154,11 +139,11 @@ int phase(const Options& options) {
     report.functions.push_back(
         {"delta-M", scaled.truncated, fit_phase_function(scaled.truncated, points, ordinates, methods, fit)});
   }
-  fmt::print("{}", phase_table(report));
   if (!options.plot.empty()) write_phase_plot(options.plot, report);
   if (!options.output.empty()) {
     write_phase_file(options.output, report, fmt::format("cloudbow {}", version()), history_line(options.command));
   }
+  fmt::print("{}", phase_table(report));
   return kExitDone;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/phase_table.hpp"
 #include "number_rows.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 /// All rows that hold numbers, each as many as the first: `least` to 2.
 std::vector<std::vector<double>> read_rows(const std::filesystem::path& file, std::size_t least, const char* layout) {
-  std::ifstream stream = open_text(file);
+  std::ifstream stream = open_input(file, "a text file", kMostTextBytes);
   std::vector<std::vector<double>> rows;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

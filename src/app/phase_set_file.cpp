@@ -8,7 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "number_rows.hpp"
 
@@ -36,7 +38,7 @@ bool includes_factor(const std::vector<std::vector<double>>& functions, double l
 }  // namespace
 
 PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor factor) {
-  std::ifstream stream = open_text(file);
+  std::ifstream stream = open_input(file, "a text file", kMostTextBytes);
   PhaseSetFile set;
   std::string line;
   std::size_t degree = 0;
@@ -105,10 +107,7 @@ void write_phase_set_file(const std::filesystem::path& file, const std::vector<s
     for (const auto& function : moments) text += fmt::format(",{:.9g}", l < function.size() ? function[l] : 0.0);
     text += '\n';
   }
-  std::ofstream stream(file, std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(fmt::format("{}: cannot be written", file.string()));
+  write_file_atomically(file, text);
 }
 
 }  // namespace cloudbow

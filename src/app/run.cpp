@@ -7,12 +7,16 @@
 #include <set>
 #include <string>
 
+#include "cache_directory.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/app/version.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
+#include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
 #include "cloudbow/transport/columns.hpp"
@@ -127,32 +131,49 @@ int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
   return kExitNotConverged;
 }
 
-}  // namespace
-
-void check_not_an_input(const std::filesystem::path& output, const Scene& scene) {
-  for (const std::filesystem::path& input : scene.inputs) {
-    std::error_code error;
-    if (std::filesystem::equivalent(output, input, error)) {
+/// Tables of the cache are written without being asked for.
+void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
+  const std::filesystem::path cache = cache_directory();
+  for (const std::filesystem::path& file : files) {
+    if (file.empty() || !is_cached_table(file)) continue;
+    if (same_file(written_file(file).parent_path(), cache)) {
       throw InputError(
-          fmt::format("{}: the result would overwrite what it is made from (found the same file as {}, "
-                      "allowed any other)",
-                      output.string(), input.string()));
+          fmt::format("{}: would be overwritten (found the name of a table in the cache's folder, allowed any other)",
+                      file.string()));
     }
   }
 }
+
+/// Nothing that a run writes may land on what it reads or on something else that it writes.
+void check_files(const RunOptions& options, std::size_t solves, const std::filesystem::path& output,
+                 const Scene& scene) {
+  std::vector<OutputFile> outputs{{output, "the result"}};
+  std::vector<std::filesystem::path> files = scene.inputs;
+  for (std::size_t of = 0; of < solves; ++of) {
+    const std::filesystem::path kept = checkpoint_file(options.checkpoint, of, solves);
+    const std::filesystem::path resumed = checkpoint_file(options.resume, of, solves);
+    outputs.push_back({kept, "the checkpoint"});
+    // A solve may keep its state in the file that it goes on from, but in that of no other solve.
+    if (!same_file(kept, resumed)) files.push_back(resumed);
+  }
+  if (options.dry_run) {
+    check_distinct(outputs, files);
+  } else {
+    check_outputs(outputs, files);
+  }
+  for (const OutputFile& file : outputs) files.push_back(file.path);
+  check_not_of_cache(files);
+}
+
+}  // namespace
 
 int run(const RunOptions& options) {
   std::vector<Scene> scenes = read_scenes(options.scene, options.overrides);
   const Scene first = scenes.front();
   tell_notes(scenes);
   const std::filesystem::path output = output_file(options, first);
-  check_not_an_input(output, first);
+  check_files(options, scenes.size(), output, first);
   if (options.compare) check_comparable(first);
-  if (!options.dry_run) {
-    check_writable(output);
-    check_checkpoints(options, scenes.size(), output);
-    if (!options.checkpoint.empty()) check_not_an_input(options.checkpoint, first);
-  }
 
   const std::uint64_t available = physical_memory_bytes();
   CloudFiles files(scenes.size() > 1);

@@ -6,7 +6,7 @@
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/results/result_file.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "messages.hpp"
 
 namespace cloudbow {
@@ -25,13 +25,10 @@ bool is_there(const std::filesystem::path& file) {
   return std::filesystem::exists(file, error);
 }
 
-bool same_name(const std::filesystem::path& a, const std::filesystem::path& b) {
-  return std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal();
-}
-
 }  // namespace
 
 std::filesystem::path checkpoint_file(const std::filesystem::path& file, std::size_t of, std::size_t solves) {
+  if (file.empty()) return {};
   return solves > 1 ? std::filesystem::path(fmt::format("{}.{}", file.string(), of + 1)) : file;
 }
 
@@ -41,7 +38,7 @@ RunCheckpoints::RunCheckpoints(const RunOptions& options, std::size_t of, std::s
   if (options.resume.empty()) return;
   from_ = checkpoint_file(options.resume, of, solves);
   // What a run keeps and resumes from is not there yet at its first start; later wavelengths come later.
-  const bool may_lack = of > 0 || (!options.checkpoint.empty() && same_name(options.checkpoint, options.resume));
+  const bool may_lack = of > 0 || (!options.checkpoint.empty() && same_file(options.checkpoint, options.resume));
   if (may_lack && !is_there(from_)) return;
   input_ = std::make_unique<CheckpointInput>(from_);
 }
@@ -88,20 +85,6 @@ void RunCheckpoints::save(const StateKey& key, std::span<const StateArray> state
   }
   last_ = std::chrono::steady_clock::now();
   InterruptGuard::check();
-}
-
-void check_checkpoints(const RunOptions& options, std::size_t solves, const std::filesystem::path& output) {
-  for (std::size_t of = 0; of < solves; ++of) {
-    for (const std::filesystem::path* file : {&options.checkpoint, &options.resume}) {
-      if (file->empty()) continue;
-      const std::filesystem::path name = checkpoint_file(*file, of, solves);
-      if (same_name(name, output)) {
-        throw InputError(
-            fmt::format("{}: is the result's own name (allowed for a checkpoint: any other)", name.string()));
-      }
-    }
-    if (!options.checkpoint.empty()) check_writable(checkpoint_file(options.checkpoint, of, solves));
-  }
 }
 
 }  // namespace cloudbow

@@ -36,10 +36,7 @@ class RunCheckpoints : public Checkpoints {
   std::string source_;
 };
 
-/// The file of one of several solves: FILE, or FILE.1, FILE.2, ...
+/// The file of one of several solves: FILE, or FILE.1, FILE.2, ...; empty if FILE is.
 std::filesystem::path checkpoint_file(const std::filesystem::path& file, std::size_t of, std::size_t solves);
-
-/// @throws InputError where files that a run keeps or resumes from are missing, cannot be written, or are others of it.
-void check_checkpoints(const RunOptions& options, std::size_t solves, const std::filesystem::path& output);
 
 }  // namespace cloudbow

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "scene_reader.hpp"
 
 namespace cloudbow {
@@ -74,10 +75,8 @@ std::filesystem::path SceneReader::existing_file(const ConfigReader& reader, con
 std::filesystem::path SceneReader::existing_file(const ConfigReader& reader, const std::string& key,
                                                  const std::string& name) {
   const std::filesystem::path file = relative_to_scene(name);
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) reader.fail(key, "no such file", file.string(), "a file that is there");
-  if (std::filesystem::is_directory(status)) reader.fail(key, "a directory", file.string(), "a file");
+  if (const std::string reason = unreadable_reason(file); !reason.empty())
+    reader.fail(key, reason, file.string(), "a file that is there and may be read");
   scene_.inputs.push_back(file);
   return file;
 }

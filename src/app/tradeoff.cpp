@@ -14,8 +14,8 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/results/picture_format.hpp"
-#include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/tradeoff.hpp"
 #include "messages.hpp"
 
@@ -107,11 +107,9 @@ void check_options(const TradeoffOptions& options, const Scene& scene) {
                     "--set output.flux_levels=all or boundaries)",
                     scene.where("output.flux_levels")));
   }
-  for (const std::filesystem::path& file : {options.csv, options.plot}) {
-    if (file.empty()) continue;
-    check_not_an_input(file, scene);
-    check_writable(file);
-  }
+  std::vector<std::filesystem::path> inputs = scene.inputs;
+  inputs.push_back(options.reference);
+  check_outputs({{options.csv, "the table"}, {options.plot, "the plot"}}, inputs);
   if (!options.plot.empty()) picture_format(options.plot);
 }
 
@@ -190,9 +188,9 @@ int tradeoff(const TradeoffOptions& options) {
     if (&results[n] != &exact) report.rows[n].errors = flux_errors(results[n], exact);
   }
 
-  fmt::print("{}", tradeoff_table(report));
   if (!options.csv.empty()) write_tradeoff_csv(options.csv, report);
   if (!options.plot.empty()) write_tradeoff_plot(options.plot, report);
+  fmt::print("{}", tradeoff_table(report));
   const bool converged =
       std::all_of(results.begin(), results.end(), [](const BoundaryResult& r) { return r.cost.converged; });
   return converged ? kExitDone : kExitNotConverged;

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <exception>
@@ -30,8 +31,37 @@ constexpr rlim_t megabyte = 1000000;
 struct Limits {
   rlim_t cpu_seconds;
   rlim_t wall_seconds;
-  rlim_t memory_bytes;  ///< beyond what the process has
+  rlim_t memory_bytes;     ///< beyond what the process has
+  bool memory_is_of_host;  ///< ulimit leaves less than the rehearsal would
+  bool memory_is_short;    ///< and so little that a sound file may fail in any way
 };
+
+struct MemoryInUse {
+  rlim_t addresses;
+  rlim_t data;
+};
+
+MemoryInUse memory_in_use() {
+  // All pages, resident, shared, text, libraries, data (proc(5)).
+  std::array<rlim_t, 6> pages{};
+  std::ifstream status("/proc/self/statm");
+  for (rlim_t& count : pages) status >> count;
+  const auto page = static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  return {pages[0] * page, pages[5] * page};
+}
+
+/// What a limit leaves beyond what is in use.
+rlim_t room_below(auto resource, rlim_t in_use) {
+  rlimit limit{};
+  if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return RLIM_INFINITY;
+  return limit.rlim_cur - std::min(limit.rlim_cur, in_use);
+}
+
+/// Of `ulimit -v` and `ulimit -d`.
+rlim_t memory_left_by_host() {
+  const MemoryInUse in_use = memory_in_use();
+  return std::min(room_below(RLIMIT_AS, in_use.addresses), room_below(RLIMIT_DATA, in_use.data));
+}
 
 /// Parsing takes less than 0.1 s and 0.1 s for each megabyte; a disk of the network gives at least a megabyte a second.
 Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& options) {
@@ -39,30 +69,41 @@ Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& opt
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
   const auto machine = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : machine / 2;
+  const rlim_t left = memory_left_by_host();
+  // Libraries need some 30 MB for themselves, and buffers of about the file's size.
+  const rlim_t comfortable = (128 + 2 * megabytes) * megabyte;
   return {options.cpu_seconds > 0 ? options.cpu_seconds : 5 + megabytes,
-          options.wall_seconds > 0 ? options.wall_seconds : 60 + megabytes,
-          options.memory_bytes > 0 ? options.memory_bytes : machine / 2};
+          options.wall_seconds > 0 ? options.wall_seconds : 60 + megabytes, std::min(memory, left), left < memory,
+          left < std::min(memory, comfortable)};
 }
 
-rlim_t address_space_in_use() {
-  rlim_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+/// Lowers a limit, never raises one that the host has set.
+void lower_limit(auto resource, rlim_t soft, rlim_t hard) {
+  rlimit limit{};
+  if (getrlimit(resource, &limit) != 0) return;
+  limit.rlim_max = std::min(limit.rlim_max, hard);
+  limit.rlim_cur = std::min({limit.rlim_cur, soft, limit.rlim_max});
+  setrlimit(resource, &limit);
 }
 
 void impose(const Limits& limits) {
-  const rlimit cpu{limits.cpu_seconds, limits.cpu_seconds};
-  const rlimit no_core_file{0, 0};
-  setrlimit(RLIMIT_CPU, &cpu);
-  setrlimit(RLIMIT_CORE, &no_core_file);
-  signal(SIGALRM, SIG_DFL);
+  // The kernel ends a process by SIGXCPU at the soft limit and by SIGKILL at the hard one.
+  lower_limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 1);
+  lower_limit(RLIMIT_CORE, 0, 0);
+  sigset_t deadlines;
+  sigemptyset(&deadlines);
+  for (const int deadline : {SIGXCPU, SIGALRM}) {
+    signal(deadline, SIG_DFL);
+    sigaddset(&deadlines, deadline);
+  }
+  sigprocmask(SIG_UNBLOCK, &deadlines, nullptr);
   alarm(static_cast<unsigned>(limits.wall_seconds));
   // Sanitizers reserve terabytes of addresses, and no limit of memory can be set by them.
   constexpr rlim_t terabyte = 1000000 * megabyte;
-  const rlim_t in_use = address_space_in_use();
+  const rlim_t in_use = memory_in_use().addresses;
   if (in_use > terabyte) return;
-  const rlimit memory{in_use + limits.memory_bytes, in_use + limits.memory_bytes};
-  setrlimit(RLIMIT_AS, &memory);
+  lower_limit(RLIMIT_AS, in_use + limits.memory_bytes, in_use + limits.memory_bytes);
 }
 
 void write_all(int file, const std::string& text) {
@@ -102,12 +143,84 @@ std::string read_all(int file) {
   _exit(status);
 }
 
+/// A pipe none of whose ends is a standard stream, which the child turns elsewhere: its parent may have closed them.
+std::array<int, 2> open_pipe() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe2");
+  for (int& end : ends) {
+    if (end > STDERR_FILENO) continue;
+    const int moved = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    if (moved < 0) throw std::system_error(errno, std::generic_category(), "fcntl");
+    close(end);
+    end = moved;
+  }
+  return ends;
+}
+
+struct Ending {
+  int signal;  ///< 0: exited by itself
+  int code;
+  double cpu_seconds;
+};
+
+Ending wait_for(pid_t child) {
+  int status = 0;
+  rusage use{};
+  while (wait4(child, &status, 0, &use) < 0) {
+    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "wait4");
+  }
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return {WIFSIGNALED(status) ? WTERMSIG(status) : 0, WIFEXITED(status) ? WEXITSTATUS(status) : 0,
+          seconds(use.ru_utime) + seconds(use.ru_stime)};
+}
+
+/// What the end of the child says of the file.
+void judge(const std::string& path, const std::string& library, const Limits& limits, const Ending& end,
+           const std::string& message) {
+  const auto short_of_memory = [&](const std::string& found) {
+    return InputError(fmt::format(
+        "{}: can't be read with so little memory (found {}, allowed by the limits of this process {} MB more than it "
+        "has) raise `ulimit -v` and `ulimit -d`",
+        path, found, limits.memory_bytes / megabyte));
+  };
+  const auto damaged = [&](const std::string& found) {
+    return InputError(fmt::format("{}: the file is damaged ({}) get a complete copy", path, found));
+  };
+  if (end.signal == SIGXCPU || (end.signal == SIGKILL && end.cpu_seconds >= static_cast<double>(limits.cpu_seconds))) {
+    throw damaged(fmt::format("{} computes more than {} s on it", library, limits.cpu_seconds));
+  }
+  if (end.signal == SIGKILL) {
+    throw InputError(fmt::format(
+        "{}: can't be read (the process that tried it first, with {}, was killed: by the system, which does "
+        "so if memory runs out, or by a user) try again with more memory",
+        path, library));
+  }
+  if (end.signal == SIGALRM) throw damaged(fmt::format("{} needs more than {} s for it", library, limits.wall_seconds));
+  if (end.code == out_of_memory && limits.memory_is_of_host)
+    throw short_of_memory(fmt::format("{} needs more", library));
+  if (end.code == out_of_memory)
+    throw damaged(fmt::format("{} needs more than {} MB for it", library, limits.memory_bytes / megabyte));
+  if (end.code == found_an_error && limits.memory_is_short) {
+    throw InputError(
+        fmt::format("{} (memory may be the reason: the limits of this process leave {} MB; raise `ulimit "
+                    "-v` and `ulimit -d`)",
+                    message, limits.memory_bytes / megabyte));
+  }
+  if (end.code == found_an_error) throw InputError(message);
+  if (end.signal == 0 && end.code == 0) return;
+  const std::string found = fmt::format("{} {} on it", library, end.signal != 0 ? "crashes" : "gives up");
+  throw limits.memory_is_short ? short_of_memory(found) : damaged(found);
+}
+
 }  // namespace
+
+bool memory_is_limited() { return memory_left_by_host() != RLIM_INFINITY; }
 
 void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read) {
   const Limits limits = limits_for(path, options);
-  std::array<int, 2> answer{};
-  if (pipe2(answer.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe2");
+  const std::array<int, 2> answer = open_pipe();
   const pid_t child = fork();
   if (child == 0) perform(limits, read, answer[1]);
   const int fork_error = errno;
@@ -115,26 +228,7 @@ void rehearse(const std::filesystem::path& path, const RehearsalOptions& options
   const std::string message = child > 0 ? read_all(answer[0]) : "";
   close(answer[0]);
   if (child < 0) throw std::system_error(fork_error, std::generic_category(), "fork");
-
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "waitpid");
-  }
-  const auto damaged = [&](const std::string& found) {
-    return InputError(fmt::format("{}: the file is damaged ({}) get a complete copy", path.string(), found));
-  };
-  const std::string& library = options.library;
-  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (signal == SIGXCPU || signal == SIGKILL) {
-    throw damaged(fmt::format("{} computes more than {} s on it", library, limits.cpu_seconds));
-  }
-  if (signal == SIGALRM) throw damaged(fmt::format("{} needs more than {} s for it", library, limits.wall_seconds));
-  if (signal != 0) throw damaged(fmt::format("{} crashes on it", library));
-  if (WEXITSTATUS(status) == found_an_error) throw InputError(message);
-  if (WEXITSTATUS(status) == out_of_memory) {
-    throw damaged(fmt::format("{} needs more than {} MB for it", library, limits.memory_bytes / megabyte));
-  }
-  if (WEXITSTATUS(status) != 0) throw damaged(fmt::format("{} gives up on it", library));
+  judge(path.string(), options.library, limits, wait_for(child), message);
 }
 
 }  // namespace cloudbow

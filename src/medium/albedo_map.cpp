@@ -4,18 +4,11 @@
 #include <cmath>
 
 #include "albedo_map_readers.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/rehearsal.hpp"
 
 namespace cloudbow {
 namespace {
-
-/// Opening a pipe would wait for its other end.
-void check_regular(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) fail_import(file, "cannot be read (there is no such file)");
-  if (!std::filesystem::is_regular_file(status)) fail_import(file, "cannot be read (allowed: a regular file)");
-}
 
 void check_values(const std::filesystem::path& file, AlbedoMap& map) {
   constexpr float rounding = 1e-6F;  // of packed numbers
@@ -52,7 +45,7 @@ void overlaps(int old_count, int new_count, Use&& use) {
 }  // namespace
 
 AlbedoMap read_albedo_map(const std::filesystem::path& file) {
-  check_regular(file);
+  check_input(file, "a map of albedo as PNG or netCDF");
   const bool png = is_png(file);
   return after_rehearsal(file, {.library = png ? "libpng" : "netCDF"}, [&] {
     AlbedoMap map = png ? read_png_map(file) : read_netcdf_map(file);

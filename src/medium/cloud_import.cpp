@@ -9,6 +9,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/text_case.hpp"
 #include "import_parts.hpp"
 #include "row_spans.hpp"
@@ -20,15 +21,7 @@ namespace {
 constexpr std::size_t kFirstBytes = 4096;
 
 std::string first_bytes(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) fail_import(file, "no such file");
-  if (!std::filesystem::is_regular_file(status)) {
-    fail_import(file, "not a file (found a {})",
-                std::filesystem::is_directory(status) ? "directory" : "device or pipe");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail_import(file, "cannot be opened for reading (check its permissions)");
+  std::ifstream stream = open_input(file, "a cloud as netCDF, HDF5 or text");
   std::string bytes(kFirstBytes, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));

@@ -6,8 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <new>
 
-#include "cloudbow/core/file_lock.hpp"
+#include "cloudbow/core/hdf5_file.hpp"
 #include "import_parts.hpp"
 #include "text_tokens.hpp"
 
@@ -57,10 +58,8 @@ struct ValidValues {
 };
 
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
-  const int status = nc_open(path.c_str(), NC_NOWRITE, &id_);
-  if (status != NC_NOERR && is_locked(path))
-    fail_import(path, "{} (allowed: a file that is closed) wait, or read a copy", kLockedFile);
-  check(status, "not netCDF, or damaged");
+  hdf5::check_file(path);
+  check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");
   try {
     list_variables();
     check_length();
@@ -73,6 +72,7 @@ NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
 NetcdfInput::~NetcdfInput() { nc_close(id_); }
 
 void NetcdfInput::check(int status, const std::string& what) const {
+  if (status == NC_ENOMEM) throw std::bad_alloc();
   if (status != NC_NOERR) fail_import(path_, "{} (the library says: {})", what, nc_strerror(status));
 }
 

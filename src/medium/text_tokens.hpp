@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cloudbow/core/input_file.hpp"
 #include "import_parts.hpp"
 
 namespace cloudbow {
@@ -64,9 +65,7 @@ inline std::optional<RepeatedNumber> repeated_number_in(std::string_view word) {
 
 class TextLines {
  public:
-  explicit TextLines(const std::filesystem::path& path) : path_(path), stream_(path) {
-    if (!stream_) fail_import(path, "cannot be opened for reading (check its permissions)");
-  }
+  explicit TextLines(const std::filesystem::path& path) : path_(path), stream_(open_input(path, "a text file")) {}
 
   /// False at the end of the file.
   bool next(std::string& line) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
 #include "vdb_module.hpp"
 
 namespace cloudbow {
@@ -23,18 +24,25 @@ constexpr bool has_address_sanitizer = __has_feature(address_sanitizer);
 constexpr bool has_address_sanitizer = false;
 #endif
 
+const void* load_symbol() {
+  void* const library = dlopen(module_file, RTLD_NOW | RTLD_LOCAL);
+  const void* const symbol = library != nullptr ? dlsym(library, "cloudbow_vdb_module") : nullptr;
+  if (symbol == nullptr) {
+    throw InputError(
+        fmt::format("{}: the part of cloudbow that reads and writes OpenVDB files cannot be loaded ({}) "
+                    "install cloudbow anew, or add the module's folder to LD_LIBRARY_PATH",
+                    module_file, dlerror()));
+  }
+  return symbol;
+}
+
 /// Found by the run path of the program: its build folder, or lib/cloudbow beside the bin/ that it is installed in.
 /// It stays loaded: OpenVDB's threads outlive any call.
 const VdbModule& vdb_module() {
-  static const VdbModule& module = [&]() -> const VdbModule& {
-    void* const library = dlopen(module_file, RTLD_NOW | RTLD_LOCAL);
-    const void* const symbol = library != nullptr ? dlsym(library, "cloudbow_vdb_module") : nullptr;
-    if (symbol == nullptr) {
-      throw InputError(
-          fmt::format("{}: the part of cloudbow that reads and writes OpenVDB files cannot be loaded ({}) "
-                      "install cloudbow anew, or add the module's folder to LD_LIBRARY_PATH",
-                      module_file, dlerror()));
-    }
+  static const VdbModule& module = []() -> const VdbModule& {
+    // OpenVDB's log starts threads as it is loaded, and aborts the program if they find no memory.
+    if (memory_is_limited()) rehearse(module_file, {.library = "OpenVDB's log"}, [] { load_symbol(); });
+    const void* const symbol = load_symbol();
     // The address sanitizer's allocator, unlike the C library's, is not kept whole over a fork: the threads that
     // OpenVDB's log has just started are to be at rest before the first rehearsal.
     if constexpr (has_address_sanitizer) std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 
 namespace cloudbow {
 
@@ -43,18 +44,7 @@ void VdbInput::reading(Function function) const {
 }
 
 VdbInput::VdbInput(const std::filesystem::path& path, const std::string& wanted) : path_(path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    throw InputError(fmt::format("{}: no such file (the path of an OpenVDB file is needed)", path.string()));
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError(fmt::format("{}: not a file (found a {}, the path of an OpenVDB file is needed)", path.string(),
-                                 std::filesystem::is_directory(status) ? "directory" : "device or pipe"));
-  }
-  stream_.open(path, std::ios::binary);
-  if (!stream_)
-    throw InputError(fmt::format("{}: cannot be opened for reading (check its permissions)", path.string()));
+  stream_ = open_input(path, "an OpenVDB file");
   bytes_ = std::filesystem::file_size(path);
 
   std::int64_t magic = 0;

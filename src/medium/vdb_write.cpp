@@ -1,13 +1,11 @@
 #include "vdb_write.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
-#include <unistd.h>
 
 #include <cassert>
 #include <cerrno>
@@ -17,6 +15,7 @@
 #include <optional>
 #include <system_error>
 
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 
@@ -138,30 +137,15 @@ class GridByGrid : private openvdb::io::Archive {
   openvdb::io::StreamMetadata::Ptr stream_metadata_{new openvdb::io::StreamMetadata};
 };
 
-/// Without this a crash of the machine after the rename can leave an empty file under the final name.
-void flush_to_disk(const std::filesystem::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool failed = file < 0 || fsync(file) != 0;
-  if (file >= 0) close(file);
-  if (failed) throw std::ios_base::failure("fsync", std::error_code(errno, std::generic_category()));
-}
-
-/// A file under a temporary name until it is complete; without that it goes again.
+/// A stream into a file that appears when it is complete, with the user's messages of what goes wrong.
 class PartFile {
  public:
-  explicit PartFile(const std::filesystem::path& target) : target_(target), part_(target) {
-    part_ += fmt::format(".{}.part", getpid());
+  explicit PartFile(const std::filesystem::path& target) : target_(target), file_(target) {
     doing([&] {
       stream_.exceptions(std::ios::failbit | std::ios::badbit);
-      stream_.open(part_, std::ios::binary | std::ios::trunc);
+      stream_.open(file_.temporary(), std::ios::binary | std::ios::trunc);
     });
   }
-  ~PartFile() {
-    std::error_code ignored;
-    if (!complete_) std::filesystem::remove(part_, ignored);
-  }
-  PartFile(const PartFile&) = delete;
-  PartFile& operator=(const PartFile&) = delete;
 
   std::ostream& stream() { return stream_; }
 
@@ -182,19 +166,14 @@ class PartFile {
   }
 
   void commit() {
-    doing([&] {
-      stream_.close();
-      flush_to_disk(part_);
-      std::filesystem::rename(part_, target_);
-    });
-    complete_ = true;
+    doing([&] { stream_.close(); });
+    file_.commit();
   }
 
  private:
   std::filesystem::path target_;
-  std::filesystem::path part_;
+  AtomicFile file_;
   std::ofstream stream_;
-  bool complete_ = false;
 };
 
 }  // namespace

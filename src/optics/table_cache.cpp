@@ -1,9 +1,7 @@
 #include "table_cache.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -11,12 +9,16 @@
 #include <system_error>
 #include <utility>
 
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/digest.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 
 namespace cloudbow {
 namespace {
 
 constexpr std::string_view magic = "cloudbow scattering table 3\n";
+constexpr std::string_view name_begin = "scattering-", name_end = ".table";
 
 std::uint64_t digest_of(std::string_view text) {
   Digest digest;
@@ -69,10 +71,11 @@ class Reader {
 }  // namespace
 
 TableCache::TableCache(const std::filesystem::path& directory, std::string key) : key_(std::move(key)) {
-  if (!directory.empty()) file_ = directory / fmt::format("scattering-{:016x}.table", digest_of(key_));
+  if (!directory.empty()) file_ = directory / fmt::format("{}{:016x}{}", name_begin, digest_of(key_), name_end);
 }
 
 std::optional<FittedColumns> TableCache::load() const {
+  if (file_.empty() || !unreadable_reason(file_).empty()) return std::nullopt;
   std::ifstream in(file_, std::ios::binary);
   if (!in) return std::nullopt;
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -109,18 +112,18 @@ void TableCache::store(const FittedColumns& columns) const {
 
   std::error_code failure;
   std::filesystem::create_directories(file_.parent_path(), failure);
-  static std::atomic<int> count = 0;
-  std::filesystem::path temporary = file_;
-  temporary += fmt::format(".{}.{}", ::getpid(), count++);
-  bool written = false;
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    out.close();
-    written = !out.fail();
+  // A link may lead to a file of the user's.
+  const auto older = std::filesystem::symlink_status(file_, failure);
+  if (std::filesystem::exists(older) && !std::filesystem::is_regular_file(older)) return;
+  try {
+    write_file_atomically(file_, text);
+  } catch (const InputError&) {  // the table is made again
   }
-  if (written) std::filesystem::rename(temporary, file_, failure);
-  if (!written || failure) std::filesystem::remove(temporary, failure);
+}
+
+bool is_cached_table(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with(name_begin) && name.ends_with(name_end);
 }
 
 }  // namespace cloudbow

@@ -22,10 +22,10 @@ class TableCache {
   /// @param key text that holds every input of the columns
   TableCache(const std::filesystem::path& directory, std::string key);
 
-  /// Nothing where there is no such entry, or a file that is damaged or belongs to another key.
+  /// Nothing if there is no such entry, or something else of its name: a directory, a pipe, a file that is damaged or
+  /// belongs to another key.
   std::optional<FittedColumns> load() const;
-  /// Writes beside the target and renames, so that a reader never meets half a file. Failing is no error: the table is
-  /// made again.
+  /// A reader never meets half a file. Failing is no error: the table is made again.
   void store(const FittedColumns& columns) const;
 
  private:

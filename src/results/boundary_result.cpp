@@ -12,10 +12,10 @@
 namespace cloudbow {
 namespace {
 
+using hdf5::attribute_numbers;
 using hdf5::check;
+using hdf5::exists;
 using hdf5::Handle;
-
-bool exists(hid_t location, const char* name) { return check(H5Lexists(location, name, H5P_DEFAULT), "look") > 0; }
 
 std::vector<double> read_coordinate(hid_t file, const char* name) {
   const Handle dataset = hdf5::open_dataset(file, name);
@@ -25,23 +25,14 @@ std::vector<double> read_coordinate(hid_t file, const char* name) {
   return value;
 }
 
-/// One number, or one a wavelength.
-std::vector<double> read_numbers(hid_t group, const char* name) {
-  const Handle attribute(H5Aopen(group, name, H5P_DEFAULT), H5Aclose, "read an attribute");
-  const Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
-  std::vector<double> value(static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), "read an attribute")));
-  check(H5Aread(attribute, H5T_NATIVE_DOUBLE, value.data()), "read an attribute");
-  return value;
-}
-
 SolveCost read_cost(hid_t file) {
   const Handle group(H5Gopen2(file, "solver", H5P_DEFAULT), H5Gclose, "open a group");
   const auto sum = [&group](const char* name) {
-    const std::vector<double> value = read_numbers(group, name);
+    const std::vector<double> value = attribute_numbers(group, name);
     return std::accumulate(value.begin(), value.end(), 0.0);
   };
   const auto largest = [&group](const char* name) {
-    const std::vector<double> value = read_numbers(group, name);
+    const std::vector<double> value = attribute_numbers(group, name);
     return value.empty() ? 0 : *std::max_element(value.begin(), value.end());
   };
   SolveCost cost;
@@ -52,14 +43,14 @@ SolveCost read_cost(hid_t file) {
   cost.sweeps = static_cast<int>(sum("sweeps"));
   cost.control_points = static_cast<int>(largest("control_points"));
   cost.estimated_error = largest("estimated_error");
-  const std::vector<double> converged = read_numbers(group, "converged");
+  const std::vector<double> converged = attribute_numbers(group, "converged");
   cost.converged = std::all_of(converged.begin(), converged.end(), [](double one) { return one > 0; });
   return cost;
 }
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(open(path)) {}
+  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(hdf5::open_file(path)) {}
 
   BoundaryResult read() const {
     for (const char* name :
@@ -72,8 +63,8 @@ class Reader {
     const hsize_t levels = check_levels();
     const hsize_t columns = result.x_m.size() * result.y_m.size();
     const Handle summary(H5Gopen2(file_, "summary", H5P_DEFAULT), H5Gclose, "open a group");
-    const std::vector<double> reflectance = read_numbers(summary, "reflectance");
-    const std::vector<double> transmittance = read_numbers(summary, "transmittance");
+    const std::vector<double> reflectance = attribute_numbers(summary, "reflectance");
+    const std::vector<double> transmittance = attribute_numbers(summary, "transmittance");
     const std::size_t wavelengths = std::max<std::size_t>(result.wavelengths_um.size(), 1);
     if (reflectance.size() != wavelengths || transmittance.size() != wavelengths) fail("its summary is damaged");
     const std::vector<hsize_t> shape = {levels, result.y_m.size(), result.x_m.size()};
@@ -92,14 +83,6 @@ class Reader {
   }
 
  private:
-  static Handle open(const std::filesystem::path& path) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) {
-      throw InputError(fmt::format("{}: there is no such file (name a result file of cloudbow run)", path.string()));
-    }
-    return hdf5::open_file(path);
-  }
-
   [[noreturn]] void fail(const std::string& problem) const { throw InputError(fmt::format("{}: {}", path_, problem)); }
 
   /// How many levels have fluxes; the first and the last are the domain's.
@@ -125,8 +108,7 @@ class Reader {
     }
     const Handle dataset = hdf5::open_dataset(file_, name);
     const Handle space(H5Dget_space(dataset), H5Sclose, "read a flux");
-    std::vector<hsize_t> found(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a flux")));
-    if (!found.empty()) check(H5Sget_simple_extent_dims(space, found.data(), nullptr), "read a flux");
+    const std::vector<hsize_t> found = hdf5::shape_of(dataset);
     if (found.size() != start.size() || !std::equal(shape.rbegin(), shape.rend(), found.rbegin()))
       fail(fmt::format("{} is damaged (its shape does not fit the coordinates)", name));
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "read a flux");

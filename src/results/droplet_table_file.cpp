@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "atomic_file.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/rehearsal.hpp"
 #include "droplet_table_readers.hpp"
 #include "netcdf4_file.hpp"
@@ -136,13 +137,6 @@ void write_all(const std::filesystem::path& path, std::span<const DropletTable> 
   file.close();
 }
 
-std::vector<hsize_t> shape_of(hid_t dataset) {
-  const hdf5::Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
-  std::vector<hsize_t> shape(static_cast<std::size_t>(hdf5::check(H5Sget_simple_extent_ndims(space), "read a shape")));
-  hdf5::check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
-  return shape;
-}
-
 /// One wavelength of several.
 struct WavelengthIndex {
   hsize_t index;
@@ -153,11 +147,11 @@ struct WavelengthIndex {
 /// @param at where the variable has a dimension `wavelength`, which comes first: which one to read
 std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, std::size_t rows,
                                 std::optional<WavelengthIndex> at = std::nullopt) {
-  if (hdf5::check(H5Lexists(file, name, H5P_DEFAULT), "look for a variable") <= 0) {
+  if (!hdf5::exists(file, name)) {
     throw InputError(fmt::format("no variable '{}' (allowed: a table by cloudbow mie)", name));
   }
   const hdf5::Handle dataset = hdf5::open_dataset(file, name);
-  const std::vector<hsize_t> shape = shape_of(dataset);
+  const std::vector<hsize_t> shape = hdf5::shape_of(dataset);
   const std::size_t before = at ? 1 : 0;
   if (shape.size() != rank + before || (at && shape[0] != at->count) || (rows > 0 && shape[before] != rows)) {
     throw InputError(fmt::format("'{}': wrong shape (found {} dimensions, allowed {}{}, the first of them {})", name,
@@ -186,21 +180,16 @@ std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, 
 }
 
 double read_number_attribute(hid_t file, const char* name) {
-  if (hdf5::check(H5Aexists(file, name), "look for an attribute") <= 0) {
+  if (!hdf5::has_attribute(file, name)) {
     throw InputError(fmt::format("no attribute '{}' (allowed: a table by cloudbow mie)", name));
   }
-  const hdf5::Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose, "read an attribute");
-  const hdf5::Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
-  if (H5Sget_simple_extent_npoints(space) != 1) throw InputError(fmt::format("attribute '{}': not one number", name));
-  double value = 0;
-  hdf5::check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), "read an attribute");
-  return value;
+  return hdf5::attribute_number(file, name);
 }
 
 DropletTable read_own_table(hid_t file, std::optional<double> wavelength_um) {
   DropletTable table;
   std::optional<WavelengthIndex> at;
-  if (hdf5::check(H5Lexists(file, kWavelength, H5P_DEFAULT), "look for a variable") > 0) {
+  if (hdf5::exists(file, kWavelength)) {
     const std::vector<double> there = read_values(file, kWavelength, 1, 0);
     at = WavelengthIndex{choose_wavelength(there, wavelength_um), there.size()};
     table.wavelength_um = there[at->index];
@@ -227,15 +216,13 @@ DropletTable read_own_table(hid_t file, std::optional<double> wavelength_um) {
 DropletTable read_hdf5_table(const std::filesystem::path& path, std::optional<double> wavelength_um) {
   {
     const hdf5::Handle file = hdf5::open_file(path);
-    if (hdf5::check(H5Lexists(file, "pmom", H5P_DEFAULT), "look for a variable") <= 0) {
-      return read_own_table(file, wavelength_um);
-    }
+    if (!hdf5::exists(file, "pmom")) return read_own_table(file, wavelength_um);
   }
   return read_libradtran_table(path, wavelength_um);
 }
 
 DropletTable read_by_content(const std::filesystem::path& path, std::optional<double> wavelength_um) {
-  std::ifstream stream(path, std::ios::binary);
+  std::ifstream stream = open_input(path, "a table of droplets");
   std::array<char, 512> head{};
   stream.read(head.data(), head.size());
   const std::string_view start(head.data(), static_cast<std::size_t>(stream.gcount()));
@@ -307,9 +294,9 @@ void write_droplet_tables(const std::filesystem::path& file, std::span<const Dro
 
 DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um) {
   return after_rehearsal(file, {.library = "HDF5 or netCDF"}, [&] {
+    check_input(file, "a table of droplets");
+    hdf5::check_file(file);
     try {
-      std::error_code error;
-      if (!std::filesystem::is_regular_file(file, error)) throw InputError("no such file");
       DropletTable table = read_by_content(file, wavelength_um);
       if (std::string note = check_droplet_table(table); !note.empty()) table.notes.push_back(std::move(note));
       return table;

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "atomic_file.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 
 namespace cloudbow {
 

@@ -10,9 +10,9 @@
 #include <span>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/core/rehearsal.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
-#include "cloudbow/results/result_file.hpp"
 #include "result_input.hpp"
 
 namespace cloudbow {
@@ -250,12 +250,7 @@ void check_options(const FieldExportOptions& options) {
                     "all 0)",
                     d.x(), d.y(), d.z()));
   }
-  std::error_code error;
-  if (std::filesystem::equivalent(options.result_file, options.vdb_file, error)) {
-    throw InputError(
-        fmt::format("{}: is the result file itself, name another file for the grids", options.vdb_file.string()));
-  }
-  check_writable(options.vdb_file);
+  check_outputs({{options.vdb_file, "the grids"}}, std::span(&options.result_file, 1));
 }
 
 }  // namespace

@@ -21,13 +21,7 @@ namespace {
 
 using hdf5::check;
 using hdf5::Handle;
-
-std::vector<hsize_t> shape_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
-  std::vector<hsize_t> shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a shape")));
-  check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
-  return shape;
-}
+using hdf5::shape_of;
 
 std::string dimension_name(hid_t dataset, unsigned axis) {
   std::string name;
@@ -57,17 +51,6 @@ std::vector<double> read_axis(hid_t file, const std::string& where, const std::s
                                  where, name, value.size(), length));
   }
   return value;
-}
-
-std::string read_units(hid_t dataset, const std::string& where) {
-  const Handle attribute(H5Aopen(dataset, "units", H5P_DEFAULT), H5Aclose, "read units");
-  const Handle type(H5Aget_type(attribute), H5Tclose, "read units");
-  const Handle space(H5Aget_space(attribute), H5Sclose, "read units");
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || H5Sget_simple_extent_npoints(space) != 1)
-    throw InputError(where + ": units are damaged (allowed: one text of fixed length)");
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Aread(attribute, type, text.data()), "read units");
-  return text;
 }
 
 /// How a variable's dimensions make an image.
@@ -112,8 +95,7 @@ std::vector<std::string> images(hid_t file) {
 }
 
 std::vector<double> wavelengths(hid_t file) {
-  if (check(H5Lexists(file, "wavelength", H5P_DEFAULT), "look for a variable") <= 0) return {};
-  return read_coordinate(file, "wavelength");
+  return hdf5::exists(file, "wavelength") ? read_coordinate(file, "wavelength") : std::vector<double>();
 }
 
 /// A block of a variable: from `start` on, of `size`.
@@ -191,7 +173,7 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
 
   FluxImage image;
   image.variable = variable;
-  image.units = read_units(dataset, where);
+  image.units = hdf5::attribute_text(dataset, "units");
   std::vector<hsize_t> start(size.size(), 0);
   if (kind.spectral) {
     const auto there_um = read_axis(file, where, "wavelength", size[0]);
@@ -241,11 +223,6 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
 template <class Action>
 auto with_result(const std::filesystem::path& result_file, const Action& action) {
   const std::string where = result_file.string();
-  std::error_code error;
-  const auto status = std::filesystem::status(result_file, error);
-  if (!std::filesystem::exists(status)) throw InputError(where + ": there is no such file");
-  if (!std::filesystem::is_regular_file(status))
-    throw InputError(where + ": it is not a file (name a result file of cloudbow run)");
   return after_rehearsal(result_file, {.library = "HDF5"}, [&] {
     try {
       const Handle file = hdf5::open_file(result_file);

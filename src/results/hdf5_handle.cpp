@@ -2,46 +2,41 @@
 
 #include <fmt/format.h>
 
-#include <mutex>
-
-#include "cloudbow/core/file_lock.hpp"
+#include <algorithm>
 
 namespace cloudbow::hdf5 {
 
 namespace {
 
-/// The stack runs from the innermost failure outwards. The system's own message stands in a description as: error
-/// message = '...'.
-herr_t collect(unsigned position, const H5E_error2_t* entry, void* result) {
-  auto& text = *static_cast<std::string*>(result);
-  const std::string description = entry->desc != nullptr ? entry->desc : "";
-  if (position == 0) text = description;
-  static constexpr std::string_view mark = "error message = '";
-  const auto begin = description.find(mark);
-  if (begin != std::string::npos) {
-    const auto end = description.find('\'', begin + mark.size());
-    text = description.substr(begin + mark.size(), end - begin - mark.size());
-    return 1;
-  }
-  return 0;
+constexpr hssize_t kMostNumbers = 1 << 16;  // in an attribute: as many as wavelengths of a spectrum, and room
+constexpr std::size_t kLongestText = 1 << 20;
+
+Handle open_attribute(hid_t object, const char* name) {
+  return {H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "open an attribute"};
+}
+
+std::size_t number_count(hid_t attribute, const char* name) {
+  const Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
+  const hssize_t count = check(H5Sget_simple_extent_npoints(space), "read an attribute");
+  if (count > kMostNumbers) throw Error(fmt::format("attribute {} has {} values", name, count));
+  return static_cast<std::size_t>(count);
+}
+
+void check_single(hid_t attribute, const char* name, const char* what) {
+  const std::size_t count = number_count(attribute, name);
+  if (count != 1) throw Error(fmt::format("attribute {} has {} values, allowed one {}", name, count, what));
+}
+
+template <class Number>
+Number one_number(hid_t object, const char* name, hid_t type) {
+  const Handle attribute = open_attribute(object, name);
+  check_single(attribute, name, "number");
+  Number value = 0;
+  check(H5Aread(attribute, type, &value), "read an attribute");
+  return value;
 }
 
 }  // namespace
-
-void throw_error(const char* what) {
-  std::string text;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect, &text);
-  H5Eclear2(H5E_DEFAULT);
-  throw Error(text.empty() ? fmt::format("HDF5 failed: {}", what) : text);
-}
-
-void start_library() {
-  static std::once_flag started;
-  std::call_once(started, [] {
-    H5dont_atexit();
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  });
-}
 
 Handle property_list(hid_t type) { return {H5Pcreate(type), H5Pclose, "create a property list"}; }
 
@@ -58,15 +53,45 @@ Handle create_file(const std::filesystem::path& path) {
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, "create a file"};
 }
 
-Handle open_file(const std::filesystem::path& path) {
-  start_library();
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0 && is_locked(path)) throw Error(kLockedFile);
-  return {file, H5Fclose, "open a file"};
-}
-
 Handle open_dataset(hid_t location, const char* name) {
   return {H5Dopen2(location, name, H5P_DEFAULT), H5Dclose, "open a dataset"};
+}
+
+bool exists(hid_t location, const char* name) { return check(H5Lexists(location, name, H5P_DEFAULT), "look") > 0; }
+
+bool has_attribute(hid_t object, const char* name) { return check(H5Aexists(object, name), "look") > 0; }
+
+std::vector<hsize_t> shape_of(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+  std::vector<hsize_t> shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a shape")));
+  if (!shape.empty()) check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
+  return shape;
+}
+
+std::vector<double> attribute_numbers(hid_t object, const char* name) {
+  const Handle attribute = open_attribute(object, name);
+  std::vector<double> value(number_count(attribute, name));
+  if (!value.empty()) check(H5Aread(attribute, H5T_NATIVE_DOUBLE, value.data()), "read an attribute");
+  return value;
+}
+
+double attribute_number(hid_t object, const char* name) { return one_number<double>(object, name, H5T_NATIVE_DOUBLE); }
+
+std::int64_t attribute_integer(hid_t object, const char* name) {
+  return one_number<std::int64_t>(object, name, H5T_NATIVE_INT64);
+}
+
+std::string attribute_text(hid_t object, const char* name) {
+  const Handle attribute = open_attribute(object, name);
+  check_single(attribute, name, "text");
+  const Handle type(H5Aget_type(attribute), H5Tclose, "read a type");
+  const std::size_t bytes = H5Tget_size(type);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || bytes > kLongestText)
+    throw Error(fmt::format("attribute {} is not a text of fixed length", name));
+  std::string text(bytes, '\0');
+  check(H5Aread(attribute, type, text.data()), "read an attribute");
+  text.resize(std::min(text.size(), text.find('\0')));
+  return text;
 }
 
 }  // namespace cloudbow::hdf5

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@ namespace cloudbow {
 namespace {
 
 void check(int status, const std::string& what) {
+  if (status == NC_ENOMEM) throw std::bad_alloc();
   if (status != NC_NOERR)
     throw InputError(fmt::format("{}: damaged, or not such a table ({})", what, nc_strerror(status)));
 }

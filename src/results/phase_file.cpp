@@ -3,7 +3,7 @@
 #include <numbers>
 #include <span>
 
-#include "atomic_file.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/results/phase_report.hpp"
 #include "netcdf4_file.hpp"
 

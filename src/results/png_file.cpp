@@ -4,7 +4,7 @@
 
 #include <cassert>
 
-#include "atomic_file.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/results/picture_format.hpp"
 
 namespace cloudbow {

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/results/picture_format.hpp"
 #include "exr_file.hpp"
 #include "png_file.hpp"
@@ -223,11 +224,7 @@ FloatImage draw_numbers(const RenderReport& report, const std::vector<FluxImage>
 
 void check_options(const RenderOptions& options) {
   if (options.scale < 0) throw InputError(fmt::format("scale: {} is not a number of pixels >= 1", options.scale));
-  std::error_code error;
-  if (std::filesystem::equivalent(options.result_file, options.image_file, error)) {
-    throw InputError(
-        fmt::format("{}: is the result file itself, name another file for the image", options.image_file.string()));
-  }
+  check_outputs({{options.image_file, "the picture"}}, std::span(&options.result_file, 1));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "atomic_file.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "netcdf4_file.hpp"
 
 namespace cloudbow {

@@ -15,40 +15,11 @@ namespace cloudbow {
 namespace {
 
 using hdf5::check;
+using hdf5::exists;
 using hdf5::Handle;
+using hdf5::shape_of;
 
 constexpr hsize_t block_values = hsize_t{1} << 20;  // of float: what is read of the radiances at once, if chunks allow
-
-/// Refuses what is no regular file before HDF5 sees it: its own messages name no file.
-Handle open_result(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw InputError(fmt::format("{}: there is no such file", path.string()));
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError(fmt::format("{}: it is not a file (name a result file of cloudbow run)", path.string()));
-  }
-  return hdf5::open_file(path);
-}
-
-bool exists(hid_t location, const char* name) { return check(H5Lexists(location, name, H5P_DEFAULT), "look") > 0; }
-
-std::vector<hsize_t> shape_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
-  std::vector<hsize_t> shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a shape")));
-  if (!shape.empty()) check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
-  return shape;
-}
-
-double number_attribute(hid_t dataset, const char* name) {
-  const Handle attribute(H5Aopen(dataset, name, H5P_DEFAULT), H5Aclose, "read an attribute");
-  const Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
-  if (H5Sget_simple_extent_npoints(space) != 1) throw hdf5::Error(fmt::format("attribute {} is not one number", name));
-  double value = 0;
-  check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), "read an attribute");
-  return value;
-}
-
-bool has_attribute(hid_t dataset, const char* name) { return check(H5Aexists(dataset, name), "look") > 0; }
 
 /// Rows of a chunk; 1 where the variable has none.
 hsize_t chunk_rows(hid_t dataset) {
@@ -64,7 +35,7 @@ void read_all(hid_t dataset, hid_t memory_type, void* values) {
 
 }  // namespace
 
-ResultInput::ResultInput(const std::filesystem::path& path) : path_(path.string()), file_(open_result(path)) {
+ResultInput::ResultInput(const std::filesystem::path& path) : path_(path.string()), file_(hdf5::open_file(path)) {
   if (exists(file_, "wavelength"))
     fail("it holds a spectrum (found the dimension wavelength, allowed the result of a scene without [spectrum])");
   read_box();
@@ -97,10 +68,10 @@ void ResultInput::read_box() {
   }
   const auto spacing = [this](const char* name) {
     const Handle dataset = hdf5::open_dataset(file_, name);
-    if (!has_attribute(dataset, "cell_size_m")) {
+    if (!hdf5::has_attribute(dataset, "cell_size_m")) {
       fail(fmt::format("coordinate {} has no attribute cell_size_m (run the scene again with this cloudbow)", name));
     }
-    const double size = number_attribute(dataset, "cell_size_m");
+    const double size = hdf5::attribute_number(dataset, "cell_size_m");
     if (!(size > 0) || !std::isfinite(size)) {
       fail(fmt::format("coordinate {} is damaged (found cell_size_m = {}, allowed > 0)", name, size));
     }
@@ -113,10 +84,10 @@ void ResultInput::read_box() {
   box_.x_min_m = x.front() - 0.5 * box_.dx_m;
   box_.y_min_m = y.front() - 0.5 * box_.dy_m;
   const Handle z = hdf5::open_dataset(file_, "z");
-  if (!has_attribute(z, "cloud_voxel_planes")) return;
-  const double planes = number_attribute(z, "cloud_voxel_planes");
+  if (!hdf5::has_attribute(z, "cloud_voxel_planes")) return;
+  const double planes = hdf5::attribute_number(z, "cloud_voxel_planes");
   box_.cloud = {planes >= 1 && planes <= std::numeric_limits<std::int32_t>::max() ? static_cast<int>(planes) : 0,
-                number_attribute(z, "cloud_bottom_m"), number_attribute(z, "cloud_voxel_height_m")};
+                hdf5::attribute_number(z, "cloud_bottom_m"), hdf5::attribute_number(z, "cloud_voxel_height_m")};
   if (box_.cloud.count < 1 || !(box_.cloud.height_m > 0) || !std::isfinite(box_.cloud.height_m) ||
       !std::isfinite(box_.cloud.bottom_m)) {
     fail("coordinate z is damaged (allowed: cloud_voxel_planes >= 1 of cloud_voxel_height_m > 0)");

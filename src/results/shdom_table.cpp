@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/text_case.hpp"
 #include "droplet_table_readers.hpp"
 
@@ -65,7 +66,7 @@ DropletTable read_shdom_table(const std::filesystem::path& path) {
   if (std::filesystem::file_size(path, error) > kMaxBytes) {
     throw InputError(fmt::format("too large (allowed at most {} MB)", kMaxBytes >> 20));
   }
-  std::ifstream stream(path);
+  std::ifstream stream = open_input(path, "a table of droplets");
   if (!stream) throw InputError("cannot be opened");
   DropletTable table;
   double rows = 0;

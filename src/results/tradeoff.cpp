@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "atomic_file.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/line_plot.hpp"
 

@@ -10,6 +10,7 @@ import subprocess
 import zlib
 from pathlib import Path
 
+import h5py
 import netCDF4
 import numpy as np
 
@@ -174,6 +175,19 @@ def write_wrf(path, form):
         file.DX, file.DY = np.float32(100), np.float32(100)
 
 
+def write_checkpoint(path, libver):
+    """The arrays of fuzz_checkpoint.cpp. Those of the oldest format have no checksums, which stop nearly every mutant."""
+    with h5py.File(path, "w", libver=libver) as file:
+        file.attrs["source"] = np.bytes_("cloudbow")
+        file.attrs["checkpoint_format"] = np.int32(1)
+        file.attrs["layout"] = np.int64(1)
+        file.attrs["problem"] = np.int64(2)
+        checked = libver != "earliest"
+        for name, kind, rows, length in (("numbers", "f8", 1, 8), ("radiance", "f4", 6, 20), ("halves", "u2", 2, 20)):
+            values = np.arange(rows * length, dtype=kind).reshape(rows, length)
+            file.create_dataset(name, data=values, chunks=(1, length), fletcher32=checked)
+
+
 def write_libradtran(path, form):
     with netCDF4.Dataset(path, "w", format=form) as file:
         for name, length in (("nlam", 1), ("nreff", 2), ("nphamat", 1), ("nmommax", 3)):
@@ -259,7 +273,10 @@ def main():
     results = folder("result")
     scene = options.folder / "tiny.toml"
     scene.write_text(TINY_RUN.replace("CLOUD", str((clouds / "float.vdb").resolve())))
-    cloudbow("run", scene, "--quiet", "-o", results / "result.h5")
+    checkpoints = folder("checkpoint")
+    cloudbow("run", scene, "--quiet", "-o", results / "result.h5", "--checkpoint", checkpoints / "own.h5")
+    for libver in ("earliest", "latest"):
+        write_checkpoint(checkpoints / f"{libver}.h5", libver)
     scene.unlink()
 
 

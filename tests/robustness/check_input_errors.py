@@ -125,7 +125,7 @@ def export_commands(folder):
     (folder / "cut.h5").write_bytes(result.read_bytes()[:4000])
     yield "nothing asked for", [result], ["--direction", "--actinic"]
     yield "missing file", [folder / "none.h5", *up], ["none.h5", "no such file"]
-    yield "a directory as result", [folder / "folder", *up], ["folder", "not a file"]
+    yield "a directory as result", [folder / "folder", *up], ["folder", "a directory"]
     yield "a cloud as result", [folder / "cloud.vdb", *up], ["cloud.vdb", "result file"]
     yield "HDF5 that is no result", [folder / "bright.h5", *up], ["bright.h5", "not a result file"]
     yield "a result cut off", [folder / "cut.h5", *up], ["cut.h5", "can't be read"]
@@ -234,7 +234,7 @@ def main():
         checker.expect_error("export: into a missing folder", [*done, folder / "nowhere/output.vdb"], ["nowhere"], vdb)
         checker.expect_error("export: into a file", [*done, cloud / "output.vdb"], ["cloud.vdb"], vdb)
         checker.expect_error("export: into a directory", [*done, folder / "folder"], ["folder", "directory"], vdb)
-        checker.expect_error("export: over its own input", [*done, folder / "result.h5"], ["result.h5", "itself"], vdb)
+        checker.expect_error("export: over its own input", [*done, folder / "result.h5"], ["result.h5", "overwrite"], vdb)
     print("\n" + "\n".join(checker.faults or ["every wrong input is told as such"]))
     return 1 if checker.faults else 0
 

@@ -16,7 +16,7 @@ ROOT = Path(sys.argv.pop(1)) if len(sys.argv) > 1 and Path(sys.argv[1]).is_dir()
 # A library's headers, and the layers whose .cpp files may see them.
 THIRD_PARTY = {
     r"openvdb/": {"medium"},
-    r"(hdf5|hdf5_hl|H5\w*)\.h": {"results"},
+    r"(hdf5|hdf5_hl|H5\w*)\.h": {"core", "results"},
     r"netcdf\.h": {"medium", "results"},
     r"png\.h": {"medium", "results"},
     r"zlib\.h": {"results"},

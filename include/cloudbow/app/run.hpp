@@ -44,9 +44,6 @@ int run(const RunOptions& options);
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
-/// @throws InputError where a file to be written is one that the scene reads.
-void check_not_an_input(const std::filesystem::path& output, const Scene& scene);
-
 /// What the machine, or the control group the process lives in, has.
 std::uint64_t physical_memory_bytes();
 

@@ -18,8 +18,12 @@ struct RehearsalOptions {
 /// Runs `read` in a child process with limits on memory, CPU seconds and seconds on the clock. The child has one
 /// thread: `read` must not wait for others, which OpenMP's loops do.
 /// @throws InputError with the message of what `read` throws there, so that it never begins in this process (libraries
-/// leak what they have half read), and where the child crashes, runs out of memory or out of time.
+/// leak what they have half read), and if the child crashes, is killed, runs out of memory or out of time. Limits that
+/// the process has itself are kept; if they leave little memory, the message says so.
 void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read);
+
+/// Whether `ulimit -v` or `ulimit -d` limits the memory of this process.
+bool memory_is_limited();
 
 /// What `read` returns in this process, after it went well in a child.
 template <class Read>

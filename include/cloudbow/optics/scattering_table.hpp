@@ -29,6 +29,9 @@ struct FitOptions {
   std::filesystem::path cache_directory;  ///< empty: no cache. A cache that cannot be read or written is no error
 };
 
+/// Whether a file has the name of a table in the cache.
+bool is_cached_table(const std::filesystem::path& file);
+
 /// What the fit achieved; goes into the result file and to `cloudbow phase`.
 struct FitReport {
   int linear_programmes = 0;

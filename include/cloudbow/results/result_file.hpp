@@ -42,15 +42,9 @@ struct ResultInfo {
   std::optional<RunPlan> plan{};
 };
 
-/// Tells before a long solve whether a result or picture could be written: makes and removes a temporary file beside
-/// the target and leaves an existing target alone.
-/// @throws InputError naming the file: no such folder, no permission, the target is a directory or another kind of
-/// special file.
-void check_writable(const std::filesystem::path& file);
-
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no half file under the name, and
 /// an older file stays as it was until the new one is complete.
-/// @throws InputError naming the file where it can't be written (as check_writable, or disk full); the temporary file
+/// @throws InputError naming the file where it can't be written (as check_writable of output_files.hpp, or disk full); the temporary file
 /// is removed.
 void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info);
 

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <stdexcept>
 #include <vector>
 
@@ -20,6 +23,7 @@ using cloudbow::InputError;
 using cloudbow::rehearse;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::filesystem::path kFile = CLOUDBOW_SOURCE_DIR "/README.md";
 
@@ -91,6 +95,81 @@ TEST(Rehearsal, RefusesMemoryBeyondTheLimit) {
                   },
                   {.memory_bytes = 100'000'000}),
               HasSubstr("Papyrus needs more than 100 MB for it"));
+}
+
+TEST(Rehearsal, TellsAKilledProcess) {
+  // As the system kills when memory runs out, at once: no time has been spent.
+  EXPECT_THAT(message_of([] { raise(SIGKILL); }), AllOf(HasSubstr("was killed"), Not(HasSubstr("damaged"))));
+}
+
+TEST(Rehearsal, EndsAnEndlessComputationThoughTheHostIgnoresItsSignal) {
+  const auto before = signal(SIGXCPU, SIG_IGN);
+  const std::string message = message_of(
+      [] {
+        for (volatile bool ends = false; !ends;) {
+        }
+      },
+      {.wall_seconds = 600, .cpu_seconds = 1});
+  signal(SIGXCPU, before);
+  EXPECT_THAT(message, HasSubstr("Papyrus computes more than 1 s on it"));
+}
+
+TEST(Rehearsal, HandsOnAMessageThoughStandardStreamsAreClosed) {
+  // A process of its own, because the test's streams stay open.
+  const pid_t child = fork();
+  if (child == 0) {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) close(stream);
+    _exit(message_of([] { throw InputError("said"); }) == "said" ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+/// In a process that may have so much memory beyond what it has.
+void expect_within_limit(rlim_t bytes, const std::function<bool()>& check) {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  if (pages > 200'000'000) GTEST_SKIP() << "a sanitizer has reserved terabytes of addresses";
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlim_t all = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + bytes;
+    const rlimit limit{all, RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &limit);
+    _exit(check() ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+TEST(Rehearsal, TellsTheHostsLimitOfMemoryFromADamagedFile) {
+  expect_within_limit(100'000'000, [] {
+    const std::string message = message_of([] { throw std::bad_alloc(); });
+    return message.find("ulimit -v") != std::string::npos && message.find("damaged") == std::string::npos;
+  });
+  expect_within_limit(100'000'000, [] {
+    const std::string message = message_of([] { abort(); });
+    return message.find("ulimit -v") != std::string::npos && message.find("damaged") == std::string::npos;
+  });
+}
+
+TEST(Rehearsal, RaisesNoLimitOfTheHost) {
+  expect_within_limit(100'000'000, [] {
+    rlimit before{};
+    getrlimit(RLIMIT_AS, &before);
+    return message_of([before] {
+             rlimit now{};
+             getrlimit(RLIMIT_AS, &now);
+             if (now.rlim_cur > before.rlim_cur) throw InputError("raised");
+           }) == "nothing thrown";
+  });
+}
+
+TEST(Rehearsal, AGenerousLimitOfTheHostChangesNoMessage) {
+  expect_within_limit(2'000'000'000, [] {
+    return message_of([] { throw InputError("said"); }, {.memory_bytes = 1'000'000'000}) == "said";
+  });
 }
 
 }  // namespace

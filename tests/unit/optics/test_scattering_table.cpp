@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -305,6 +306,30 @@ TEST_F(TableCacheTest, LeavesNothingButFinishedFiles) {
     ++files;
   }
   EXPECT_EQ(files, 2);  // the diffuse columns and the beam's
+}
+
+TEST_F(TableCacheTest, DoesWithoutATableWhoseNameIsTaken) {
+  const ScatteringTable fresh = make();
+  const auto take_names = [&](auto&& take) {
+    std::vector<std::filesystem::path> tables;
+    for (const auto& entry : std::filesystem::directory_iterator(directory)) tables.push_back(entry.path());
+    for (const auto& table : tables) {
+      std::filesystem::remove_all(table);
+      take(table);
+    }
+    const ScatteringTable remade = make();
+    EXPECT_FALSE(remade.report.from_cache);
+    expect_equal(fresh, remade);
+  };
+  take_names([](const std::filesystem::path& table) { std::filesystem::create_directory(table); });
+  take_names([](const std::filesystem::path& table) { mkfifo(table.c_str(), 0600); });
+  // A link may lead to a file of the user's, which stays as it is.
+  const std::filesystem::path cloud = directory.string() + ".vdb";
+  std::ofstream(cloud) << "a cloud";
+  take_names([&](const std::filesystem::path& table) { std::filesystem::create_symlink(cloud, table); });
+  std::ifstream in(cloud);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "a cloud");
+  std::filesystem::remove(cloud);
 }
 
 TEST_F(TableCacheTest, DoesWithoutADirectoryThatCannotBe) {

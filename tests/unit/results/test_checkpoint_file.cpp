@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
+#include <hdf5.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -97,6 +100,83 @@ TEST_F(CheckpointFile, AChangedBitIsSeen) {
   std::ofstream(path_, std::ios::binary) << bytes;
   std::vector<float> large(300000);
   EXPECT_NE(message_of_load({"large", 4, large.size(), {large.data()}}), "");
+}
+
+TEST_F(CheckpointFile, NumbersThatAreNotFiniteAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto refused = [this](const StateArray& array, const char* row) {
+    write_checkpoint(path_, "cloudbow test", key_, state_.arrays());
+    const std::string message = message_of_load(array);
+    EXPECT_NE(message.find(array.name + ": row " + row), std::string::npos) << message;
+    EXPECT_NE(message.find("not finite"), std::string::npos) << message;
+    state_ = State();
+  };
+  state_.halves[2] = 0x7c00;  // infinity
+  refused(state_.arrays()[0], "0");
+  state_.halves[2] = 0xfe01;  // not a number
+  refused(state_.arrays()[0], "0");
+  state_.rows[1][2] = nan;
+  refused(state_.arrays()[1], "1");
+  state_.numbers[0] = -infinity;
+  refused(state_.arrays()[2], "0");
+  large_at(200000) = nan;
+  refused(state_.arrays()[3], "0");
+}
+
+/// Opens the checkpoint with the HDF5 library itself and spoils it.
+class SpoiledCheckpoint : public CheckpointFile {
+ protected:
+  std::string message_after(const std::function<void(hid_t)>& spoil) {
+    const hid_t file = H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    spoil(file);
+    EXPECT_GE(H5Fclose(file), 0);
+    try {
+      CheckpointInput input(path_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(SpoiledCheckpoint, SeveralValuesInPlaceOfOneAreRefused) {
+  for (const char* name : {"checkpoint_format", "layout", "problem", "source"}) {
+    write_checkpoint(path_, "cloudbow test", key_, state_.arrays());
+    const std::string message = message_after([name](hid_t file) {
+      const hid_t older = H5Aopen(file, name, H5P_DEFAULT), type = H5Aget_type(older);
+      H5Aclose(older);
+      H5Adelete(file, name);
+      const hsize_t count = 4;
+      const hid_t space = H5Screate_simple(1, &count, nullptr);
+      H5Aclose(H5Acreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+      H5Sclose(space);
+      H5Tclose(type);
+    });
+    EXPECT_NE(message.find(std::string("attribute ") + name + " has 4 values"), std::string::npos) << message;
+  }
+}
+
+TEST_F(SpoiledCheckpoint, ValuesAreReadInTheChildFirst) {
+  // More than its file can hold: HDF5 would fill with zeros what was never written.
+  const std::string message = message_after([](hid_t file) {
+    H5Ldelete(file, "large", H5P_DEFAULT);
+    const hsize_t shape[2] = {1, hsize_t{1} << 40}, chunk[2] = {1, 1024};
+    const hid_t space = H5Screate_simple(2, shape, nullptr), properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(properties, 2, chunk);
+    H5Dclose(H5Dcreate2(file, "large", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+    H5Pclose(properties);
+    H5Sclose(space);
+  });
+  EXPECT_NE(message.find("large is larger than its file"), std::string::npos) << message;
+}
+
+TEST_F(SpoiledCheckpoint, ALinkElsewhereIsRefused) {
+  const std::string message = message_after([](hid_t file) {
+    H5Ldelete(file, "large", H5P_DEFAULT);
+    H5Lcreate_external("/dev/zero", "/large", file, "large", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  EXPECT_NE(message.find("a link to another file"), std::string::npos) << message;
 }
 
 TEST_F(CheckpointFile, OtherFilesAreRefused) {

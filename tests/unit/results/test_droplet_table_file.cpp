@@ -112,7 +112,7 @@ TEST_F(DropletTableFile, IsNetcdf4) {
 
 TEST_F(DropletTableFile, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(message(folder_ / "none.h5"), HasSubstr("no such file"));
-  EXPECT_THAT(message(folder_), HasSubstr("no such file"));
+  EXPECT_THAT(message(folder_), HasSubstr("a directory"));
   EXPECT_THAT(message(write_text("")), HasSubstr("not a table of droplets"));
   EXPECT_THAT(message(write_text("1 2 3\n")), HasSubstr("not a table of droplets"));
   EXPECT_THAT(message(write_text("\x89HDF\r\n\x1a\nand then nothing")), HasSubstr("table.txt: damaged"));
@@ -217,7 +217,7 @@ TEST_F(DropletTableFile, SaysThatAFileIsLocked) {
   write_droplet_table(file, small_table(), some_info());
   const int writer = open(file.c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_EQ(flock(writer, LOCK_EX), 0);
-  EXPECT_THAT(message(file), HasSubstr("the file is locked: another program has it open for writing"));
+  EXPECT_THAT(message(file), HasSubstr("is locked"));
   close(writer);
 }
 

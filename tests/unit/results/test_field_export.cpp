@@ -267,7 +267,7 @@ TEST_F(FieldExport, WhatIsMissingOrWrongIsNamedAndLeavesNothing) {
   options_.vdb_file = folder_;
   EXPECT_THAT(exporting(), ThrowsMessage<InputError>(HasSubstr("directory")));
   options_.vdb_file = options_.result_file;
-  EXPECT_THAT(exporting(), ThrowsMessage<InputError>(HasSubstr("the result file itself")));
+  EXPECT_THAT(exporting(), ThrowsMessage<InputError>(HasSubstr("the grids would overwrite an input")));
 }
 
 }  // namespace

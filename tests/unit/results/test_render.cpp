@@ -216,7 +216,7 @@ TEST_F(Render, ListsWhatIsThere) {
   expect(wrong, HasSubstr("at most 16384"));
   wrong = options_;
   wrong.image_file = options_.result_file;
-  expect(wrong, HasSubstr("is the result file itself"));
+  expect(wrong, HasSubstr("the picture would overwrite an input"));
   wrong = options_;
   wrong.image_file = folder_ / "missing" / "r.png";
   expect(wrong, HasSubstr("there is no folder"));
@@ -230,8 +230,8 @@ TEST_F(Render, NamesFilesThatAreNoResults) {
   };
   write(sample::solution(30, 30, 10));
   const fs::path whole = options_.result_file;
-  expect(folder_ / "missing.h5", "there is no such file");
-  expect(folder_, "it is not a file");
+  expect(folder_ / "missing.h5", "no such file");
+  expect(folder_, "a directory");
   std::ofstream(folder_ / "text.h5") << "not HDF5";
   expect(folder_ / "text.h5", "can't be read as a result file");
   fs::copy(whole, folder_ / "cut.h5");

@@ -16,6 +16,7 @@
 #include <iterator>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "sample_solution.hpp"
 
