@@ -591,7 +591,7 @@ TEST_F(LesImport, ALockedFileSaysSo) {
   const CloudImportOptions options = with([](NetcdfBuilder&) {});
   const int writer = open(options.file.c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_EQ(flock(writer, LOCK_EX), 0);
-  EXPECT_THAT(error_of(options), HasSubstr("the file is locked: another program has it open for writing"));
+  EXPECT_THAT(error_of(options), HasSubstr("is locked"));
   close(writer);
   EXPECT_THAT(error_of(options), HasSubstr("air's density"));
 }
