@@ -10,17 +10,10 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/printable.hpp"
 
 namespace cloudbow {
 namespace {
-
-/// A file that is no text must not garble the terminal.
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if (c < 0x20 || c > 0x7e) c = '?';
-  }
-  return text;
-}
 
 std::vector<std::pair<double, double>> read_pairs(const std::filesystem::path& file) {
   constexpr std::uintmax_t max_bytes = 64u << 20;
