@@ -76,6 +76,9 @@ double ConfigReader::as_number(const std::string& key, const ConfigNode& node, c
     fail(key, "not a number", describe(node), range.allowed);
   }
   if (!range.contains(value)) fail(key, "out of range", describe(node), range.allowed);
+  if (std::fpclassify(value) == FP_SUBNORMAL) {
+    fail(key, "too small for its digits", describe(node), fmt::format("{}, 0 or from 2.3e-308 on", range.allowed));
+  }
   return value;
 }
 
