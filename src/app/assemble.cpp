@@ -10,16 +10,15 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "cache_directory.hpp"
 #include "cloudbow/app/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/albedo_map.hpp"
 #include "cloudbow/optics/delta_m.hpp"
-#include "cloudbow/optics/phase_classes.hpp"
 #include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
+#include "open_cloud.hpp"
 
 namespace cloudbow {
 namespace {
@@ -32,174 +31,6 @@ struct Domain {
   std::array<double, 3> min_m{0, 0, 0};
   std::array<double, 3> max_m{1, 1, 1};
 };
-
-/// Extinction coefficient of droplets, 3 LWC / (2 rho_w r_e) with an extinction efficiency of 2: in 1/m for LWC in
-/// g/m3, r_e in um and rho_w = 1e6 g/m3.
-constexpr double extinction_per_liquid_water(double effective_radius_um) { return 1.5 / effective_radius_um; }
-
-struct OpenedCloud {
-  CloudField field;
-  CloudOptics optics;
-  std::vector<PhaseFunction>
-      varying_phase;  ///< of droplets that vary from voxel to voxel: optics.phase_function counts here
-  std::optional<PhaseClassReport> phase_classes;
-};
-
-/// The phase function of a voxel: a member of a family or, with a share of the scattering, the next one.
-struct FamilyMember {
-  std::size_t member;
-  double next_share;
-};
-
-/// Few phase functions for a family of them.
-void apply_classes(const std::vector<PhaseFunction>& family, const std::vector<FamilyMember>& voxel, double tolerance,
-                   OpenedCloud& cloud) {
-  std::vector<double> weight(family.size(), 0);
-  for (std::size_t n = 0; n < voxel.size(); ++n) {
-    const std::vector<double>& albedo = cloud.optics.voxel_single_scattering_albedo;
-    const double scattering =
-        cloud.field.value[n] * (albedo.empty() ? cloud.optics.single_scattering_albedo : albedo[n]);
-    weight[voxel[n].member] += (1 - voxel[n].next_share) * scattering;
-    if (voxel[n].next_share > 0) weight[voxel[n].member + 1] += voxel[n].next_share * scattering;
-  }
-  const PhaseClasses classes(family, weight, tolerance);
-  for (const std::size_t member : classes.members()) cloud.varying_phase.push_back(family[member]);
-  const bool all_black = std::all_of(weight.begin(), weight.end(), [](double w) { return w == 0; });
-  for (const FamilyMember& of_voxel : voxel) {
-    const bool is_black = !all_black && weight[of_voxel.member] == 0 && of_voxel.next_share == 0;
-    const ClassMixture mixture = is_black ? ClassMixture{0, 0} : classes.mixture(of_voxel.member, of_voxel.next_share);
-    cloud.optics.voxel_phase_function.push_back(static_cast<std::uint16_t>(mixture.lower));
-    cloud.optics.voxel_next_share.push_back(static_cast<float>(mixture.next_share));
-  }
-  const auto used = std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; });
-  cloud.phase_classes =
-      PhaseClassReport{static_cast<int>(used), static_cast<int>(classes.members().size()), classes.estimated_error()};
-}
-
-/// Droplets of the voxels' own effective radius: each voxel a mixture of two neighbouring rows of the table.
-void apply_droplets(const DropletTable& table, const std::vector<float>& radius_um, bool field_is_water,
-                    double tolerance, OpenedCloud& cloud) {
-  std::vector<DropletMixture> mixture;
-  std::size_t first = table.size(), last = 0;
-  for (const float radius : radius_um) {
-    mixture.push_back(mixture_for(table, radius));
-    first = std::min(first, mixture.back().lower);
-    last = std::max(last, std::min(mixture.back().lower + 1, table.size() - 1));
-  }
-  std::vector<PhaseFunction> family;
-  for (std::size_t row = first; row <= last; ++row) {
-    family.push_back(droplet_optics(table, table.effective_radius_um[row]).phase_function);
-  }
-  std::vector<FamilyMember> voxel;
-  for (std::size_t n = 0; n < mixture.size(); ++n) {
-    const std::size_t lower = mixture[n].lower, upper = std::min(lower + 1, table.size() - 1);
-    const double share = mixture[n].upper_share;
-    const double lower_extinction = (1 - share) * table.extinction_m2_per_g[lower];
-    const double upper_extinction = share * table.extinction_m2_per_g[upper];
-    const double upper_scattering = upper_extinction * table.single_scattering_albedo[upper];
-    const double scattering = lower_extinction * table.single_scattering_albedo[lower] + upper_scattering;
-    const double extinction = lower_extinction + upper_extinction;
-    if (field_is_water) cloud.field.value[n] = static_cast<float>(cloud.field.value[n] * extinction);
-    cloud.optics.voxel_single_scattering_albedo.push_back(scattering / extinction);
-    voxel.push_back({lower - first, scattering > 0 ? upper_scattering / scattering : 0});
-  }
-  apply_classes(family, voxel, tolerance, cloud);
-}
-
-/// Voxels that choose from a set by number. Ordered by asymmetry, neighbours in a set differ little.
-void apply_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, double tolerance,
-                     const std::string& where, OpenedCloud& cloud) {
-  std::vector<std::size_t> order(set.function.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return set.function[a].asymmetry_parameter() < set.function[b].asymmetry_parameter();
-  });
-  std::vector<std::size_t> place(order.size());
-  std::vector<PhaseFunction> family;
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    place[order[n]] = n;
-    family.push_back(set.function[order[n]]);
-  }
-  std::vector<FamilyMember> voxel;
-  for (const float found : number) {
-    const double whole = std::round(found);
-    if (std::abs(found - whole) > 1e-3) {
-      throw InputError(
-          fmt::format("{}: not a number of a phase function (found {}, allowed whole numbers from 1 to {})", where,
-                      found, order.size()));
-    }
-    voxel.push_back({place[static_cast<std::size_t>(whole) - 1], 0});
-  }
-  apply_classes(family, voxel, tolerance, cloud);
-}
-
-std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, const CloudField& field,
-                                         VdbReadOptions options) {
-  const SceneCloud& cloud = *scene.cloud;
-  options.grid = cloud.effective_radius_grid;
-  constexpr double smallest_um = 1e-6;
-  constexpr double rounding = 1e-6;  // of grids of floats
-  if (cloud.droplets == nullptr)
-    return files.companion(cloud.file, field, options, smallest_um, std::numeric_limits<double>::max());
-  return files.companion(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
-                         cloud.droplets->effective_radius_um.back() * (1 + rounding));
-}
-
-OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
-  const SceneCloud& cloud = *scene.cloud;
-  OpenedCloud opened{files.field(cloud.file, cloud.read), {}, {}, {}};
-  CloudField& field = opened.field;
-  const std::string quantity = cloud.quantity.empty() ? field.quantity : cloud.quantity;
-  VdbReadOptions companion = cloud.read;
-  companion.scale = 1;
-  const double class_error = scene.solver.class_tolerance.value_or(class_tolerance(scene.solver.accuracy));
-
-  const bool is_water = quantity == "liquid_water_content";
-  if (!is_water && quantity != "extinction") {
-    throw InputError(fmt::format(
-        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, liquid_water_content)",
-        scene.where("cloud.quantity"), cloud.read.grid, cloud.file.string(),
-        quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity)));
-  }
-  if (cloud.droplets != nullptr) {
-    apply_droplets(*cloud.droplets, read_effective_radius(scene, files, field, companion), is_water, class_error,
-                   opened);
-  } else if (is_water && cloud.extinction_m2_per_g) {
-    opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
-  } else if (is_water && cloud.effective_radius_um) {
-    opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
-  } else if (is_water && !cloud.effective_radius_grid.empty()) {
-    const std::vector<float> radius = read_effective_radius(scene, files, field, companion);
-    for (std::size_t n = 0; n < radius.size(); ++n) {
-      field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
-    }
-  } else if (is_water) {
-    throw InputError(
-        fmt::format("{}: missing (found quantity liquid_water_content, allowed with effective_radius_um "
-                    "or effective_radius_grid)",
-                    scene.where("cloud.effective_radius_um")));
-  }
-
-  opened.optics.phase_function = cloud.droplets == nullptr && cloud.phase_set == nullptr
-                                     ? cloud.phase_function
-                                     : static_cast<int>(scene.phase_functions.size());
-  if (!cloud.single_scattering_albedo_grid.empty()) {
-    companion.grid = cloud.single_scattering_albedo_grid;
-    const std::vector<float> albedo = files.companion(cloud.file, field, companion, 0, 1);
-    opened.optics.voxel_single_scattering_albedo.assign(albedo.begin(), albedo.end());
-  } else if (cloud.single_scattering_albedo) {
-    opened.optics.single_scattering_albedo = *cloud.single_scattering_albedo;
-    opened.optics.voxel_single_scattering_albedo.clear();
-  }
-  if (cloud.phase_set != nullptr) {
-    companion.grid = cloud.phase_set->index_grid;
-    const std::vector<float> number =
-        files.companion(cloud.file, field, companion, 1, static_cast<double>(cloud.phase_set->function.size()));
-    apply_phase_set(*cloud.phase_set, number, class_error,
-                    fmt::format("{}: grid \"{}\"", cloud.file.string(), companion.grid), opened);
-  }
-  return opened;
-}
 
 /// Corners given by the scene, moved onto the faces they are meant to lie on.
 class DomainChecker {
@@ -439,6 +270,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
   for (const ScenePhaseFunction& phase : scene.phase_functions) problem.phase.push_back(phase.function);
   problem.phase.insert(problem.phase.end(), cloud.varying_phase.begin(), cloud.varying_phase.end());
   assembled.phase_classes = cloud.phase_classes;
+  if (scene.cloud) assembled.cloud = cloud.figures;
   if (scene.sun) problem.sun = Sun{sun_travel(*scene.sun), scene.sun->irradiance_w_m2};
   problem.sky_radiance = scene.sky_radiance;
   problem.surface = scene.surface;

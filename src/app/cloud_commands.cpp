@@ -8,12 +8,14 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "cloudbow/medium/cloud_import.hpp"
 #include "cloudbow/medium/cloud_makers.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/results/column_plot.hpp"
 #include "command_checks.hpp"
+#include "messages.hpp"
 
 namespace cloudbow {
 namespace {
@@ -139,7 +141,7 @@ int import_to_vdb(const ImportCommand& command) {
   }
   write_cloud_vdb(command.output, cloud.field, command.write, cloud.companions);
   if (command.quiet) return kExitDone;
-  for (const std::string& note : cloud.notes) fmt::print("{}\n", note);
+  for (const std::string& note : cloud.notes) fmt::print("{}\n", printable(note));
   fmt::print("{}", format_cloud_info(describe_cloud_vdb(command.output)));
   return kExitDone;
 }
@@ -240,7 +242,10 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
   app->callback([&action, options] {
     action = [options] {
       check_outputs({{options->plot, "the plot"}}, std::span(&options->file, 1));
-      fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->file)));
+      const CloudInfo info = describe_cloud_vdb(options->file);
+      fmt::print("{}", format_cloud_info(info));
+      for (const std::string& doubt : doubts_about(info)) tell("cloudbow: warning: {}\n", printable(doubt));
+      check_effective_radii(info);
       if (!options->plot.empty()) plot_columns(options->file, options->plot);
       return kExitDone;
     };

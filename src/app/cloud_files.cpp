@@ -12,10 +12,15 @@ std::string key_of(const VdbReadOptions& options, double low, double high) {
 
 }  // namespace
 
-CloudField CloudFiles::field(const std::filesystem::path& file, const VdbReadOptions& options) {
+void CloudFiles::note(const std::string& sentence) {
+  if (tell_ && told_.insert(sentence).second) tell_(sentence);
+}
+
+VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptions& options) {
   const std::string key = key_of(options, 0, 0);
   if (const auto kept = field_.find(key); kept != field_.end()) return kept->second;
-  CloudField field = read_cloud_vdb(file, options);
+  VdbCloud field = read_cloud_vdb(file, options);
+  for (const std::string& sentence : field.notes) note("note: " + sentence);
   if (keep_) field_.emplace(key, field);
   return field;
 }

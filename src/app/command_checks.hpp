@@ -11,7 +11,8 @@
 
 namespace cloudbow {
 
-/// Checks on the text itself: conversions further on take "nan" for a number and wrap "-1" to a huge one.
+/// Checks on the text itself: conversions further on take "nan" for a number and wrap "-1" to a huge one. A
+/// number so small that it has lost digits (1e-320) is a slip, and its inverse is infinite.
 inline CLI::Validator finite_number(double low, const std::string& allowed) {
   return CLI::Validator(
       [low, allowed](std::string& text) {
@@ -19,6 +20,8 @@ inline CLI::Validator finite_number(double low, const std::string& allowed) {
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         const bool good =
             error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value >= low;
+        if (good && std::fpclassify(value) == FP_SUBNORMAL)
+          return fmt::format("found {}, allowed {}, 0 or from 2.3e-308 on", text, allowed);
         return good ? std::string() : fmt::format("found {}, allowed {}", text, allowed);
       },
       "NUMBER");

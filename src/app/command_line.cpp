@@ -21,6 +21,7 @@
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "cloudbow/results/render.hpp"
 #include "command_checks.hpp"
 #include "export_command.hpp"
@@ -71,7 +72,8 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
   auto* compare = run_app->add_flag("--compare", options->compare,
                                     "Solve as independent columns too; write the difference of the column fluxes");
-  auto* dry_run = run_app->add_flag("--dry-run", options->dry_run, "Validate, predict memory and time, write nothing");
+  auto* dry_run = run_app->add_flag("--dry-run", options->dry_run,
+                                    "Validate, print domain and optical depth, predict memory and time, write nothing");
   auto* checkpoint =
       run_app
           ->add_option("--checkpoint", options->checkpoint,
@@ -167,8 +169,8 @@ void add_render(CLI::App& app, Action& action) {
       set_exposure(options->render, options->exposure);
       const RenderReport report = render(options->render);
       fmt::print("{}: {} [{}], {}{} x {} pixels, {}\n", options->render.image_file.string(), report.image.variable,
-                 report.image.units, report.image.place.empty() ? "" : report.image.place + ", ", report.width,
-                 report.height, report.colours);
+                 printable(report.image.units), report.image.place.empty() ? "" : report.image.place + ", ",
+                 report.width, report.height, report.colours);
       return kExitDone;
     };
   });
@@ -274,7 +276,7 @@ int run_command_line(int argc, const char* const* argv) {
   try {
     return parse_and_act(argc, argv);
   } catch (const InputError& error) {
-    tell("cloudbow: {}\n", error.what());
+    tell("cloudbow: {}\n", printable(error.what()));
     return kExitInputError;
   } catch (const Interrupted& interrupted) {
     tell("cloudbow: interrupted\n");
@@ -287,7 +289,7 @@ int run_command_line(int argc, const char* const* argv) {
     tell("cloudbow: internal error: {}\n", error.what());
     return kExitInternalError;
   } catch (const std::exception& error) {
-    tell("cloudbow: internal error: {}\n", error.what());
+    tell("cloudbow: internal error: {}\n", printable(error.what()));
     return kExitInternalError;
   }
 }

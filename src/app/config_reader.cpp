@@ -53,6 +53,9 @@ double ConfigReader::as_number(const std::string& key, const ConfigNode& node, c
          fmt::format("{}{}", range.allowed, is_text ? "; numbers stand without quotes" : ""));
   }
   if (!range.contains(value)) fail(key, "out of range", describe(node), range.allowed);
+  if (std::fpclassify(value) == FP_SUBNORMAL) {
+    fail(key, "too small for its digits", describe(node), fmt::format("{}, 0 or from 2.3e-308 on", range.allowed));
+  }
   return value;
 }
 

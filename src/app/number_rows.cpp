@@ -25,12 +25,4 @@ std::optional<std::vector<double>> numbers_in(std::string_view line) {
   return numbers;
 }
 
-std::string printable(std::string_view text) {
-  std::string shown(text.substr(0, 80));
-  for (char& c : shown) {
-    if (c < 0x20 || c > 0x7e) c = '?';
-  }
-  return shown;
-}
-
 }  // namespace cloudbow

@@ -16,7 +16,4 @@ inline constexpr std::uintmax_t kMostTextBytes = 256u << 20;
 /// exponents (1.5D+01) are read. Empty for a line without any, nothing if a word is no number.
 std::optional<std::vector<double>> numbers_in(std::string_view line);
 
-/// A file that is no text must not garble the terminal: its first 80 characters, each that is none as "?".
-std::string printable(std::string_view text);
-
 }  // namespace cloudbow

@@ -10,6 +10,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/phase_table.hpp"
 #include "number_rows.hpp"
@@ -27,7 +28,7 @@ std::vector<std::vector<double>> read_rows(const std::filesystem::path& file, st
     if (row && row->empty()) continue;
     if (!row || row->size() < least || row->size() > 2 || (!rows.empty() && row->size() != rows.front().size())) {
       throw InputError(fmt::format("{}:{}: wrong layout (found '{}', allowed {}, with # or ! comments)", file.string(),
-                                   number, printable(line), layout));
+                                   number, printable(line.substr(0, 80)), layout));
     }
     rows.push_back(std::move(*row));
   }

@@ -16,6 +16,7 @@
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
@@ -52,11 +53,43 @@ void check_memory(const Scene& scene, const Forecast& forecast, std::uint64_t av
       scene.path.string(), static_cast<double>(forecast.memory) / 1e9, static_cast<double>(available) / 1e9));
 }
 
+std::string figures_text(const ColumnFigures& figures, double columns, const char* unit) {
+  return fmt::format("mean of all columns {:.4g}{}, largest of a column {:.4g}{}", figures.sum / columns, unit,
+                     figures.largest, unit);
+}
+
+/// By these a wrong unit is seen.
+void print_figures(const Scene& scene, const AssembledScene& assembled) {
+  const BoxGrid& box = assembled.problem.grid.box;
+  const double x_max = box.x_min_m + box.nx * box.dx_m, y_max = box.y_min_m + box.ny * box.dy_m;
+  if (assembled.cloud) {
+    fmt::print("domain    {:.10g} to {:.10g} m, {:.10g} to {:.10g} m, {:.10g} to {:.10g} m along x, y, z\n",
+               box.x_min_m, x_max, box.y_min_m, y_max, box.z_edge_m.front(), box.z_edge_m.back());
+    const auto columns = static_cast<double>(box.columns());
+    const CloudFigures& cloud = *assembled.cloud;
+    fmt::print("cloud     optical depth: {}\n", figures_text(cloud.optical_depth, columns, ""));
+    if (cloud.water_path_g_m2) {
+      fmt::print("water     path: {}; content up to {:.4g} g/m3\n",
+                 figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
+    }
+    if (cloud.effective_radius_um) {
+      const auto [least, largest] = *cloud.effective_radius_um;
+      fmt::print("radius    {}{:.4g} um\n", least < largest ? fmt::format("{:.4g} to ", least) : "", largest);
+    }
+  } else {
+    fmt::print("domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
+  }
+  double layers = 0;
+  for (const Layer& layer : scene.layers) layers += layer.optical_depth;
+  if (!scene.layers.empty()) fmt::print("layers    optical depth: {:.4g}\n", layers);
+}
+
 void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& first, const Forecast& forecast,
                     std::uint64_t available) {
   const OpticalGrid& grid = first.problem.grid;
   fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
              grid.active_cells());
+  print_figures(scenes.front(), first);
   if (solved_without_azimuths(first.problem, first.options)) {
     fmt::print("solver    columns by themselves, {} polar directions a hemisphere\n", first.options.column_streams);
   } else {
@@ -176,7 +209,9 @@ int run(const RunOptions& options) {
   if (options.compare) check_comparable(first);
 
   const std::uint64_t available = physical_memory_bytes();
-  CloudFiles files(scenes.size() > 1);
+  CloudFiles files(scenes.size() > 1, [&options](const std::string& sentence) {
+    if (!options.quiet) tell("cloudbow: {}\n", printable(sentence));
+  });
   const InterruptGuard guard;
   Solved solved;
   std::optional<RunPlan> plan;

@@ -6,6 +6,7 @@
 
 #include "cloudbow/app/phase_set_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/rayleigh.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
@@ -141,6 +142,10 @@ int SceneReader::add_phase_function(const std::string& name, const PhaseFunction
 void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud) {
   const auto& [name, defined] = find_phase_function(reader);
   if (defined.droplets == nullptr) {
+    if (cloud.effective_radius_um && doubt_effective_radius(*cloud.effective_radius_um, *cloud.effective_radius_um)) {
+      reader.fail("effective_radius_um", "no radius of droplets", fmt::format("{}", *cloud.effective_radius_um),
+                  fmt::format("{} to {} um", smallest_effective_radius_um, largest_effective_radius_um));
+    }
     if (cloud.single_scattering_albedo_grid.empty()) {
       cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
     }
@@ -173,6 +178,7 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
   reader.with_place(cloud.effective_radius_um ? "effective_radius_um" : "phase_function", [&] {
     const DropletOptics optics = droplet_optics(*defined.droplets, *radius);
     cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
+    cloud.effective_radius_um = radius;
     if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
     cloud.phase_function = add_phase_function(name, optics.phase_function, true);
   });

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/printable.hpp"
+#include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 
 namespace cloudbow {
@@ -42,7 +45,9 @@ bool is_content(const std::string& quantity) {
   return quantity != "effective_radius" && quantity != "single_scattering_albedo" && quantity != "phase_index";
 }
 
-std::string column_name(const std::string& quantity) {
+/// Of the units that the quantity should have: others make something else of the integral.
+std::string column_name(const std::string& quantity, const std::string& units) {
+  if (scale_of_units(quantity, units).value_or(1) != 1) return "vertical integral";
   if (quantity == "extinction") return "optical depth";
   if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
   return "vertical integral";
@@ -112,12 +117,12 @@ std::string format_cloud_info(const CloudInfo& info) {
     const auto line = [&](const char* label, const std::string& content) {
       text += fmt::format("  {:<16}{}\n", label, content);
     };
-    text += fmt::format("grid \"{}\"\n", grid.name);
-    line("type", grid.type);
+    text += fmt::format("grid \"{}\"\n", printable(grid.name));
+    line("type", printable(grid.type));
     if (!grid.quantity.empty())
-      line("quantity", fmt::format("{} [{}]", grid.quantity, grid.units.empty() ? "?" : grid.units));
+      line("quantity", printable(fmt::format("{} [{}]", grid.quantity, grid.units.empty() ? "?" : grid.units)));
     if (!grid.cloud) {
-      line("not a cloud", grid.reason);
+      line("not a cloud", printable(grid.reason));
       continue;
     }
     const auto& cloud = *grid.cloud;
@@ -129,10 +134,43 @@ std::string format_cloud_info(const CloudInfo& info) {
     line("value", format_spread(cloud.value));
     line("cover", fmt::format("{:.4g} % of {} columns", 100 * cloud.cover,
                               static_cast<std::int64_t>(cloud.cells[0]) * cloud.cells[1]));
+    for (const std::string& note : cloud.notes) line("note", printable(note));
     if (!is_content(grid.quantity)) continue;
-    line("cloudy columns", fmt::format("{}: {}", column_name(grid.quantity), format_spread(cloud.column)));
+    const std::string name = column_name(grid.quantity, grid.units);
+    line("cloudy columns", fmt::format("{}: {}", name, format_spread(cloud.column)));
+    line("all columns", fmt::format("{}: mean {:.6g}", name, cloud.column.mean * cloud.cover));
+    if (const auto& depth = grid.optical_depth) {
+      line("cloudy columns", fmt::format("optical depth, by the effective radius: {}", format_spread(*depth)));
+      line("all columns",
+           fmt::format("optical depth, by the effective radius: mean {:.6g}", depth->mean * cloud.cover));
+    }
   }
   return text;
+}
+
+std::vector<std::string> doubts_about(const CloudInfo& info) {
+  std::vector<std::string> doubts;
+  for (const auto& grid : info.grids) {
+    const auto add = [&](const std::optional<std::string>& sentence) {
+      if (sentence) doubts.push_back(fmt::format("{}: grid \"{}\": {}", info.path.string(), grid.name, *sentence));
+    };
+    if (!grid.cloud) continue;
+    if (const auto scale = scale_of_units(grid.quantity, grid.units); scale && *scale != 1) {
+      add(fmt::format("the numbers are in {}; a scene needs cloud.scale = {:g}", grid.units, *scale));
+      continue;
+    }
+    if (grid.quantity == "liquid_water_content") add(doubt_water_content(grid.cloud->value.max));
+    add(doubt_optical_depth(grid.largest_voxel_depth));
+  }
+  return doubts;
+}
+
+void check_effective_radii(const CloudInfo& info) {
+  for (const auto& grid : info.grids) {
+    if (!grid.cloud || grid.quantity != "effective_radius") continue;
+    if (const auto doubt = doubt_effective_radius(grid.cloud->value.min, grid.cloud->value.max))
+      throw InputError(fmt::format("{}: grid \"{}\": {}", info.path.string(), grid.name, *doubt));
+  }
 }
 
 }  // namespace cloudbow

@@ -14,7 +14,9 @@ namespace cloudbow {
 
 namespace {
 
-constexpr double largest_field = 5e8;  // cells: the field is dense while it is made, 8 bytes a cell
+constexpr double smallest_voxel_m3 = 3e-15;  // of an OpenVDB file
+constexpr double largest_ratio = 500;        // of a cumulus' horizontal sides: turbulence as fine as the shorter one
+constexpr double largest_field = 5e8;        // cells: the field is dense while it is made, 8 bytes a cell
 
 template <class Number>
 void require(bool holds, std::string_view key, const Number& found, std::string_view allowed) {
@@ -37,8 +39,15 @@ void check(const CloudMakerOptions& options) {
     cells *= n;
   }
   require(cells <= largest_field, "cells", cells, fmt::format("up to {:g} in all are", largest_field));
-  for (const double size : options.voxel_size_m)
-    require(std::isfinite(size) && size > 0, "voxel-size-m", size, "finite numbers > 0 are");
+  double volume = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = options.voxel_size_m[axis];
+    require(std::isnormal(size) && size > 0 && std::isfinite(options.cells[axis] * size), "voxel-size-m", size,
+            "numbers > 0 whose multiples are finite are");
+    volume *= size;
+  }
+  require(volume >= smallest_voxel_m3, "voxel-size-m", fmt::format("{:g} m3", volume),
+          fmt::format("voxels of {:g} m3 or more are", smallest_voxel_m3));
   if (options.optical_depth) {
     require(std::isfinite(*options.optical_depth) && *options.optical_depth > 0, "optical-depth",
             *options.optical_depth, "a finite number > 0 is");
@@ -67,7 +76,13 @@ void check(const CloudMakerOptions& options) {
             fmt::format("{} x {} x {}", found[0], found[1], found[2]),
             fmt::format("at least {} x {} x {} for {} are", nx, ny, nz, options.kind));
   };
-  if (options.kind == "cumulus") at_least(16, 16, 8);
+  if (options.kind == "cumulus") {
+    at_least(16, 16, 8);
+    const double ratio = options.voxel_size_m[0] / options.voxel_size_m[1];
+    require(ratio <= largest_ratio && ratio >= 1 / largest_ratio, "voxel-size-m",
+            fmt::format("{:g} x {:g} m", options.voxel_size_m[0], options.voxel_size_m[1]),
+            fmt::format("sides within a factor of {:g} for cumulus are", largest_ratio));
+  }
   if (options.kind == "stratocumulus") at_least(8, 1, 4);
   if (options.kind == "sphere") at_least(4, 4, 4);
   if (options.kind == "step") {
@@ -167,8 +182,19 @@ CloudField make_cloud(const CloudMakerOptions& options) {
     if (options.optical_depth) scale_to_optical_depth(field, grid, *options.optical_depth);
     std::transform(field.begin(), field.end(), field.begin(), round_value);
   }
-  return make_cloud_field(options.cells, options.voxel_size_m, {0, 0, 0},
-                          std::vector<float>(field.begin(), field.end()), "extinction");
+  for (const double extinction : field) {
+    require(extinction <= static_cast<double>(std::numeric_limits<float>::max()), "optical-depth", extinction,
+            "extinctions that a 32-bit number holds, in 1/m, are");
+  }
+  CloudField cloud = make_cloud_field(options.cells, options.voxel_size_m, {0, 0, 0},
+                                      std::vector<float>(field.begin(), field.end()), "extinction");
+  if (cloud.value.empty()) {
+    throw InputError(fmt::format(
+        "cloud make: the {} is empty (found no cell with an extinction above 0 among {} x {} x {}) take another seed, "
+        "more cells, more cover, a larger optical depth or smaller voxels",
+        options.kind, options.cells[0], options.cells[1], options.cells[2]));
+  }
+  return cloud;
 }
 
 }  // namespace cloudbow

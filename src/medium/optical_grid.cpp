@@ -13,6 +13,7 @@ namespace cloudbow {
 namespace {
 
 constexpr double kMergeFraction = 1e-9;
+constexpr double kLargestLayerExtinction = 1e36;  // 1/m: a hundred layers, one upon another, fit into 32 bits
 
 /// A height at which something may change. Where edges merge, the lower rank gives the number: the domain's own
 /// corners, then voxel faces, then layer edges.
@@ -114,6 +115,13 @@ LayerProfile layer_profile(const std::vector<double>& edges, const std::vector<L
     }
     // Over the merged edges, so that the layer keeps its optical depth.
     const double extinction = layer.optical_depth / (edges[last] - edges[first]);
+    if (!(extinction <= kLargestLayerExtinction)) {
+      throw InputError(
+          fmt::format("layer from {} m to {} m: extinction too large (found {:.4g} 1/m, allowed up to {:g} 1/m) a "
+                      "thicker layer, or "
+                      "a smaller optical_depth",
+                      layer.bottom_m, layer.top_m, extinction, kLargestLayerExtinction));
+    }
     for (int k = first; k < last; ++k) {
       profile.absorption[k] += (1 - layer.single_scattering_albedo) * extinction;
       profile.scattering[layer.phase_function][k] += layer.single_scattering_albedo * extinction;

@@ -8,6 +8,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/medium/plausibility.hpp"
 #include "vdb_module.hpp"
 
 namespace cloudbow {
@@ -53,7 +54,7 @@ const VdbModule& vdb_module() {
 
 }  // namespace
 
-CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
+VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
   return vdb_module().read_cloud(path, options);
 }
 
@@ -62,16 +63,50 @@ std::vector<float> read_companion_vdb(const std::filesystem::path& path, const C
   return vdb_module().read_companion(path, cloud, options, lowest, highest);
 }
 
+namespace {
+
+/// Whether the grid describes the voxels of another one.
+bool is_companion(const std::string& quantity) {
+  return quantity == "effective_radius" || quantity == "single_scattering_albedo" || quantity == "phase_index";
+}
+
+/// Of a grid of liquid water, by the radii of another grid.
+void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, VdbGridInfo& water) {
+  CloudField field = read_cloud_vdb(path, {.grid = water.name});
+  const std::vector<float> radius =
+      read_companion_vdb(path, field, {.grid = radius_grid}, smallest_effective_radius_um, largest_effective_radius_um);
+  for (std::size_t n = 0; n < radius.size(); ++n)
+    field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
+  const CloudSummary summary = summarize(field);
+  water.optical_depth = summary.column;
+  water.largest_voxel_depth = summary.value.max * field.cell_size_m[2];
+}
+
+}  // namespace
+
 CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
   CloudInfo info{.path = path, .bytes = 0, .grids = vdb_module().list_grids(path)};
   info.bytes = std::filesystem::file_size(path);
+  const VdbGridInfo* radius = nullptr;
   for (auto& grid : info.grids) {
     try {
       VdbReadOptions options;
       options.grid = grid.name;
-      grid.cloud = summarize(read_cloud_vdb(path, options));
+      options.ignores_background = is_companion(grid.quantity);
+      const VdbCloud cloud = read_cloud_vdb(path, options);
+      grid.cloud = summarize(cloud);
+      grid.cloud->notes = cloud.notes;
+      if (grid.quantity == "extinction") grid.largest_voxel_depth = grid.cloud->value.max * grid.cloud->cell_size_m[2];
+      if (grid.quantity == "effective_radius" && radius == nullptr) radius = &grid;
     } catch (const InputError& error) {
       grid.reason = error.what();
+    }
+  }
+  for (auto& grid : info.grids) {
+    if (!grid.cloud || grid.quantity != "liquid_water_content" || radius == nullptr) continue;
+    try {
+      add_optical_depth(path, radius->name, grid);
+    } catch (const InputError&) {  // radii of other voxels, or none that a cloud has: the water path stands alone
     }
   }
   return info;

@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <exception>
+#include <iterator>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 #include "cloudbow/core/error.hpp"
@@ -16,6 +21,14 @@ namespace {
 std::string type_name(const openvdb::io::GridDescriptor& descriptor, const openvdb::GridBase& grid) {
   if (!grid.isType<openvdb::FloatGrid>()) return grid.isType<openvdb::DoubleGrid>() ? "double" : descriptor.gridType();
   return descriptor.saveFloatAsHalf() ? "float stored as half" : "float";
+}
+
+/// What the first bytes of a file that is not OpenVDB tell.
+std::string kind_of(const std::array<char, 8>& first) {
+  const std::string_view bytes(first.data(), first.size());
+  if (bytes == std::string_view("\x89HDF\r\n\x1a\n")) return "those of HDF5 or netCDF-4";
+  if (bytes.substr(0, 3) == "CDF" && (bytes[3] == 1 || bytes[3] == 2 || bytes[3] == 5)) return "those of netCDF";
+  return "not OpenVDB's mark";
 }
 
 std::string without_final_period(std::string text) {
@@ -47,11 +60,17 @@ VdbInput::VdbInput(const std::filesystem::path& path, const std::string& wanted)
   stream_ = open_input(path, "an OpenVDB file");
   bytes_ = std::filesystem::file_size(path);
 
+  std::array<char, 8> first{};
+  stream_.read(first.data(), first.size());
   std::int64_t magic = 0;
-  stream_.read(reinterpret_cast<char*>(&magic), sizeof magic);
+  std::memcpy(&magic, first.data(), first.size());
   if (!stream_ || magic != openvdb::OPENVDB_MAGIC) {
-    throw InputError(fmt::format("{}: not an OpenVDB file (its first bytes are not OpenVDB's mark)", path.string()));
+    throw InputError(fmt::format(
+        "{}: not an OpenVDB file (its first bytes are {}) `cloudbow cloud import {} -o cloud.vdb` makes one "
+        "of LES output (netCDF), SHDOM files and text",
+        path.string(), kind_of(first), path.string()));
   }
+  stream_.clear();
   stream_.seekg(0);
   stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
   openvdb::initialize();
@@ -104,20 +123,29 @@ void VdbInput::walk(const std::string& wanted) {
 }
 
 const VdbInput::Entry& VdbInput::find(const std::string& name) const {
+  const auto named = [&](const Entry& entry) { return entry.name == name; };
+  const auto found = std::find_if(entries_.begin(), entries_.end(), named);
+  if (found != entries_.end() && std::none_of(std::next(found), entries_.end(), named)) return *found;
+  std::string there, twins;
   for (const auto& entry : entries_) {
-    if (entry.name == name) return entry;
-  }
-  std::string there;
-  for (const auto& entry : entries_)
     there += fmt::format("{}\"{}\" ({})", there.empty() ? "" : ", ", entry.name, entry.type);
-  throw InputError(fmt::format("{}: no grid \"{}\" ({})", path_.string(), name,
-                               there.empty() ? "the file holds no grid" : "grids in the file: " + there));
+    if (entry.descriptor.gridName() == name) twins += fmt::format("{}\"{}\"", twins.empty() ? "" : ", ", entry.name);
+  }
+  if (found != entries_.end()) {
+    throw InputError(fmt::format("{}: grid \"{}\" is there more than once ({}) give each a name of its own",
+                                 path_.string(), name, there));
+  }
+  throw InputError(fmt::format("{}: no grid \"{}\" ({}){}", path_.string(), name,
+                               there.empty() ? "the file holds no grid" : "grids in the file: " + there,
+                               twins.empty() ? "" : fmt::format(" several have this name: choose one of {}", twins)));
 }
 
 openvdb::FloatGrid::ConstPtr VdbInput::load(const Entry& entry) {
   if (!entry.grid->isType<openvdb::FloatGrid>()) {
-    throw InputError(fmt::format("{}: grid \"{}\" has the wrong type ({}; float, also stored as half, is allowed)",
-                                 path_.string(), entry.name, entry.type));
+    throw InputError(
+        fmt::format("{}: grid \"{}\" has the wrong type ({}; float, also stored as half, is allowed) "
+                    "convert it to float, or name another grid",
+                    path_.string(), entry.name, entry.type));
   }
   if (entry.descriptor.isInstance()) {
     throw InputError(fmt::format("{}: grid \"{}\" has no voxels of its own (it shares those of \"{}\") name that grid",

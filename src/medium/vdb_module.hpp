@@ -8,7 +8,7 @@ namespace cloudbow {
 
 /// Functions as the public ones of the same names, which document them.
 struct VdbModule {
-  CloudField (*read_cloud)(const std::filesystem::path& path, const VdbReadOptions& options);
+  VdbCloud (*read_cloud)(const std::filesystem::path& path, const VdbReadOptions& options);
   std::vector<float> (*read_companion)(const std::filesystem::path& path, const CloudField& cloud,
                                        const VdbReadOptions& options, double lowest, double highest);
   /// The grids with their metadata; none is read as a cloud.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -12,50 +13,12 @@
 #include "row_spans.hpp"
 #include "vdb_input.hpp"
 #include "vdb_module.hpp"
+#include "vdb_placement.hpp"
 #include "vdb_write.hpp"
 
 namespace cloudbow {
 
 namespace {
-
-using Vector = std::array<double, 3>;
-
-constexpr double face_tolerance =
-    1e-3;  // of a voxel: far below what matters, far above the rounding of 32-bit metadata
-
-struct Place {
-  const std::filesystem::path& path;
-  const std::string& grid;
-
-  template <class... Args>
-  [[noreturn]] void fail(fmt::format_string<Args...> text, Args&&... args) const {
-    throw InputError(
-        fmt::format("{}: grid \"{}\": {}", path.string(), grid, fmt::format(text, std::forward<Args>(args)...)));
-  }
-};
-
-/// Voxel indices of the file to cells of the scene. Along axis a of the scene, the voxel of index n = sign[a] *
-/// index[axis[a]] is centred at centre[a] + n * size[a].
-struct Placement {
-  std::array<int, 3> axis;
-  std::array<int, 3> sign;
-  std::array<double, 3> size;
-  std::array<double, 3> centre;
-  std::array<double, 3> stretch;  ///< scene metres per metre of the file
-
-  std::array<std::int64_t, 3> cell(const openvdb::Coord& index) const {
-    return {std::int64_t{sign[0]} * index[axis[0]], std::int64_t{sign[1]} * index[axis[1]],
-            std::int64_t{sign[2]} * index[axis[2]]};
-  }
-  openvdb::Coord index(const std::array<std::int64_t, 3>& cell) const {
-    openvdb::Coord result;
-    for (int a = 0; a < 3; ++a) result[axis[a]] = static_cast<openvdb::Int32>(sign[a] * cell[a]);
-    return result;
-  }
-  double lower_face(int a, std::int64_t n) const { return centre[a] + (static_cast<double>(n) - 0.5) * size[a]; }
-  /// Distance of a height, breadth or width from the lower face of voxel 0, in voxels.
-  double faces(int a, double position) const { return (position - lower_face(a, 0)) / size[a]; }
-};
 
 struct Voxel {
   std::array<std::int32_t, 3> cell;
@@ -71,7 +34,7 @@ void check_options(const VdbReadOptions& options) {
   if (!(options.scale > 0) || !std::isfinite(options.scale)) {
     throw InputError(fmt::format("scale: out of range ({} found, a finite number > 0 is allowed)", options.scale));
   }
-  for (const double size : options.voxel_size_m.value_or(Vector{1, 1, 1})) {
+  for (const double size : options.voxel_size_m.value_or(std::array<double, 3>{1, 1, 1})) {
     if (!(size > 0) || !std::isfinite(size)) {
       throw InputError(fmt::format("voxel_size_m: out of range ({} found, finite numbers > 0 are allowed)", size));
     }
@@ -82,124 +45,13 @@ void check_options(const VdbReadOptions& options) {
   }
 }
 
-Placement place(const openvdb::math::Transform& transform, const VdbReadOptions& options, const Place& where) {
-  if (!transform.isLinear()) {
-    where.fail(
-        "the transform is not linear ({} found, a positive scale along the axes with a translation is allowed) "
-        "resample the grid "
-        "to boxes along the axes",
-        transform.mapType());
-  }
-  openvdb::Mat4d matrix;
-  try {
-    matrix = transform.baseMap()->getAffineMap()->getMat4();
-  } catch (const openvdb::ArithmeticError&) {
-    where.fail("the transform is singular (a positive scale along the axes with a translation is allowed)");
-  }
-  double largest = 0;
-  for (int a = 0; a < 3; ++a) largest = std::max(largest, std::abs(matrix(a, a)));
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      // Over a thousand voxels a slope of 1e-6 moves a voxel by face_tolerance.
-      if (row != column && !(std::abs(matrix(row, column)) <= 1e-6 * largest)) {
-        where.fail(
-            "the transform rotates or shears (its matrix has {:.6g} beside the diagonal {:.6g}, {:.6g}, {:.6g}; a "
-            "positive scale "
-            "along the axes with a translation is allowed) resample the grid along the axes, or use up_axis if the "
-            "file has y or x up",
-            matrix(row, column), matrix(0, 0), matrix(1, 1), matrix(2, 2));
-      }
-    }
-  }
-  for (int a = 0; a < 3; ++a) {
-    if (!(matrix(a, a) > 0) || !std::isfinite(matrix(a, a)) || !std::isfinite(matrix(3, a))) {
-      where.fail(
-          "the transform mirrors or degenerates the grid (scale {:.6g}, {:.6g}, {:.6g}; positive scales are allowed) "
-          "resample the grid "
-          "with positive voxel sizes",
-          matrix(0, 0), matrix(1, 1), matrix(2, 2));
-    }
-  }
-
-  Placement result{.axis = {0, 1, 2}, .sign = {1, 1, 1}, .size = {}, .centre = {}, .stretch = {1, 1, 1}};
-  if (options.up_axis == "y") {
-    result.axis = {0, 2, 1};
-    result.sign = {1, -1, 1};
-  } else if (options.up_axis == "x") {
-    result.axis = {1, 2, 0};
-  }
-  for (int a = 0; a < 3; ++a) {
-    result.size[a] = matrix(result.axis[a], result.axis[a]);
-    if (options.voxel_size_m) {
-      result.stretch[a] = (*options.voxel_size_m)[a] / result.size[a];
-      result.size[a] = (*options.voxel_size_m)[a];
-    }
-    result.centre[a] = result.sign[a] * matrix(3, result.axis[a]) * result.stretch[a];
-  }
-  return result;
-}
-
-std::optional<openvdb::Vec3d> vector_metadata(const openvdb::GridBase& grid, const char* name, const Place& where) {
-  const auto item = grid[name];
-  if (!item) return std::nullopt;
-  openvdb::Vec3d value;
-  if (const auto* d = dynamic_cast<const openvdb::Vec3DMetadata*>(item.get())) {
-    value = d->value();
-  } else if (const auto* s = dynamic_cast<const openvdb::Vec3SMetadata*>(item.get())) {
-    value = openvdb::Vec3d(s->value());
-  } else if (const auto* i = dynamic_cast<const openvdb::Vec3IMetadata*>(item.get())) {
-    value = openvdb::Vec3d(i->value());
-  } else {
-    where.fail("metadata {} has the wrong type ({} found, vec3d, vec3s and vec3i are allowed)", name, item->typeName());
-  }
-  if (!value.isFinite()) where.fail("metadata {} is not finite ({}, {}, {})", name, value[0], value[1], value[2]);
-  return value;
-}
-
-struct Domain {
-  Vector min_m;
-  Vector max_m;
-};
-
-/// The domain of the metadata in the scene's axes.
-std::optional<Domain> metadata_domain(const openvdb::GridBase& grid, const Placement& placement, const Place& where) {
-  const auto low = vector_metadata(grid, "domain_min_m", where);
-  const auto high = vector_metadata(grid, "domain_max_m", where);
-  if (low.has_value() != high.has_value()) {
-    where.fail("metadata {} is missing ({} is there; both or none are allowed)", low ? "domain_max_m" : "domain_min_m",
-               low ? "domain_min_m" : "domain_max_m");
-  }
-  if (!low) return std::nullopt;
-  Domain domain{};
-  for (int a = 0; a < 3; ++a) {
-    const int axis = placement.axis[a];
-    const auto [first, last] =
-        placement.sign[a] > 0 ? std::pair((*low)[axis], (*high)[axis]) : std::pair(-(*high)[axis], -(*low)[axis]);
-    domain.min_m[a] = first * placement.stretch[a];
-    domain.max_m[a] = last * placement.stretch[a];
-  }
-  return domain;
-}
-
-std::int64_t nearest_face(const Placement& placement, int a, double position, const Place& where) {
-  const double faces = placement.faces(a, position);
-  const double nearest = std::nearbyint(faces);
-  if (!(std::abs(faces - nearest) <= face_tolerance)) {
-    where.fail(
-        "the domain of the metadata does not end on voxel faces ({} = {:.10g} m found, {:.10g} m is the nearest face)",
-        "xyz"[a], position, placement.lower_face(a, 0) + nearest * placement.size[a]);
-  }
-  if (std::abs(nearest) > std::numeric_limits<std::int32_t>::max()) {
-    where.fail("the domain of the metadata is too large ({} = {:.10g} m found)", "xyz"[a], position);
-  }
-  return static_cast<std::int64_t>(nearest);
-}
-
 void check_memory(double bytes, const VdbReadOptions& options, const Place& where, const std::string& found) {
   const auto limit = memory_limit(options);
   if (bytes > static_cast<double>(limit)) {
-    where.fail("too large ({}: {:.3g} GB to read, {:.3g} GB are allowed) crop or coarsen the grid", found, bytes * 1e-9,
-               static_cast<double>(limit) * 1e-9);
+    where.fail(
+        "too large ({}: {:.3g} GB to read, {:.3g} GB are allowed) clip or coarsen the grid (vdb_tool -clip, "
+        "-resample); single voxels far away make a large box",
+        found, bytes * 1e-9, static_cast<double>(limit) * 1e-9);
   }
 }
 
@@ -227,7 +79,10 @@ void check_box(const std::array<std::int64_t, 3>& cells, const VdbReadOptions& o
 void check_metadata(const openvdb::GridBase& grid, const Placement& placement, const VdbReadOptions& options,
                     const Place& where) {
   if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
-    where.fail("is a level set (distances to a surface; densities are allowed) convert it to a fog volume");
+    where.fail(
+        "is a level set (distances to a surface; densities are allowed) make a fog volume of it, 0 outside to 1 "
+        "inside, with OpenVDB's tool (vdb_tool -read {} -ls2fog -write fog.vdb) and set cloud.scale",
+        where.path.string());
   }
   if (const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT)) {
     check_voxels(static_cast<double>(count->value()), options, where);
@@ -258,32 +113,94 @@ void for_each_active_voxel(const openvdb::FloatTree& tree, Function function) {
   }
 }
 
-std::vector<Voxel> collect(const openvdb::FloatGrid& grid, const Placement& placement, double scale,
-                           const Place& where) {
-  std::vector<Voxel> voxels;
-  voxels.reserve(grid.activeVoxelCount());
-  for_each_active_voxel(grid.tree(), [&](const openvdb::Coord& index, float stored) {
-    const auto value = static_cast<float>(scale * static_cast<double>(stored));
-    if (!std::isfinite(value) || value < 0) {
-      where.fail("voxel ({}, {}, {}) has the value {}{} (finite numbers >= 0 are allowed)", index[0], index[1],
-                 index[2], stored,
-                 std::isfinite(stored) && stored >= 0 ? fmt::format(" times the scale {}", scale) : "");
+/// Negative numbers of this share of the largest are rounding of whoever wrote the grid.
+constexpr double largest_rounding = 1e-5;
+
+/// The voxels that make the cloud, and what is said about those that do not.
+class VoxelCollector {
+ public:
+  VoxelCollector(const Placement& placement, double scale, const Place& where)
+      : placement_(placement), scale_(scale), where_(where) {}
+
+  void reserve(std::size_t voxels) { voxels_.reserve(voxels); }
+
+  void add(const openvdb::Coord& index, float stored) {
+    const auto value = static_cast<float>(scale_ * static_cast<double>(stored));
+    if (!std::isfinite(value)) {
+      where_.fail("voxel ({}, {}, {}) has the value {}{} (finite numbers >= 0 are allowed)", index[0], index[1],
+                  index[2], stored, std::isfinite(stored) ? fmt::format(" times the scale {}", scale_) : "");
     }
-    if (value == 0) return;
-    const auto cell = placement.cell(index);
-    voxels.push_back(
-        {{static_cast<std::int32_t>(cell[0]), static_cast<std::int32_t>(cell[1]), static_cast<std::int32_t>(cell[2])},
-         value});
-  });
-  return voxels;
-}
+    largest_ = std::max(largest_, value);
+    if (value < 0) {
+      ++negative_;
+      if (value < least_) least_ = value, least_at_ = index;
+    }
+    if (value > 0) {
+      const auto cell = placement_.cell(index);
+      voxels_.push_back(
+          {{static_cast<std::int32_t>(cell[0]), static_cast<std::int32_t>(cell[1]), static_cast<std::int32_t>(cell[2])},
+           value});
+    }
+  }
+
+  /// @throws InputError where numbers are negative by more than rounding.
+  void check_negative() const {
+    if (-static_cast<double>(least_) > largest_rounding * static_cast<double>(largest_)) {
+      where_.fail(
+          "voxel ({}, {}, {}) has the value {:.6g} (finite numbers >= 0 are allowed, and down to -{:g} of the largest, "
+          "{:.6g}, "
+          "which counts as 0) set it to 0 if it should be clear; distances to a surface are no densities",
+          least_at_[0], least_at_[1], least_at_[2], static_cast<double>(least_) / scale_, largest_rounding,
+          static_cast<double>(largest_) / scale_);
+    }
+  }
+
+  void note_negative(std::vector<std::string>& notes) const {
+    if (negative_ == 0) return;
+    notes.push_back(where_.text("{} negative value{} down to {:.3g} count{} as 0 (the largest is {:.3g})", negative_,
+                                negative_ == 1 ? "" : "s", static_cast<double>(least_) / scale_,
+                                negative_ == 1 ? "s" : "", static_cast<double>(largest_) / scale_));
+  }
+
+  const std::vector<Voxel>& voxels() const { return voxels_; }
+
+ private:
+  const Placement& placement_;
+  double scale_;
+  const Place& where_;
+  std::vector<Voxel> voxels_;
+  float largest_ = 0;
+  std::size_t negative_ = 0;
+  float least_ = 0;
+  openvdb::Coord least_at_;
+};
 
 struct CellBox {
   std::array<std::int64_t, 3> first;
   std::array<std::int64_t, 3> end;  ///< one past the last
 
   std::array<std::int64_t, 3> cells() const { return {end[0] - first[0], end[1] - first[1], end[2] - first[2]}; }
+  double volume() const {
+    double product = 1;
+    for (const auto n : cells()) product *= static_cast<double>(n);
+    return product;
+  }
 };
+
+CellBox box_of(const VdbDomain& domain, const Placement& placement, const char* whose, const Place& where) {
+  CellBox box{};
+  for (int a = 0; a < 3; ++a) {
+    box.first[a] = nearest_face(placement, a, domain.min_m[a], whose, where);
+    box.end[a] = nearest_face(placement, a, domain.max_m[a], whose, where);
+    if (box.first[a] >= box.end[a]) {
+      where.fail(
+          "the domain of the {} is empty (found {:.10g} to {:.10g} m along {}, allowed an upper corner above the "
+          "lower one)",
+          whose, domain.min_m[a], domain.max_m[a], "xyz"[a]);
+    }
+  }
+  return box;
+}
 
 CellBox bounding_box(const std::vector<Voxel>& voxels) {
   constexpr auto lowest = std::numeric_limits<std::int64_t>::min();
@@ -329,7 +246,104 @@ std::string text_metadata(const openvdb::GridBase& grid, const char* name) {
   return item ? item->value() : "";
 }
 
-CloudField read_cloud(const std::filesystem::path& path, const VdbReadOptions& options) {
+std::string numbers(const std::array<double, 3>& n) {
+  return fmt::format("[{:.10g}, {:.10g}, {:.10g}]", n[0], n[1], n[2]);
+}
+
+/// Cells that hold the background: those of the grid's own domain, else of the scene's, that are not active. It has no
+/// end by itself.
+void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomain>& domain,
+                    const VdbReadOptions& options, const Placement& placement, const Place& where,
+                    VoxelCollector& voxels) {
+  if (!std::isfinite(grid.background())) {
+    where.fail("the background is {} (a finite number is allowed) give the grid the background 0", grid.background());
+  }
+  if (!domain && !options.domain_m) {
+    const auto active = grid.evalActiveVoxelBoundingBox();
+    std::string box;
+    if (!active.empty()) {
+      const auto low = placement.cell(active.min()), high = placement.cell(active.max());
+      VdbDomain of_active{};
+      for (int a = 0; a < 3; ++a) {
+        of_active.min_m[a] = placement.lower_face(a, std::min(low[a], high[a]));
+        of_active.max_m[a] = placement.lower_face(a, std::max(low[a], high[a]) + 1);
+      }
+      box = fmt::format("; the active voxels lie in min_m = {}, max_m = {}", numbers(of_active.min_m),
+                        numbers(of_active.max_m));
+    }
+    where.fail(
+        "the background is {} and nothing says how far it reaches (found neither metadata domain_min_m, "
+        "domain_max_m nor both corners in the scene's [domain], allowed a background of 0 or one of these) set "
+        "[domain] min_m and max_m{}",
+        grid.background(), box);
+  }
+  const CellBox box = box_of(domain ? *domain : *options.domain_m, placement, domain ? "metadata" : "scene", where);
+  check_voxels(box.volume(), options, where);
+  const auto accessor = grid.getConstAccessor();
+  for (auto k = box.first[2]; k < box.end[2]; ++k) {
+    for (auto j = box.first[1]; j < box.end[1]; ++j) {
+      for (auto i = box.first[0]; i < box.end[0]; ++i) {
+        const openvdb::Coord index = placement.index({i, j, k});
+        if (!accessor.isValueOn(index)) voxels.add(index, grid.background());
+      }
+    }
+  }
+}
+
+/// Values that are stored but not active count as the background: what renderers see there may be something else.
+void note_inactive_values(const openvdb::FloatGrid& grid, const Place& where, std::vector<std::string>& notes) {
+  std::uint64_t voxels = 0;
+  float example = 0;
+  for (auto value = grid.tree().cbeginValueOff(); value; ++value) {
+    if (*value == grid.background() || (std::isnan(*value) && std::isnan(grid.background()))) continue;
+    if (voxels == 0) example = *value;
+    voxels += value.getVoxelCount();
+  }
+  if (voxels > 0) {
+    notes.push_back(
+        where.text("{} voxels that are not active hold other values than the background (such as {}); they "
+                   "count as the background, {}",
+                   voxels, example, grid.background()));
+  }
+}
+
+/// A single voxel far from all others makes a domain that nobody meant.
+void note_stray_voxels(const std::vector<Voxel>& voxels, const CellBox& box, const Placement& placement,
+                       const Place& where, std::vector<std::string>& notes) {
+  constexpr double sparse = 1e-3;       // cells of the box with a value
+  constexpr double much_smaller = 0.1;  // the box without the stray voxels
+  constexpr double few = 1e-3;          // of the sum of all values, on each side of each axis
+  if (static_cast<double>(voxels.size()) > sparse * box.volume()) return;
+  double sum = 0;
+  for (const Voxel& voxel : voxels) sum += static_cast<double>(voxel.value);
+  // The first plane before which, from either end, there is more than a trace.
+  const auto first_with_more = [&](auto plane) {
+    for (double before = 0; before + plane->second <= few * sum; ++plane) before += plane->second;
+    return plane->first;
+  };
+  CellBox core = box;
+  for (int a = 0; a < 3; ++a) {
+    std::map<std::int32_t, double> of_plane;
+    for (const Voxel& voxel : voxels) of_plane[voxel.cell[a]] += static_cast<double>(voxel.value);
+    core.first[a] = first_with_more(of_plane.begin());
+    core.end[a] = first_with_more(of_plane.rbegin()) + std::int64_t{1};
+  }
+  if (core.volume() > much_smaller * box.volume()) return;
+  const auto stray = std::find_if(voxels.begin(), voxels.end(), [&](const Voxel& voxel) {
+    for (int a = 0; a < 3; ++a) {
+      if (voxel.cell[a] < core.first[a] || voxel.cell[a] >= core.end[a]) return true;
+    }
+    return false;
+  });
+  const auto index = placement.index({stray->cell[0], stray->cell[1], stray->cell[2]});
+  const auto all = box.cells(), most = core.cells();
+  notes.push_back(where.text(
+      "nearly all of the cloud lies in {} x {} x {} cells; a few voxels far away, such as ({}, {}, {}) with the value "
+      "{}, extend the domain to {} x {} x {}; clip the grid (vdb_tool -clip) if they are not meant",
+      most[0], most[1], most[2], index[0], index[1], index[2], stray->value, all[0], all[1], all[2]));
+}
+
+VdbCloud read_cloud(const std::filesystem::path& path, const VdbReadOptions& options) {
   const Place where{path, options.grid};
   VdbInput input(path, options.grid);
   const auto& entry = input.find(options.grid);
@@ -337,18 +351,30 @@ CloudField read_cloud(const std::filesystem::path& path, const VdbReadOptions& o
   check_metadata(*entry.grid, placement, options, where);
   const auto domain = metadata_domain(*entry.grid, placement, where);
 
+  VdbCloud field;
   auto grid = input.load(entry);
   check_voxels(static_cast<double>(grid->activeVoxelCount()), options, where);
-  const auto voxels = collect(*grid, placement, options.scale, where);
+  VoxelCollector collector(placement, options.scale, where);
+  collector.reserve(grid->activeVoxelCount());
+  for_each_active_voxel(grid->tree(), [&](const openvdb::Coord& index, float stored) { collector.add(index, stored); });
+  collector.check_negative();
+  const bool has_background = !(grid->background() == 0) && !options.ignores_background;
+  if (has_background) add_background(*grid, domain, options, placement, where, collector);
+  collector.check_negative();
+  collector.note_negative(field.notes);
+  note_inactive_values(*grid, where, field.notes);
   grid.reset();
-  if (voxels.empty()) where.fail("is empty (no active voxel has a value > 0)");
+  const std::vector<Voxel>& voxels = collector.voxels();
+  if (voxels.empty()) {
+    where.fail("is empty (no {}voxel has a value > 0{})", has_background ? "" : "active ",
+               options.scale == 1 ? "" : fmt::format(" after the scale {}", options.scale));
+  }
 
   CellBox box = bounding_box(voxels);
   if (domain) {
     const CellBox cloud = box;
+    box = box_of(*domain, placement, "metadata", where);
     for (int a = 0; a < 3; ++a) {
-      box.first[a] = nearest_face(placement, a, domain->min_m[a], where);
-      box.end[a] = nearest_face(placement, a, domain->max_m[a], where);
       if (box.first[a] > cloud.first[a] || box.end[a] < cloud.end[a]) {
         where.fail(
             "the domain of the metadata does not contain the cloud (along {} the cloud reaches from {:.10g} to {:.10g} "
@@ -361,14 +387,15 @@ CloudField read_cloud(const std::filesystem::path& path, const VdbReadOptions& o
   }
   const auto cells = box.cells();
   check_box(cells, options, where);
+  if (!domain) note_stray_voxels(voxels, box, placement, where, field.notes);
 
-  CloudField field;
   for (int a = 0; a < 3; ++a) {
     field.cells[a] = static_cast<int>(cells[a]);
     field.cell_size_m[a] = placement.size[a];
     field.min_m[a] = domain ? domain->min_m[a] : placement.lower_face(a, box.first[a]);
   }
   field.quantity = text_metadata(*entry.grid, "quantity");
+  field.units = text_metadata(*entry.grid, "units");
   fill_rows(field, voxels, box);
   return field;
 }
@@ -388,7 +415,8 @@ std::vector<float> read_companion(const std::filesystem::path& path, const Cloud
         !(std::abs(faces) < 2e9)) {
       where.fail(
           "its voxels are not those of the cloud (along {} size {:.10g} m, a face at {:.10g} m; the cloud has {:.10g} "
-          "and {:.10g} m)",
+          "and {:.10g} m) resample it to the voxels of the cloud (OpenVDB's tools::resampleToMatch with PointSampler, "
+          "vdb_tool -resample), or give one value in the scene",
           "xyz"[a], placement.size[a], placement.lower_face(a, 0), cloud.cell_size_m[a], cloud.min_m[a]);
     }
     first[a] = static_cast<std::int64_t>(std::nearbyint(faces));
@@ -408,8 +436,10 @@ std::vector<float> read_companion(const std::filesystem::path& path, const Cloud
         float stored = 0;
         const bool active = accessor.probeValue(index, stored);
         if (!active && !(background_counts && stored == grid->background())) {
-          where.fail("voxel ({}, {}, {}) has no value (the cloud has one there, and the background is {})", index[0],
-                     index[1], index[2], grid->background());
+          where.fail(
+              "voxel ({}, {}, {}) has no value (the cloud has one there, and the background is {}) give it one, or "
+              "the grid a background that holds elsewhere",
+              index[0], index[1], index[2], grid->background());
         }
         const double value = options.scale * static_cast<double>(stored);
         if (!(value >= lowest && value <= highest)) {
@@ -447,17 +477,17 @@ auto after_parsing_grid(const std::filesystem::path& path, const std::string& gr
 std::vector<VdbGridInfo> grids_of(const VdbInput& input) {
   std::vector<VdbGridInfo> grids;
   for (const auto& entry : input.entries()) {
-    grids.push_back({.name = entry.name,
-                     .type = entry.type,
-                     .quantity = text_metadata(*entry.grid, "quantity"),
-                     .units = text_metadata(*entry.grid, "units"),
-                     .cloud = std::nullopt,
-                     .reason = {}});
+    VdbGridInfo grid;
+    grid.name = entry.name;
+    grid.type = entry.type;
+    grid.quantity = text_metadata(*entry.grid, "quantity");
+    grid.units = text_metadata(*entry.grid, "units");
+    grids.push_back(std::move(grid));
   }
   return grids;
 }
 
-CloudField read_cloud_safely(const std::filesystem::path& path, const VdbReadOptions& options) {
+VdbCloud read_cloud_safely(const std::filesystem::path& path, const VdbReadOptions& options) {
   check_options(options);
   return after_parsing_grid(path, options.grid, [&] { return read_cloud(path, options); });
 }

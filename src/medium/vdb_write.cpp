@@ -34,8 +34,15 @@ struct GridContent {
   bool half;
 };
 
-/// Box and centres of the voxels.
+/// Box and centres of the voxels. OpenVDB takes voxels of less than 3e-15 m3 for singular.
 void set_transform(openvdb::FloatGrid& grid, const VdbBox& box) {
+  constexpr double smallest_volume = 3e-15;
+  const auto [dx, dy, dz] = box.cell_size_m;
+  if (!(dx * dy * dz >= smallest_volume)) {
+    throw InputError(fmt::format(
+        "voxel size: too small for an OpenVDB file (found {:g} x {:g} x {:g} m, allowed voxels of {:g} m3 at least)",
+        dx, dy, dz, smallest_volume));
+  }
   openvdb::Vec3d size;
   openvdb::Vec3d min;
   openvdb::Vec3d max;

@@ -16,6 +16,14 @@ import h5py
 
 from sound_scene import SCENE
 
+# One VDB file each, made by faulty_vdb, and words of the message.
+VDB_FAULTS = {
+    "nan": ["nan"], "infinite": ["inf"], "negative": ["-0.01", "counts as 0"], "rotated": ["rotates", "resample"], "sheared": ["shears", "resample"], "empty": ["empty"],
+    "double": ["double", "float"], "mask": ["float"], "background": ["background is 0.001", "[domain]", "min_m = [-25, -25, 75]"],
+    "nan_background": ["background is nan"], "level_set": ["vdb_tool", "-ls2fog"], "twins": ['"density[0]"', '"density[1]"'],
+    "water": ["scene.toml:5: cloud.quantity", "contradicts", "liquid_water_content"], "per_km": ["km^-1", "cloud.scale = 0.001"], "named": ["den\\x1b[2Jsity"]}
+
+
 def replaced(old, new):
     assert old in SCENE, old
     return SCENE.replace(old, new)
@@ -23,6 +31,7 @@ def replaced(old, new):
 
 def scenes():
     """(name, scene, words of the message)"""
+    layer = "[[layer]]\nbottom_m = 0.0\ntop_m = 100.0\noptical_depth = 0.1\nsingle_scattering_albedo = 1.0\nphase_function = 'rayleigh'\n"
     yield "unknown key", replaced("scale = 1.0", "skale = 1.0"), ["scene.toml:6", "skale", "scale"]
     yield "unknown table", SCENE + "[clouds]\n", ["scene.toml", "clouds"]
     yield "wrong type", replaced("zenith_deg = 60.0", 'zenith_deg = "high"'), ["scene.toml:13", "sun.zenith_deg", "high"]
@@ -60,6 +69,13 @@ def scenes():
     yield "azimuth and bearing", replaced("azimuth_deg = 0.0", "azimuth_deg = 0.0\nbearing_deg = 90.0"), ["scene.toml", "azimuth_deg", "bearing_deg"]
     yield "neither azimuth nor bearing", replaced("azimuth_deg = 0.0\n", ""), ["scene.toml", "azimuth_deg", "bearing_deg"]
     yield "negative density scale", replaced("scale = 1.0", "scale = -1.0"), ["scene.toml:6", "cloud.scale", "-1", "> 0"]
+    for key, text in (("cloud.scale", replaced("scale = 1.0", "scale = 1e-320")), ("layer.0.top_m", SCENE + layer.replace("100.0", "1e-320")),
+                      ("layer.0.optical_depth", SCENE + layer.replace("0.1", "1e-320")), ("domain.min_m", SCENE + "[domain]\nmin_m = [0.0, 0.0, -1e-320]\n")):
+        yield f"denormal {key}", text, [key, "too small"]
+    yield "layer of 1e-300 m", SCENE + layer.replace("100.0", "1e-300") + "[domain]\nmax_m = [300.0, 300.0, 400.0]\n", ["layer", "too thin"]
+    yield "radius in metres", replaced("scale = 1.0", "effective_radius_um = 1e-5"), ["scene.toml:6", "cloud.effective_radius_um", "0.1 to 5000 um"]
+    yield "netCDF as cloud", replaced("cloud.vdb", "les.nc"), ["les.nc", "netCDF", "cloudbow cloud import"]
+    yield "HDF5 as cloud", replaced("cloud.vdb", "bright.h5"), ["bright.h5", "HDF5", "cloudbow cloud import"]
     yield "missing cloud file", replaced("cloud.vdb", "none.vdb"), ["none.vdb"]
     yield "a directory as cloud", replaced("cloud.vdb", "folder"), ["folder", "directory"]
     yield "a text file as cloud", replaced("cloud.vdb", "scene.toml"), ["scene.toml"]
@@ -71,8 +87,7 @@ def scenes():
     yield "domain smaller than the cloud", SCENE + "[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [200.0, 300.0, 400.0]\n", ["200", "300"]
     yield "more memory than the machine has", SCENE + ("[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [1500000.0, 1500000.0, 400.0]\n[[layer]]\nname = 'air'\n"
            "bottom_m = 0.0\ntop_m = 400.0\noptical_depth = 0.1\nsingle_scattering_albedo = 1.0\nphase_function = 'rayleigh'\n"), ["memory"]
-    for fault, words in (("nan", ["nan"]), ("infinite", ["inf"]), ("negative", ["-0.01"]), ("rotated", ["rotated"]), ("empty", ["empty"]),
-                         ("double", ["double", "float"])):
+    for fault, words in VDB_FAULTS.items():
         yield f"VDB file: {fault}", replaced("cloud.vdb", f"{fault}.vdb"), [f"{fault}.vdb", *words]
     for cut in (50, 90, 99):
         yield f"VDB file cut at {cut} %", replaced("cloud.vdb", f"cut_{cut}.vdb"), [f"cut_{cut}.vdb"]
@@ -177,9 +192,10 @@ def main():
         whole = cloud.read_bytes()
         for cut in (50, 90, 99):
             (folder / f"cut_{cut}.vdb").write_bytes(whole[:len(whole) * cut // 100])
-        for fault in ("nan", "infinite", "negative", "rotated", "empty", "double"):
+        for fault in VDB_FAULTS:
             subprocess.run([options.faulty_vdb, fault, str(folder / f"{fault}.vdb")], check=True)
 
+        (folder / "les.nc").write_bytes(b"CDF\x01" + bytes(100))
         with h5py.File(folder / "bright.h5", "w") as file:
             file["albedo"] = [[0.5, 1.5]]
 
@@ -212,6 +228,12 @@ def main():
         crashing = Path(__file__).resolve().parents[1] / "data" / "les_that_crashes_hdf5.nc"
         checker.expect_error("import: a file on which HDF5 crashes", ["cloud", "import", crashing, "--quiet", "-o", folder / "output.vdb"],
                              [crashing.name, "damaged"], folder / "output.vdb")
+        for size, found in (("1e-320", "1e-320"), ("1e-300", "1e-300 m3"), ("1e308", "1e+308")):
+            checker.expect_error(f"cloud make: voxels of {size} m", ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", size, "1", "1", "-o", folder / "output.vdb"],
+                                 ["voxel-size-m", found], folder / "output.vdb")
+        checker.expect_error("cloud make: no cell with a cloud",
+                             ["cloud", "make", "cumulus", "--cells", "16", "16", "8", "--voxel-size-m", "50", "50", "50", "--cover", "0.001", "-o", folder / "output.vdb"],
+                             ["empty", "cover"], folder / "output.vdb")
         for name, arguments, words in phase_commands(folder):
             checker.expect_error(f"phase: {name}", ["phase", *arguments, "-o", output], words, output)
         checker.expect_error("phase: file in a missing folder", ["phase", "rayleigh", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)

@@ -1,6 +1,7 @@
 // From a scene to what the solver takes: opens the cloud, joins it with the layers, fills in the ladder.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -18,11 +19,26 @@ struct PhaseClassReport {
   double estimated_error = 0;  ///< of the classes, fraction of the incident light
 };
 
+/// Vertical integrals over the columns of a cloud.
+struct ColumnFigures {
+  double sum = 0;      ///< over all columns
+  double largest = 0;  ///< of a single one
+};
+
+/// What a cloud amounts to, for the user to see a wrong unit by.
+struct CloudFigures {
+  ColumnFigures optical_depth;
+  std::optional<ColumnFigures> water_path_g_m2;  ///< where the grid holds liquid water
+  double largest_water_content_g_m3 = 0;
+  std::optional<std::array<double, 2>> effective_radius_um;  ///< smallest and largest, where the scene names one
+};
+
 struct AssembledScene {
   Problem problem;
   SolverOptions options;
   bool one_column = false;                        ///< as accuracy_options() takes it
   std::optional<PhaseClassReport> phase_classes;  ///< where droplets vary from voxel to voxel
+  std::optional<CloudFigures> cloud;
 };
 
 /// @param memory_limit_bytes of the optical grid; told before it is taken.

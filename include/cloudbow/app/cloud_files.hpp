@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloudbow/medium/cloud_field.hpp"
@@ -15,17 +18,24 @@ namespace cloudbow {
 class CloudFiles {
  public:
   /// @param keep grids will be asked for more than once
-  explicit CloudFiles(bool keep) : keep_(keep) {}
+  /// @param tell is called with each sentence about the cloud, once; none: nobody listens
+  explicit CloudFiles(bool keep, std::function<void(const std::string&)> tell = {})
+      : keep_(keep), tell_(std::move(tell)) {}
 
-  /// As read_cloud_vdb().
-  CloudField field(const std::filesystem::path& file, const VdbReadOptions& options);
+  /// Tells a sentence that was not told yet.
+  void note(const std::string& sentence);
+
+  /// As read_cloud_vdb(), its notes told.
+  VdbCloud field(const std::filesystem::path& file, const VdbReadOptions& options);
   /// As read_companion_vdb().
   std::vector<float> companion(const std::filesystem::path& file, const CloudField& field,
                                const VdbReadOptions& options, double low, double high);
 
  private:
   bool keep_;
-  std::map<std::string, CloudField> field_;
+  std::function<void(const std::string&)> tell_;
+  std::set<std::string> told_;
+  std::map<std::string, VdbCloud> field_;
   std::map<std::string, std::vector<float>> companion_;
 };
 

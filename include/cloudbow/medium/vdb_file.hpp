@@ -15,6 +15,12 @@
 
 namespace cloudbow {
 
+/// Corners of a box, along the scene's axes.
+struct VdbDomain {
+  std::array<double, 3> min_m{};
+  std::array<double, 3> max_m{};
+};
+
 struct VdbReadOptions {
   std::string grid = "density";
   /// The axis of the file that points up: "x", "y" or "z". The field is turned, never mirrored:
@@ -24,20 +30,32 @@ struct VdbReadOptions {
   /// world's origin.
   std::optional<std::array<double, 3>> voxel_size_m{};
   double scale = 1.0;  ///< multiplies the stored number; > 0
+  /// How far a background other than 0 reaches where the grid's metadata do not say it.
+  std::optional<VdbDomain> domain_m{};
+  bool ignores_background = false;  ///< the active values alone: of a grid that describes the voxels of another
   /// Largest memory that reading may take; 0: half of the machine's.
   std::uint64_t memory_limit_bytes = 0;
 };
 
-/// Reads a scalar float grid (stored as float or half) as cells of constant density. The transform, a positive diagonal
-/// scale with translation, gives the centre of voxel (i, j, k); values that are active and > 0 make the field, active
-/// tiles are expanded. The box is the grid's metadata domain_min_m, domain_max_m (world coordinates, on voxel faces to
-/// 1e-3 of a voxel), else the bounding box of the values > 0. `quantity` comes from the metadata of that name, empty
-/// where there is none.
+/// The field of a grid, and what else its file says.
+struct VdbCloud : CloudField {
+  std::string units{};               ///< empty where the file does not say
+  std::vector<std::string> notes{};  ///< what reading decided, a sentence each with file and grid
+};
+
+/// Reads a scalar float grid (stored as float or half) as cells of constant density. The transform gives the centre of
+/// voxel (i, j, k); it may scale, translate, mirror and exchange axes. Values that are active and > 0 make the field,
+/// active tiles are expanded. The box is the grid's metadata domain_min_m, domain_max_m (world coordinates, on voxel
+/// faces to 1e-3 of a voxel), else the bounding box of the values > 0. A background other than 0 is the value of all
+/// voxels that are not active, in the box of the metadata, else in `domain_m`. Negative values down to -1e-5 of the
+/// largest count as 0. `quantity` and `units` come from the metadata of these names, empty where there is none. `notes`
+/// say what was decided.
 /// @throws InputError, each with its own message: file missing, a directory, not OpenVDB, truncated or damaged; grid
-/// missing (lists those there), of another type, a level set, empty, too large for memory_limit_bytes (judged before
-/// memory is taken); transform rotated, sheared, mirrored or a frustum; metadata off the voxel faces or smaller than
-/// the cloud; value NaN, infinite or negative (names the voxel); option out of range.
-CloudField read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options = {});
+/// missing (lists those there), of a name that several have, of another type, a level set, empty, too large for
+/// memory_limit_bytes (judged before memory is taken); a background without end; transform rotated, sheared or a
+/// frustum; metadata off the voxel faces or smaller than the cloud; value NaN, infinite or negative (names the voxel);
+/// option out of range.
+VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options = {});
 
 /// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in the order of
 /// cloud.value. `options` must be those that read the cloud, but for the name of the grid; its `scale` multiplies this
@@ -117,6 +135,7 @@ struct CloudSummary {
   /// Vertical integral over the columns with any active voxel: optical depth for extinction [1/m], liquid water path
   /// [g/m2] for liquid_water_content [g/m3].
   Spread column{};
+  std::vector<std::string> notes{};  ///< as VdbCloud::notes
 };
 
 /// One grid of a file.
@@ -127,6 +146,9 @@ struct VdbGridInfo {
   std::string units;
   std::optional<CloudSummary> cloud;  ///< absent where the grid cannot be read as a cloud
   std::string reason;                 ///< why not: the message of read_cloud_vdb
+  /// Of liquid water where another grid of the file is its effective radius: over columns with any water.
+  std::optional<Spread> optical_depth;
+  double largest_voxel_depth = 0;  ///< optical depth of a voxel, where it is known
 };
 
 struct CloudInfo {
@@ -140,10 +162,18 @@ CloudSummary summarize(const CloudField& field);
 /// Vertical integrals of the values over the columns, [j][i].
 std::vector<double> column_integrals(const CloudField& field);
 
+/// Grids whose quantity is an effective radius, a single-scattering albedo or a phase index are read without their
+/// background, which belongs to the voxels of another grid.
 /// @throws InputError where the file as a whole cannot be read.
 CloudInfo describe_cloud_vdb(const std::filesystem::path& path);
 
 /// Several lines for a terminal, each ended by a newline.
 std::string format_cloud_info(const CloudInfo& info);
+
+/// Sentences about water and optical depth that no cloud has.
+std::vector<std::string> doubts_about(const CloudInfo& info);
+
+/// @throws InputError for a grid of effective radii that nothing in a cloud has.
+void check_effective_radii(const CloudInfo& info);
 
 }  // namespace cloudbow

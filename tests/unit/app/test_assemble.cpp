@@ -24,10 +24,12 @@ constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
 /// 4 x 3 x 2 cells of 25 m from the origin; one voxel (1, 1, 1) of 0.02.
 class AssembleTest : public testing::Test {
  protected:
-  AssembleTest() {
+  AssembleTest() { write_cloud("extinction"); }
+
+  void write_cloud(const std::string& quantity, float value = 0.02f) {
     std::vector<float> dense(24, 0.0f);
-    dense[(1 * 3 + 1) * 4 + 1] = 0.02f;
-    write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 25}, {0, 0, 0}, dense, "extinction"));
+    dense[(1 * 3 + 1) * 4 + 1] = value;
+    write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 25}, {0, 0, 0}, dense, quantity));
   }
 
   AssembledScene assembled(const std::string& more, const std::string& cloud = "single_scattering_albedo = 0.9") {
@@ -128,6 +130,7 @@ TEST_F(AssembleTest, LayersWidenTheDomain) {
 
 TEST_F(AssembleTest, DropletsFromLiquidWater) {
   // 3 LWC / (2 rho_w r_e): 0.02 g/m3 of 10 um droplets extinguish 0.003 1/m.
+  write_cloud("");
   const AssembledScene scene =
       assembled("", "quantity = \"liquid_water_content\"\neffective_radius_um = 10\nsingle_scattering_albedo = 1");
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.003f);
@@ -172,6 +175,61 @@ TEST_F(AssembleTest, MapsOfAlbedoCoverTheDomain) {
                     HasSubstr("found 2000 m along x"), HasSubstr("allowed 100 m"), HasSubstr("cut the map")));
 }
 
+TEST_F(AssembleTest, QuantitiesThatContradictTheFileAreErrors) {
+  const std::string water =
+      "quantity = \"liquid_water_content\"\neffective_radius_um = 10\nsingle_scattering_albedo = 1";
+  const std::string extinction = "quantity = \"extinction\"\nsingle_scattering_albedo = 1";
+  EXPECT_THAT(message("", water), AllOf(HasSubstr("scene.toml:4: cloud.quantity"), HasSubstr("contradicts"),
+                                        HasSubstr("metadata say extinction")));
+  for (const char* quantity : {"effective_radius", "absorbed_power"}) {
+    write_cloud(quantity);
+    EXPECT_THAT(message("", water), HasSubstr("contradicts"));
+    EXPECT_THAT(message("", extinction), HasSubstr("contradicts"));
+  }
+  write_cloud("liquid_water_content");
+  EXPECT_THAT(message("", extinction), AllOf(HasSubstr("contradicts"), HasSubstr("effective_radius_um")));
+  // A scale makes extinction of water: 150 m2/kg, droplets of 10 um. 1.5 / (0.1 um) is the most that a radius gives.
+  EXPECT_FLOAT_EQ(assembled("", extinction + "\nscale = 0.15").problem.grid.scattering[0][0], 0.003f);
+  EXPECT_THAT(message("", extinction + "\nscale = 15.1"), HasSubstr("contradicts"));
+  EXPECT_THAT(message("", extinction + "\nscale = 2e-4"), HasSubstr("contradicts"));
+}
+
+TEST_F(AssembleTest, RadiiOfNoDropletAreErrors) {
+  write_cloud("liquid_water_content");
+  for (const char* radius : {"1e-05", "0.09", "5001"}) {
+    EXPECT_THAT(
+        message("", std::string("single_scattering_albedo = 1\neffective_radius_um = ") + radius),
+        AllOf(HasSubstr("scene.toml:5: cloud.effective_radius_um"), HasSubstr(radius), HasSubstr("0.1 to 5000 um")));
+  }
+  const CloudField water = make_cloud_field({1, 1, 1}, {25, 25, 25}, {0, 0, 0}, {1}, "liquid_water_content");
+  write_cloud_vdb(folder_ / "cloud.vdb", water, {}, {{"reff", "effective_radius", "m", {1e-5f}}});
+  EXPECT_THAT(message("", "single_scattering_albedo = 1\neffective_radius_grid = \"reff\""),
+              AllOf(HasSubstr("grid \"reff\""), HasSubstr("found 1e-05"), HasSubstr("0.1 to 5000 um")));
+}
+
+// One voxel of 25 m and 0.02 g/m3 among 12 columns; droplets of 10 um.
+TEST_F(AssembleTest, FiguresOfTheCloud) {
+  write_cloud("liquid_water_content");
+  const AssembledScene scene = assembled("", "effective_radius_um = 10\nsingle_scattering_albedo = 1");
+  ASSERT_TRUE(scene.cloud.has_value());
+  EXPECT_NEAR(scene.cloud->water_path_g_m2->sum, 0.5, 1e-7);
+  EXPECT_NEAR(scene.cloud->optical_depth.largest, 0.075, 1e-8);
+  EXPECT_EQ(*scene.cloud->effective_radius_um, (std::array<double, 2>{10, 10}));
+}
+
+TEST_F(AssembleTest, DoubtsAndNotesAreToldOnce) {
+  std::vector<std::string> told;
+  CloudFiles files(false, [&](const std::string& sentence) { told.push_back(sentence); });
+  write_cloud("liquid_water_content", 2005);
+  const auto scene = read_scene(
+      folder_.write("scene.toml",
+                    "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\nsingle_scattering_albedo = 1\n"
+                    "effective_radius_um = 0.1\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n"));
+  for (int n = 0; n < 2; ++n) assemble(scene, kMemory, files, {});
+  EXPECT_THAT(told, testing::ElementsAre(AllOf(HasSubstr("warning: "), HasSubstr("2005 g/m3")),
+                                         AllOf(HasSubstr("warning: "), HasSubstr("optical depth 7.519e+05"))));
+}
+
 /// The same cloud with droplets by a table: radii 5 and 10 um, extinctions 0.4 and 0.1 m2/g, albedos 0.5 and 1.
 class MieSceneTest : public AssembleTest {
  protected:
@@ -201,6 +259,7 @@ class MieSceneTest : public AssembleTest {
 // 0.02 g/m3 times the table's extinction and albedo; the phase function is the row's.
 TEST_F(MieSceneTest, DropletsOfOneRadius) {
   const std::string water = "quantity = \"liquid_water_content\"\n";
+  write_cloud("");
   for (const auto& [cloud, phase] : {std::pair<std::string, std::string>{"effective_radius_um = 5", ""},
                                      {"", "effective_radius_um = 5"},
                                      {"effective_radius_um = 5", "effective_radius_um = 5"}}) {
@@ -208,6 +267,7 @@ TEST_F(MieSceneTest, DropletsOfOneRadius) {
     EXPECT_FLOAT_EQ(grid.scattering[0][0], 0.02f * 0.4f * 0.5f);
     EXPECT_FLOAT_EQ(grid.absorption[0], 0.02f * 0.4f * 0.5f);
   }
+  write_cloud("extinction");
   const AssembledScene scene = mie("effective_radius_um = 10");  // the file's quantity: extinction
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.02f);
   EXPECT_EQ(scene.problem.grid.absorption[0], 0);

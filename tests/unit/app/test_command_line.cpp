@@ -13,6 +13,7 @@
 #include "cloudbow/app/command_line.hpp"
 #include "cloudbow/app/tradeoff.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/results/droplet_table_file.hpp"
 #include "temporary_folder.hpp"
 
@@ -238,6 +239,43 @@ TEST(CommandLine, DryRunWritesNothing) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("memory"), HasSubstr("time")));
   EXPECT_FALSE(std::filesystem::exists(folder / "result.h5"));
+}
+
+// 0.5 g/m3 of 10 um droplets over 100 m in one of four columns: 50 g/m2 and an optical depth of 7.5.
+TEST(CommandLine, DryRunShowsWhatAWrongUnitWouldChange) {
+  const TemporaryFolder folder;
+  write_cloud_vdb(folder / "cloud.vdb",
+                  make_cloud_field({2, 2, 1}, {50, 50, 100}, {0, 0, 400}, {0.5f, 0, 0, 0}, "liquid_water_content"));
+  const auto scene =
+      folder.write("scene.toml",
+                   "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\nsingle_scattering_albedo = 1\n"
+                   "effective_radius_um = 10\n[sun]\nzenith_deg = 30\nazimuth_deg = 0\n");
+  const Outcome outcome = cloudbow({"run", scene, "--dry-run"});
+  EXPECT_EQ(outcome.errors, "");
+  EXPECT_THAT(outcome.output,
+              AllOf(HasSubstr("domain    0 to 100 m, 0 to 100 m, 400 to 500 m along x, y, z\n"),
+                    HasSubstr("cloud     optical depth: mean of all columns 1.875, largest of a column 7.5\n"),
+                    HasSubstr("water     path: mean of all columns 12.5 g/m2, largest of a column 50 g/m2"),
+                    HasSubstr("radius    10 um\n")));
+  const Outcome thousand = cloudbow({"run", scene, "--dry-run", "--set", "cloud.scale=1000"});
+  EXPECT_EQ(thousand.exit_code, 0);
+  EXPECT_THAT(thousand.errors, AllOf(HasSubstr("cloudbow: warning: "), HasSubstr("500 g/m3")));
+}
+
+TEST(CommandLine, CloudInfoDoubtsAndRefuses) {
+  const TemporaryFolder folder;
+  const CloudField field = make_cloud_field({1, 1, 1}, {50, 50, 100}, {0, 0, 0}, {2005}, "liquid_water_content");
+  write_cloud_vdb(folder / "cloud.vdb", field, {}, {{"reff", "effective_radius", "um", {1e-5f}}});
+  const Outcome outcome = cloudbow({"cloud", "info", folder / "cloud.vdb"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("liquid water path"));
+  EXPECT_THAT(outcome.errors, AllOf(HasSubstr("warning: "), HasSubstr("2005 g/m3"), HasSubstr("0.1 to 5000 um")));
+}
+
+TEST(CommandLine, MessagesHoldNoControlCharacters) {
+  const Outcome outcome = cloudbow({"cloud", "info", "none\x1b[2J.vdb"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.errors, AllOf(HasSubstr("none\\x1b[2J.vdb"), testing::Not(HasSubstr("\x1b"))));
 }
 
 TEST(CommandLine, NotConvergedIsThreeAndStillWritten) {

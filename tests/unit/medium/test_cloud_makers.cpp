@@ -267,6 +267,38 @@ TEST(CloudMakers, SeedsAreReproducibleEverywhere) {
   EXPECT_EQ(hash_of(make_cloud(stratocumulus)), 11246827413245865206U);
 }
 
+TEST(CloudMakers, EmptyCloudsAreToldAsSuch) {
+  auto hidden = options("cumulus", {16, 16, 8});
+  hidden.cover = 0.001;  // less than one of 256 columns
+  EXPECT_THAT(message_of([&] { make_cloud(hidden); }), HasSubstr("the cumulus is empty"));
+  auto thin = options("slab", {4, 4, 4});
+  thin.optical_depth = 1e-300;  // below what 32 bits hold
+  EXPECT_THAT(message_of([&] { make_cloud(thin); }), HasSubstr("the slab is empty"));
+  EXPECT_THAT(message_of([&] {
+                make_cloud(options("sphere", {16, 16, 8}, {1e-6, 100, 100}));
+              }),
+              HasSubstr("the sphere is empty"));
+}
+
+TEST(CloudMakers, VoxelsThatNoFileHoldsAreErrors) {
+  for (const double size : {1e-320, 1e-300, 1e308}) {
+    for (const auto& kind : cloud_maker_kinds()) {
+      EXPECT_THAT(message_of([&] {
+                    make_cloud(options(kind, {16, 16, 8}, {50, size, 50}));
+                  }),
+                  HasSubstr("voxel-size-m is out of range"))
+          << kind << size;
+    }
+  }
+  EXPECT_THAT(message_of([&] {
+                make_cloud(options("cumulus", {16, 16, 8}, {50, 0.05, 50}));
+              }),
+              HasSubstr("within a factor of 500"));
+  auto dense = options("slab", {4, 4, 4});
+  dense.optical_depth = 1e300;
+  EXPECT_THAT(message_of([&] { make_cloud(dense); }), HasSubstr("optical-depth is out of range"));
+}
+
 TEST(CloudMakers, NonsenseIsToldAsSuch) {
   const auto fails_with = [](CloudMakerOptions bad, const std::string& text) {
     EXPECT_THAT(message_of([&] { make_cloud(bad); }), HasSubstr(text));

@@ -235,6 +235,9 @@ TEST(OpticalGrid, Errors) {
                InputError);
   EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-8, 1, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1, {0}, levels),
                InputError);
+  // An extinction of 1e300 1/m, which 32 bits do not hold.
+  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-300, 1, 1.0, 0}}, kOrigin, {1, 1, 1e-300}, true, 1, {0}, levels),
+               InputError);
   const CloudField cloud = small_cloud();
   CloudOptics optics;
   optics.extinction_per_value = 1e300;

@@ -1,0 +1,30 @@
+// Numbers that no cloud has: what a unit taken for another leaves behind.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace cloudbow {
+
+/// Effective radii of droplets and ice crystals, by which water becomes extinction [um].
+inline constexpr double smallest_effective_radius_um = 0.1;
+inline constexpr double largest_effective_radius_um = 5000;
+
+/// Extinction coefficient of droplets, 3 LWC / (2 rho_w r_e) with an extinction efficiency of 2: in 1/m for LWC in
+/// g/m3, r_e in um and rho_w = 1e6 g/m3.
+constexpr double extinction_per_liquid_water(double effective_radius_um) { return 1.5 / effective_radius_um; }
+
+/// A sentence about a liquid water content above 20 g/m3; none below.
+std::optional<std::string> doubt_water_content(double largest_g_m3);
+
+/// A sentence about a voxel of an optical depth above 1e4, from its bottom to its top; none below.
+std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel);
+
+/// A sentence about radii outside the range above; none inside.
+std::optional<std::string> doubt_effective_radius(double smallest_um, double largest_um);
+
+/// What `cloud.scale` makes 1/m of an extinction, g/m3 of a liquid water content, in the units that a file says; none
+/// where these are not known.
+std::optional<double> scale_of_units(const std::string& quantity, const std::string& units);
+
+}  // namespace cloudbow

@@ -1,0 +1,25 @@
+// The cloud of a scene, read and given its optics.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cloudbow/app/assemble.hpp"
+#include "cloudbow/app/cloud_files.hpp"
+#include "cloudbow/app/scene.hpp"
+
+namespace cloudbow {
+
+struct OpenedCloud {
+  VdbCloud field;
+  CloudOptics optics;
+  std::vector<PhaseFunction>
+      varying_phase;  ///< of droplets that vary from voxel to voxel: optics.phase_function counts here
+  std::optional<PhaseClassReport> phase_classes;
+  CloudFigures figures;
+};
+
+/// @throws InputError where the files cannot be read, contradict the scene, or do not say enough.
+OpenedCloud open_cloud(const Scene& scene, CloudFiles& files);
+
+}  // namespace cloudbow
