@@ -15,6 +15,7 @@
 #include <string>
 #include <system_error>
 
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {
@@ -38,10 +39,9 @@ Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& opt
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
-  const auto machine = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
   return {options.cpu_seconds > 0 ? options.cpu_seconds : 5 + megabytes,
           options.wall_seconds > 0 ? options.wall_seconds : 60 + megabytes,
-          options.memory_bytes > 0 ? options.memory_bytes : machine / 2};
+          options.memory_bytes > 0 ? options.memory_bytes : available_memory_bytes() / 2};
 }
 
 rlim_t address_space_in_use() {
