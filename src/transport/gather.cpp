@@ -185,8 +185,8 @@ class SourceGradients {
 
   void make_gradient(Gradient& gradient) {
     const std::size_t n = scene_.cells.size();
+    // Nothing throws here but before the loop.
     for (auto& axis : gradient) axis.resize(n + lane_padding);
-    // Nothing throws here.
 #pragma omp parallel for schedule(static)
     for (std::size_t first = 0; first < n; first += block_cells) {
       source_gradient(scene_.cells, first, std::min(block_cells, n - first), mean_.data(), gradient[0].data() + first,
