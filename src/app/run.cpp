@@ -10,7 +10,9 @@
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/app/version.hpp"
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
 #include "cloudbow/transport/columns.hpp"
@@ -141,9 +143,11 @@ int run(const RunOptions& options) {
     if (!options.checkpoint.empty()) check_not_an_input(options.checkpoint, first);
   }
 
-  const std::uint64_t available = physical_memory_bytes();
+  const std::uint64_t available = available_memory_bytes();
   CloudFiles files(scenes.size() > 1);
   const InterruptGuard guard;
+  std::optional<ThreadScope> threads;
+  if (!options.dry_run) threads.emplace(options.threads);
   Solved solved;
   std::optional<RunPlan> plan;
   if (options.goal) {

@@ -13,6 +13,7 @@
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/tradeoff.hpp"
@@ -116,7 +117,7 @@ void check_options(const TradeoffOptions& options, const Scene& scene) {
 /// Its result, or nothing where it needs more memory than there is; then `note` says so.
 std::optional<BoundaryResult> solve_level(const Level& level, const TradeoffOptions& options,
                                           const ScratchFolder& scratch, std::string& note) {
-  const std::uint64_t available = options.memory_bytes != 0 ? options.memory_bytes : physical_memory_bytes();
+  const std::uint64_t available = options.memory_bytes != 0 ? options.memory_bytes : available_memory_bytes();
   const std::size_t needed = foreseen_memory(read_scenes(options.scene, level.overrides), available, options.threads);
   if (needed > available) {
     note = fmt::format("{:<20}left out: needs {:.2f} GB, there are {:.2f} GB", level.name,

@@ -1,12 +1,11 @@
 #include "cloudbow/medium/cloud_import.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 
+#include "cloudbow/core/available_memory.hpp"
 #include "import_parts.hpp"
 #include "row_spans.hpp"
 
@@ -175,9 +174,8 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
                 kMaxImportCells);
   }
   constexpr double bytes_per_cell = 24;  // four fields of floats, and one of doubles while a file is read
-  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const double allowed =
-      options.memory_limit_bytes > 0 ? static_cast<double>(options.memory_limit_bytes) : 0.5 * machine;
+      static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {
     fail_import(options.file, "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all)", nx, ny, nz,
                 allowed / bytes_per_cell);

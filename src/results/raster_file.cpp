@@ -131,17 +131,18 @@ Raster read_raster(const std::filesystem::path& file, const char* name) {
 }
 
 std::vector<float> area_means(const Raster& raster, int nx, int ny) {
-  std::vector<double> wide(static_cast<std::size_t>(nx) * raster.ny, 0.);
-  overlaps(raster.nx, nx, [&](int from, int to, double share) {
-    for (int j = 0; j < raster.ny; ++j) {
-      wide[static_cast<std::size_t>(j) * nx + to] +=
-          share * static_cast<double>(raster.value[static_cast<std::size_t>(j) * raster.nx + from]);
-    }
-  });
+  std::vector<double> wide(static_cast<std::size_t>(nx));  // one row of the raster in the columns of the means
+  int row = -1;
   std::vector<double> sum(static_cast<std::size_t>(nx) * ny, 0.);
-  overlaps(raster.ny, ny, [&](int from, int to, double share) {
-    for (int i = 0; i < nx; ++i)
-      sum[static_cast<std::size_t>(to) * nx + i] += share * wide[static_cast<std::size_t>(from) * nx + i];
+  overlaps(raster.ny, ny, [&](int from_row, int to_row, double share_of_row) {
+    if (from_row != row) {
+      row = from_row;
+      std::fill(wide.begin(), wide.end(), 0.);
+      const float* const value = raster.value.data() + static_cast<std::size_t>(row) * raster.nx;
+      overlaps(raster.nx, nx,
+               [&](int from, int to, double share) { wide[to] += share * static_cast<double>(value[from]); });
+    }
+    for (int i = 0; i < nx; ++i) sum[static_cast<std::size_t>(to_row) * nx + i] += share_of_row * wide[i];
   });
   return {sum.begin(), sum.end()};
 }

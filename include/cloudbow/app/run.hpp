@@ -47,7 +47,4 @@ std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t avai
 /// @throws InputError where a file to be written is one that the scene reads.
 void check_not_an_input(const std::filesystem::path& output, const Scene& scene);
 
-/// What the machine, or the control group the process lives in, has.
-std::uint64_t physical_memory_bytes();
-
 }  // namespace cloudbow
