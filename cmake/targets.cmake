@@ -25,6 +25,9 @@ function(cloudbow_layer name)
   endif()
   # Eigen must not thread by itself: threads split voxels and directions in fixed tiles, so that results do not depend on their number.
   target_compile_definitions(${target} PUBLIC EIGEN_DONT_PARALLELIZE)
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  # Plugins and modules of other languages, which are shared objects, link these libraries too. Nobody replaces their
+  # functions at load time, so calls within them stay direct.
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -fno-semantic-interposition)
   install(TARGETS ${target} EXPORT cloudbow-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cloudbow)
 endfunction()

@@ -229,7 +229,8 @@ int parse_and_act(int argc, const char* const* argv) {
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, 3 solved but not converged or not within the "
+      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, or too little memory, 3 solved but not converged "
+      "or not within the "
       "error or time asked for (the result is marked so), "
       "or a check of verify does not hold");
   Action action;
@@ -282,10 +283,14 @@ int run_command_line(int argc, const char* const* argv) {
     tell("cloudbow: interrupted\n");
     return 128 + interrupted.signal;
   } catch (const std::bad_alloc&) {
-    tell("cloudbow: internal error: out of memory\n");
-    return kExitInternalError;
+    tell("cloudbow: out of memory (a smaller domain, a lower solver.accuracy or fewer --threads need less)\n");
+    return kExitInputError;
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::broken_pipe) return kExitBrokenPipe;
+    const bool no_memory = error.code() == std::errc::not_enough_memory;
+    tell("cloudbow: {}{}\n", no_memory ? "" : "internal error: ", printable(error.what()));
+    return no_memory ? kExitInputError : kExitInternalError;
+  } catch (const std::exception& error) {
     tell("cloudbow: internal error: {}\n", error.what());
     return kExitInternalError;
   } catch (const std::exception& error) {

@@ -1,10 +1,8 @@
 #include "forecast.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/core/error.hpp"
@@ -28,6 +26,14 @@ std::size_t solution_bytes(const AssembledScene& scene) {
   if (options.radiance_field)
     floats += scene.problem.grid.active_cells() * static_cast<std::size_t>(options.control_points + 3);
   return floats * sizeof(float);
+}
+
+std::size_t foreseen(const Scene& scene, const Problem& problem, const SolverOptions& options) {
+  try {
+    return predict_memory(problem, options);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+  }
 }
 
 /// The radiance field of all wavelengths has one list of cells.
@@ -65,14 +71,14 @@ Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int
   for (const Scene& scene : scenes) {
     AssembledScene assembled = assemble(scene, available, files, {});
     assembled.options.threads = threads;
-    forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, assembled.options));
+    forecast.memory = std::max(forecast.memory, foreseen(scene, assembled.problem, assembled.options));
     forecast.seconds += predict_seconds(assembled.problem, assembled.options);
     if (scene.output.error_estimate) {
       const SolvedAs as = solved_as(assembled.problem, assembled.options, assembled.one_column);
       forecast.seconds += predict_companion_seconds(assembled.problem, assembled.options, scene.solver.accuracy, as);
       const SolverOptions companion = companion_options(assembled.options, scene.solver.accuracy, as);
       forecast.memory =
-          std::max(forecast.memory, predict_memory(assembled.problem, companion) + solution_bytes(assembled));
+          std::max(forecast.memory, foreseen(scene, assembled.problem, companion) + solution_bytes(assembled));
     }
     if (compare) {
       const SolverOptions columns = by_columns(assembled.options);
@@ -91,13 +97,6 @@ Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int
     if (scenes.front().output.radiance_field) check_same_cells(scenes, available, files, forecast.levels_m);
   }
   return forecast;
-}
-
-std::uint64_t physical_memory_bytes() {
-  auto bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  std::ifstream group("/sys/fs/cgroup/memory.max");
-  if (std::uint64_t limit = 0; group >> limit && limit > 0) bytes = std::min(bytes, limit);
-  return bytes;
 }
 
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {

@@ -14,9 +14,11 @@
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/app/version.hpp"
 #include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/core/printable.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/results/result_file.hpp"
 #include "cloudbow/results/summary.hpp"
@@ -208,11 +210,13 @@ int run(const RunOptions& options) {
   check_files(options, scenes.size(), output, first);
   if (options.compare) check_comparable(first);
 
-  const std::uint64_t available = physical_memory_bytes();
+  const std::uint64_t available = available_memory_bytes();
   CloudFiles files(scenes.size() > 1, [&options](const std::string& sentence) {
     if (!options.quiet) tell("cloudbow: {}\n", printable(sentence));
   });
   const InterruptGuard guard;
+  std::optional<ThreadScope> threads;
+  if (!options.dry_run) threads.emplace(options.threads);
   Solved solved;
   std::optional<RunPlan> plan;
   if (options.goal) {

@@ -8,14 +8,24 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/transport/solution.hpp"
 #include "scene_reader.hpp"
 
 namespace cloudbow {
 namespace {
 
+constexpr NumberRange kLight{"0, or 1e-25 to 1e25", 0, most_light};
 constexpr NumberRange kZenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
 constexpr int kMaxVerticalCells = 100000;
 constexpr std::size_t kMaxWavelengths = 1000;
+
+/// Irradiance or radiance, which results hold in float.
+std::optional<double> light(const ConfigReader& reader, const std::string& key, SpectralPlace at) {
+  const auto value = reader.find_number(key, kLight, at);
+  if (value && *value > 0 && *value < least_light)
+    reader.fail(key, "out of range", fmt::format("{}", *value), kLight.allowed);
+  return value;
+}
 
 /// Of `[spectrum]`; none without it.
 std::vector<double> read_wavelengths(const ConfigReader& root) {
@@ -53,7 +63,7 @@ Scene SceneReader::read() {
   if (const auto sun = root_.find_table("sun")) read_sun(*sun);
   if (const auto sky = root_.find_table("sky")) {
     sky->check_keys({"radiance_w_m2_sr"});
-    scene_.sky_radiance = sky->find_number("radiance_w_m2_sr", kNotNegative, at_).value_or(0);
+    scene_.sky_radiance = light(*sky, "radiance_w_m2_sr", at_).value_or(0);
   }
   if (const auto surface = root_.find_table("surface")) read_surface(*surface);
   if (const auto solver = root_.find_table("solver")) read_solver(*solver);
@@ -137,7 +147,7 @@ void SceneReader::read_sun(const ConfigReader& reader) {
                 "one of the two: azimuth_deg counter-clockwise from +x, or bearing_deg clockwise from +y");
   }
   sun.azimuth_deg = *azimuth;
-  sun.irradiance_w_m2 = reader.find_number("irradiance_w_m2", kNotNegative, at_).value_or(1);
+  sun.irradiance_w_m2 = light(reader, "irradiance_w_m2", at_).value_or(1);
   if (sun.irradiance_w_m2 > 0) scene_.sun = sun;
 }
 

@@ -13,6 +13,7 @@
 #include "cloudbow/app/interrupt.hpp"
 #include "cloudbow/app/run.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/results/picture_format.hpp"
@@ -115,7 +116,7 @@ void check_options(const TradeoffOptions& options, const Scene& scene) {
 
 /// Empty for a level that can be solved.
 std::string why_left_out(const Level& level, const TradeoffOptions& options) {
-  const std::uint64_t available = options.memory_bytes != 0 ? options.memory_bytes : physical_memory_bytes();
+  const std::uint64_t available = options.memory_bytes != 0 ? options.memory_bytes : available_memory_bytes();
   std::size_t needed = 0;
   try {
     needed = foreseen_memory(read_scenes(options.scene, level.overrides), available, options.threads);

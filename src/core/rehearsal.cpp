@@ -16,6 +16,7 @@
 #include <string>
 #include <system_error>
 
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {
@@ -68,8 +69,7 @@ Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& opt
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
-  const auto machine = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
-  const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : machine / 2;
+  const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : available_memory_bytes() / 2;
   const rlim_t left = memory_left_by_host();
   // Libraries need some 30 MB for themselves, and buffers of about the file's size.
   const rlim_t comfortable = (128 + 2 * megabytes) * megabyte;

@@ -1,7 +1,6 @@
 #include "cloudbow/medium/cloud_import.hpp"
 
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/text_case.hpp"
 #include "import_parts.hpp"
@@ -223,9 +223,8 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
                 kMaxImportCells);
   }
   constexpr double bytes_per_cell = 36;  // five fields of floats, and two of doubles, of which one is being read
-  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const double allowed =
-      options.memory_limit_bytes > 0 ? static_cast<double>(options.memory_limit_bytes) : 0.5 * machine;
+      static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {
     fail_import(options.file, "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all)", nx, ny, nz,
                 allowed / bytes_per_cell);

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/rehearsal.hpp"
 #include "row_spans.hpp"
@@ -27,7 +27,7 @@ struct Voxel {
 
 std::uint64_t memory_limit(const VdbReadOptions& options) {
   if (options.memory_limit_bytes > 0) return options.memory_limit_bytes;
-  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+  return available_memory_bytes() / 2;
 }
 
 void check_options(const VdbReadOptions& options) {

@@ -1,7 +1,6 @@
 #include "cloudbow/optics/mie_table.hpp"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -10,6 +9,8 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/optics/mie_sphere.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 
@@ -103,7 +104,7 @@ struct Block {
   Matrix difference;  // a_n - b_n
 };
 
-Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe, int threads) {
+Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe) {
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   Block block;
   block.first = first;
@@ -111,18 +112,23 @@ Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe, int
   block.terms = mie_term_count(sizes.radius_um[first + block.count - 1] * wave_number);
   block.sum = Matrix::Zero(2 * block.count, block.terms);
   block.difference = Matrix::Zero(2 * block.count, block.terms);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic)
   for (int i = 0; i < block.count; ++i) {
-    const MieCoefficients sphere = mie_coefficients(sizes.radius_um[first + i] * wave_number, recipe.refractive_index);
-    for (std::size_t n = 0; n < sphere.a.size(); ++n) {
-      const std::complex<double> sum = sphere.a[n] + sphere.b[n], difference = sphere.a[n] - sphere.b[n];
-      const auto column = static_cast<Eigen::Index>(n);
-      block.sum(2 * i, column) = sum.real();
-      block.sum(2 * i + 1, column) = sum.imag();
-      block.difference(2 * i, column) = difference.real();
-      block.difference(2 * i + 1, column) = difference.imag();
-    }
+    errors.run([&] {
+      const MieCoefficients sphere =
+          mie_coefficients(sizes.radius_um[first + i] * wave_number, recipe.refractive_index);
+      for (std::size_t n = 0; n < sphere.a.size(); ++n) {
+        const std::complex<double> sum = sphere.a[n] + sphere.b[n], difference = sphere.a[n] - sphere.b[n];
+        const auto column = static_cast<Eigen::Index>(n);
+        block.sum(2 * i, column) = sum.real();
+        block.sum(2 * i + 1, column) = sum.imag();
+        block.difference(2 * i, column) = difference.real();
+        block.difference(2 * i + 1, column) = difference.imag();
+      }
+    });
   }
+  errors.rethrow();
   return block;
 }
 
@@ -149,14 +155,18 @@ void add_intensity(const Block& block, const Sizes& sizes, std::span<const doubl
 }
 
 /// Extinction and single-scattering albedo of each distribution.
-void add_efficiencies(const Sizes& sizes, const DropletRecipe& recipe, int threads, DropletTable& table) {
+void add_efficiencies(const Sizes& sizes, const DropletRecipe& recipe, DropletTable& table) {
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   const auto count = static_cast<int>(sizes.radius_um.size());
   std::vector<MieEfficiencies> efficiencies(sizes.radius_um.size());
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
+  ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 16)
   for (int n = 0; n < count; ++n) {
-    efficiencies[n] = mie_efficiencies(mie_coefficients(sizes.radius_um[n] * wave_number, recipe.refractive_index));
+    errors.run([&] {
+      efficiencies[n] = mie_efficiencies(mie_coefficients(sizes.radius_um[n] * wave_number, recipe.refractive_index));
+    });
   }
+  errors.rethrow();
   for (Eigen::Index d = 0; d < sizes.weight.rows(); ++d) {
     double mass = 0, scattering = 0, absorption = 0;
     for (int n = 0; n < count; ++n) {
@@ -203,7 +213,7 @@ std::vector<double> legendre_moments(const GaussLegendre& rule, const Eigen::Ref
 DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double> radii,
                             const MieTableOptions& options) {
   check_recipe(recipe, radii);
-  const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  const ThreadScope threads(options.threads);
   const Sizes sizes = choose_sizes(recipe, radii, options.size_step);
   const auto count = static_cast<int>(sizes.radius_um.size());
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
@@ -219,20 +229,24 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
 
   Matrix intensity = Matrix::Zero(static_cast<Eigen::Index>(radii.size()), degree + 1);
   for (int first = 0; first < count; first += kSizesPerBlock) {
-    const Block block = make_block(sizes, first, recipe, threads);
+    const Block block = make_block(sizes, first, recipe);
     // A tile's sums do not depend on which thread makes them: the same bits for any number.
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic)
     for (int tile = 0; tile < tiles; ++tile) {
-      const int begin = tile * kAnglesPerTile, angles = std::min(kAnglesPerTile, degree + 1 - begin);
-      add_intensity(block, sizes, std::span(rule.node).subspan(begin, angles), intensity.middleCols(begin, angles));
+      errors.run([&] {
+        const int begin = tile * kAnglesPerTile, angles = std::min(kAnglesPerTile, degree + 1 - begin);
+        add_intensity(block, sizes, std::span(rule.node).subspan(begin, angles), intensity.middleCols(begin, angles));
+      });
     }
+    errors.rethrow();
     if (options.progress) options.progress(work_before[first + block.count] / work_before.back());
   }
 
   DropletTable table;
   table.wavelength_um = recipe.wavelength_um;
   table.effective_radius_um.assign(radii.begin(), radii.end());
-  add_efficiencies(choose_sizes(recipe, radii, options.size_step / kEfficiencySteps), recipe, threads, table);
+  add_efficiencies(choose_sizes(recipe, radii, options.size_step / kEfficiencySteps), recipe, table);
   for (Eigen::Index d = 0; d < intensity.rows(); ++d) {
     table.moments.push_back(legendre_moments(rule, intensity.row(d), degree + 1));
   }

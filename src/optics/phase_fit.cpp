@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 #include "cloudbow/sphere/icosphere.hpp"
 #include "column_fit.hpp"
@@ -205,18 +206,10 @@ std::vector<PhaseFit> fit_phase_function(const PhaseFunction& phase, const Contr
   const Fitter fitter(phase, points, ordinates, options);
   const auto count = static_cast<int>(methods.size());
   std::vector<PhaseFit> fits(methods.size());
-  std::vector<std::exception_ptr> thrown(methods.size());
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic)
-  for (int i = 0; i < count; ++i) {
-    try {
-      fits[i] = fitter.fit(methods[i]);
-    } catch (...) {
-      thrown[i] = std::current_exception();
-    }
-  }
-  for (const auto& exception : thrown) {
-    if (exception) std::rethrow_exception(exception);
-  }
+  for (int i = 0; i < count; ++i) errors.run([&] { fits[i] = fitter.fit(methods[i]); });
+  errors.rethrow();
   return fits;
 }
 

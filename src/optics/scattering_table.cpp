@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "column_fit.hpp"
 #include "table_cache.hpp"
 
@@ -146,18 +147,12 @@ struct Job {
 std::vector<FittedColumn> fit(const ColumnFit& column_fit, const std::vector<Job>& jobs) {
   const auto count = static_cast<int>(jobs.size());
   std::vector<FittedColumn> fitted(count);
-  std::vector<std::exception_ptr> thrown(count);
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic)
   for (int j = 0; j < count; ++j) {
-    try {
-      fitted[j] = column_fit.fit(*jobs[j].phase, jobs[j].travel, jobs[j].half_range_rows);
-    } catch (...) {
-      thrown[j] = std::current_exception();
-    }
+    errors.run([&] { fitted[j] = column_fit.fit(*jobs[j].phase, jobs[j].travel, jobs[j].half_range_rows); });
   }
-  for (const auto& exception : thrown) {
-    if (exception) std::rethrow_exception(exception);
-  }
+  errors.rethrow();
   return fitted;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/not_negative.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 
 namespace cloudbow {
@@ -96,7 +97,7 @@ SurfaceBrdf SurfaceBrdf::rpv(double rho0, double k, double theta, double rho_c) 
     // They write the scattering angle; the phase angle is its supplement, hence the sign.
     const double lobe = (1 - theta * theta) / std::pow(1 + 2 * theta * a.cos_phase + theta * theta, 1.5);
     const double hot_spot = 1 + (1 - rho_c) / (1 + a.distance());
-    return rho0 / pi * bowl * lobe * std::max(0., hot_spot);
+    return rho0 / pi * bowl * lobe * not_negative(hot_spot);
   };
   brdf.key_ = fmt::format("rpv {:.17g} {:.17g} {:.17g} {:.17g}", rho0, k, theta, rho_c);
   return brdf;
@@ -109,7 +110,7 @@ SurfaceBrdf SurfaceBrdf::ross_li(double f_iso, double f_vol, double f_geo) {
   SurfaceBrdf brdf;
   brdf.function_ = [=](const Direction& arriving, const Direction& leaving) {
     const Angles a(arriving, leaving);
-    return std::max(0., f_iso + f_vol * ross_thick(a) + f_geo * li_sparse(a)) / pi;
+    return not_negative(f_iso + f_vol * ross_thick(a) + f_geo * li_sparse(a)) / pi;
   };
   brdf.key_ = fmt::format("ross-li {:.17g} {:.17g} {:.17g}", f_iso, f_vol, f_geo);
   return brdf;

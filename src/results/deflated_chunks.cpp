@@ -3,8 +3,10 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <memory>
 #include <new>
 
+#include "cloudbow/core/parallel_errors.hpp"
 #include "hdf5_handle.hpp"
 
 namespace cloudbow::hdf5 {
@@ -51,18 +53,19 @@ std::vector<Bytef> shuffled(std::span<const std::byte> values, std::size_t value
 }
 
 /// Of repeated strings only runs are looked for: bytes of a kind either repeat or are noise, and the search for more
-/// takes twice as long to save a few per cent. Empty where zlib finds no memory.
+/// takes twice as long to save a few per cent.
 std::vector<Bytef> deflated(std::vector<Bytef>&& in) {
   z_stream stream{};
-  if (deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS, MAX_MEM_LEVEL, Z_RLE) != Z_OK) return {};
+  if (deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS, MAX_MEM_LEVEL, Z_RLE) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> open(&stream, deflateEnd);
   std::vector<Bytef> out(deflateBound(&stream, in.size()));
   stream.next_in = in.data();
   stream.avail_in = static_cast<uInt>(in.size());
   stream.next_out = out.data();
   stream.avail_out = static_cast<uInt>(out.size());
   const bool finished = deflate(&stream, Z_FINISH) == Z_STREAM_END;
-  out.resize(finished ? stream.total_out : 0);
-  deflateEnd(&stream);
+  if (!finished) throw std::bad_alloc();
+  out.resize(stream.total_out);
   return out;
 }
 
@@ -93,16 +96,12 @@ void write_deflated(hid_t dataset, const std::vector<hsize_t>& shape, const std:
   for (int begin = 0; begin < count; begin += batch) {
     const int size = std::min(batch, count - begin);
     std::vector<std::vector<Bytef>> bytes(size);
+    ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic) if (size > 1)
+    for (int c = 0; c < size; ++c)
+      errors.run([&] { bytes[c] = deflated(shuffled(chunks[begin + c].values, value_bytes, chunk_values)); });
+    errors.rethrow();
     for (int c = 0; c < size; ++c) {
-      try {
-        bytes[c] = deflated(shuffled(chunks[begin + c].values, value_bytes, chunk_values));
-      } catch (const std::bad_alloc&) {
-        bytes[c].clear();
-      }
-    }
-    for (int c = 0; c < size; ++c) {
-      if (bytes[c].empty()) throw std::bad_alloc();
       check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, chunks[begin + c].offset.data(), bytes[c].size(), bytes[c].data()),
             "write a variable");
     }

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/sight_line.hpp"
 
 namespace cloudbow {
@@ -11,17 +13,6 @@ namespace {
 
 // Values of the source at the points: about what 160 directions of a million cells take.
 constexpr std::size_t most_values = 160'000'000;
-
-// Lines of sight through a pixel, in its middle parts.
-template <class Use>
-void for_rays(const Camera& camera, int row, int column, const Use& use) {
-  for (int v = 0; v < camera.rays; ++v) {
-    for (int u = 0; u < camera.rays; ++u) {
-      if (const auto sight = line_of_sight(camera, column + (u + .5) / camera.rays, row + (v + .5) / camera.rays))
-        use(*sight);
-    }
-  }
-}
 
 // BeamPhase on a grid of angles that is fine about the forward direction, linear between.
 class AngleTable {
@@ -83,7 +74,7 @@ SightPoints sight_points(std::span<const Camera> cameras, std::size_t cells) {
     };
     for (const Camera& camera : cameras) {
       for (int row = 0; row < camera.height; ++row) {
-        for (int column = 0; column < camera.width; ++column) for_rays(camera, row, column, need);
+        for (int column = 0; column < camera.width; ++column) for_lines_of_sight(camera, row, column, need);
       }
     }
     if (subdivisions == 2 || sight.travel.size() * cells <= most_values) return sight;
@@ -114,37 +105,41 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
 
   for (const Camera& camera : options.cameras) {
     CameraImage image{camera, std::vector<float>(static_cast<std::size_t>(camera.width) * camera.height)};
+    ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
     for (int row = 0; row < camera.height; ++row) {
-      std::vector<std::array<double, BeamPhase::nodes>> scattered(beams.size());
-      for (int column = 0; column < camera.width; ++column) {
-        double sum = 0;
-        int rays = 0;
-        for_rays(camera, row, column, [&](const Direction& line) {
-          const Stencil stencil = sight.points.stencil(-line);
-          std::array<const Real*, 3> at;
-          for (std::size_t n = 0; n < 3; ++n)
-            at[n] = source.row(first_row + sight.row[static_cast<std::size_t>(stencil.index[n])]);
-          for (std::size_t b = 0; b < beams.size(); ++b) scattered[b] = phase[b].at(-line.dot(problem.sun->travel));
-          sum += seen_along<Real>(scene, camera.position_m, line, [&](std::uint32_t cell) {
-            double emitted = 0;
-            for (std::size_t n = 0; n < 3; ++n) emitted += stencil.weight[n] * static_cast<double>(at[n][cell]);
-            for (std::size_t b = 0; b < beams.size(); ++b) {
-              const auto& [intensity, depth] = lit[b][cell];
-              const double place = static_cast<double>(depth);
-              const auto node = static_cast<std::size_t>(std::min(place, BeamPhase::nodes - 2.));
-              const double share = place - static_cast<double>(node);
-              emitted +=
-                  ((1 - share) * scattered[b][node] + share * scattered[b][node + 1]) * static_cast<double>(intensity);
-            }
-            return emitted;
+      errors.run([&] {
+        std::vector<std::array<double, BeamPhase::nodes>> scattered(beams.size());
+        for (int column = 0; column < camera.width; ++column) {
+          double sum = 0;
+          int rays = 0;
+          for_lines_of_sight(camera, row, column, [&](const Direction& line) {
+            const Stencil stencil = sight.points.stencil(-line);
+            std::array<const Real*, 3> at;
+            for (std::size_t n = 0; n < 3; ++n)
+              at[n] = source.row(first_row + sight.row[static_cast<std::size_t>(stencil.index[n])]);
+            for (std::size_t b = 0; b < beams.size(); ++b) scattered[b] = phase[b].at(-line.dot(problem.sun->travel));
+            sum += seen_along<Real>(scene, camera.position_m, line, [&](std::uint32_t cell) {
+              double emitted = 0;
+              for (std::size_t n = 0; n < 3; ++n) emitted += stencil.weight[n] * static_cast<double>(at[n][cell]);
+              for (std::size_t b = 0; b < beams.size(); ++b) {
+                const auto& [intensity, depth] = lit[b][cell];
+                const double place = static_cast<double>(depth);
+                const auto node = static_cast<std::size_t>(std::min(place, BeamPhase::nodes - 2.));
+                const double share = place - static_cast<double>(node);
+                emitted += ((1 - share) * scattered[b][node] + share * scattered[b][node + 1]) *
+                           static_cast<double>(intensity);
+              }
+              return emitted;
+            });
+            ++rays;
           });
-          ++rays;
-        });
-        image.radiance[static_cast<std::size_t>(row) * camera.width + column] =
-            rays > 0 ? static_cast<float>(std::max(0., sum / rays)) : std::numeric_limits<float>::quiet_NaN();
-      }
+          image.radiance[static_cast<std::size_t>(row) * camera.width + column] =
+              rays > 0 ? static_cast<float>(not_negative(sum / rays)) : std::numeric_limits<float>::quiet_NaN();
+        }
+      });
     }
+    errors.rethrow();
     images.push_back(std::move(image));
   }
   return images;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/radiance_march.hpp"
 
 namespace cloudbow {
@@ -45,18 +46,22 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   }
   field.radiance.resize(n * m);
   const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
+  ParallelErrors errors;
 #pragma omp parallel
   {
     RadianceMarch<Real> along;
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t d = 0; d < m; ++d) {
-      const Direction& travel = field.direction[d];
-      std::vector<Real> sent(n);
-      source.query(travel, sent.data());
-      const std::span<const Real> radiance = along.mean_radiance(problem, system, ground, surroundings, travel, sent);
-      for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
+      errors.run([&] {
+        const Direction& travel = field.direction[d];
+        std::vector<Real> sent(n);
+        source.query(travel, sent.data());
+        const std::span<const Real> radiance = along.mean_radiance(problem, system, ground, surroundings, travel, sent);
+        for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
+      });
     }
   }
+  errors.rethrow();
   return field;
 }
 

@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <numbers>
 #include <numeric>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/cells.hpp"
 #include "cloudbow/transport/column_layers.hpp"
 #include "cloudbow/transport/polar_streams.hpp"
@@ -367,8 +368,8 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
       direct = irradiance * mu0() * std::exp(-true_path);
     }
     // Where hardly any light comes, rounding may leave less than nothing.
-    const double upward = std::max(0., up);
-    const double diffuse = std::max(0., down + carried - direct);
+    const double upward = not_negative(up);
+    const double diffuse = not_negative(down + carried - direct);
     sums.up[level] += count * upward;
     sums.down[level] += count * diffuse;
     sums.direct[level] += count * direct;
@@ -441,22 +442,17 @@ Sums solve_distinct(const Problem& problem, const SolverOptions& options, const 
   constexpr std::size_t group = 8;
   std::vector<Sums> sums((batches + group - 1) / group, Sums(problem.grid.box.nz() + 1));
   std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  std::exception_ptr stopped;
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t g = 0; g < sums.size(); ++g) {
-    if (stop) continue;
-    for (std::size_t b = g * group; b < std::min(batches, (g + 1) * group); ++b) solver.solve_batch(b, sums[g]);
-    ++done;
-    if (omp_get_thread_num() != 0 || !progress) continue;
-    try {
+    errors.run([&] {
+      for (std::size_t b = g * group; b < std::min(batches, (g + 1) * group); ++b) solver.solve_batch(b, sums[g]);
+      ++done;
+      if (omp_get_thread_num() != 0 || !progress) return;
       progress({"columns", 1, 0, 0, static_cast<double>(done) / static_cast<double>(sums.size())});
-    } catch (...) {
-      stopped = std::current_exception();
-      stop = true;
-    }
+    });
   }
-  if (stopped) std::rethrow_exception(stopped);
+  errors.rethrow();
   for (std::size_t g = 1; g < sums.size(); ++g) sums.front().add(sums[g]);
   return std::move(sums.front());
 }

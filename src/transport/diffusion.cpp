@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "cloudbow/core/parallel_errors.hpp"
+
 namespace cloudbow {
 
 // Below this many cells a parallel loop costs more than it saves.
@@ -40,6 +42,7 @@ struct DiffusionOperator::Level {
   }
 
   void apply(std::span<const double> x, std::span<double> y) const {
+    // Nothing throws here.
 #pragma omp parallel for schedule(static) if (size() > worth_threads)
     for (int k = 0; k < nz; ++k) {
       for (int j = 0; j < ny; ++j) {
@@ -64,14 +67,22 @@ struct DiffusionOperator::Level {
       // Odd periodic sizes put two columns of one colour side by side at the seam; there the order of rows matters, so
       // it stays serial.
       const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0) && size() > worth_threads;
+      ParallelErrors errors;
 #pragma omp parallel if (independent)
       {
-        std::vector<double> upper(nz), value(nz);
+        std::vector<double> upper, value;
+        errors.run([&] {
+          upper.resize(static_cast<std::size_t>(nz));
+          value.resize(static_cast<std::size_t>(nz));
+        });
 #pragma omp for schedule(static)
         for (int j = 0; j < ny; ++j) {
-          for (int i = (colour + j) & 1; i < nx; i += 2) solve_column(i, j, x, b, upper, value);
+          errors.run([&] {
+            for (int i = (colour + j) & 1; i < nx; i += 2) solve_column(i, j, x, b, upper, value);
+          });
         }
       }
+      errors.rethrow();
     }
   }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "cloudbow/core/parallel_errors.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -52,85 +54,90 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
   std::vector<Real> padded(extinction.begin(), extinction.end());
   padded.resize(extinction.size() + lane_padding);
   std::vector<Accumulator<Real>> sums(std::min(groups, rays));
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t g = 0; g < sums.size(); ++g) {
-    Accumulator<Real>& sum = sums[g];
-    sum.irradiance.assign(options.irradiance ? rows.size() + lane_padding : 0, Real(0));
-    sum.level_flux.assign(columns * (box.nz() + 1), 0.);
-    // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
-    std::vector<Real> path(columns + lane_padding);
-    std::vector<Real> light(columns);
-    for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
-      // The nudge keeps rays off the faces when the sun stands on an axis.
-      const PathPattern pattern =
-          make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
-                            options.vertical, {0, box.nz()});
-      std::fill(path.begin(), path.end(), Real(0));
-      double landed = 0;  // at the interface recorded last
-      const auto record = [&](int step) {
-        landed = 0;
-        double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
-        spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
-                          [&](std::size_t column, std::size_t from, int n, double weight) {
-                            double* __restrict const to = flux + column;
-                            const double share = mu0 * sun.irradiance / rays * weight;
-                            for (int i = 0; i < n; ++i) to[i] += share * static_cast<double>(light[from + i]);
-                            if (box.periodic) return;
-                            for (int i = 0; i < n; ++i) landed += weight * static_cast<double>(light[from + i]);
-                          });
-      };
-      std::fill(light.begin(), light.end(), Real(1));
-      record(0);
-      for (int step = 0; step < box.nz(); ++step) {
-        const int level = pattern.level(step);
-        const Real chord = static_cast<Real>(pattern.chord_m[step]);
-        const auto light_up = [&](const Segment& segment) {
-          const Real length = chord * static_cast<Real>(segment.fraction);
-          const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
-          return [&, length, share](std::size_t m, std::size_t cell, int count) {
-            Real* __restrict const before = path.data() + m;
-            const Real* __restrict const sigma = padded.data() + cell;
-            Real* __restrict const mean = sum.irradiance.data() + cell;
-            for_lanes<Real>(count, [=](int i, bool active) {
-              const Real t = active ? sigma[i] * length : Real(0);
-              const Real entering = active ? share : Real(0);
-              mean[i] += entering * mean_transmission(t) * transmission(before[i]);
-              before[i] += t;
+    errors.run([&] {
+      Accumulator<Real>& sum = sums[g];
+      sum.irradiance.assign(options.irradiance ? rows.size() + lane_padding : 0, Real(0));
+      sum.level_flux.assign(columns * (box.nz() + 1), 0.);
+      // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
+      std::vector<Real> path(columns + lane_padding);
+      std::vector<Real> light(columns);
+      for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
+        // The nudge keeps rays off the faces when the sun stands on an axis.
+        const PathPattern pattern =
+            make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
+                              options.vertical, {0, box.nz()});
+        std::fill(path.begin(), path.end(), Real(0));
+        double landed = 0;  // at the interface recorded last
+        const auto record = [&](int step) {
+          landed = 0;
+          double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
+          spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
+                            [&](std::size_t column, std::size_t from, int n, double weight) {
+                              double* __restrict const to = flux + column;
+                              const double share = mu0 * sun.irradiance / rays * weight;
+                              for (int i = 0; i < n; ++i) to[i] += share * static_cast<double>(light[from + i]);
+                              if (box.periodic) return;
+                              for (int i = 0; i < n; ++i) landed += weight * static_cast<double>(light[from + i]);
+                            });
+        };
+        std::fill(light.begin(), light.end(), Real(1));
+        record(0);
+        for (int step = 0; step < box.nz(); ++step) {
+          const int level = pattern.level(step);
+          const Real chord = static_cast<Real>(pattern.chord_m[step]);
+          const auto light_up = [&](const Segment& segment) {
+            const Real length = chord * static_cast<Real>(segment.fraction);
+            const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
+            return [&, length, share](std::size_t m, std::size_t cell, int count) {
+              Real* __restrict const before = path.data() + m;
+              const Real* __restrict const sigma = padded.data() + cell;
+              Real* __restrict const mean = sum.irradiance.data() + cell;
+              for_lanes<Real>(count, [=](int i, bool active) {
+                const Real t = active ? sigma[i] * length : Real(0);
+                const Real entering = active ? share : Real(0);
+                mean[i] += entering * mean_transmission(t) * transmission(before[i]);
+                before[i] += t;
+              });
+            };
+          };
+          const auto dim = [&](const Segment& segment) {
+            return [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell,
+                                                                             int count) {
+              Real* __restrict const before = path.data() + m;
+              const Real* __restrict const sigma = padded.data() + cell;
+              for_lanes<Real>(count, [=](int i, bool active) { before[i] += active ? sigma[i] * length : Real(0); });
+            };
+          };
+          const auto enter = [&](const Segment& segment, double at) {
+            if (box.periodic) return;
+            const Real outside = static_cast<Real>((1 - at) * layer_path[step] + at * layer_path[step + 1]);
+            for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
+              sum.loss += static_cast<double>(transmission(path[m]));
+              sum.gain += static_cast<double>(transmission(outside));
+              path[m] = outside;
             });
           };
-        };
-        const auto dim = [&](const Segment& segment) {
-          return [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell, int count) {
-            Real* __restrict const before = path.data() + m;
-            const Real* __restrict const sigma = padded.data() + cell;
-            for_lanes<Real>(count, [=](int i, bool active) { before[i] += active ? sigma[i] * length : Real(0); });
-          };
-        };
-        const auto enter = [&](const Segment& segment, double at) {
-          if (box.periodic) return;
-          const Real outside = static_cast<Real>((1 - at) * layer_path[step] + at * layer_path[step + 1]);
-          for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
-            sum.loss += static_cast<double>(transmission(path[m]));
-            sum.gain += static_cast<double>(transmission(outside));
-            path[m] = outside;
-          });
-        };
-        if (options.irradiance) {
-          cross_level(pattern, step, level, rows, light_up, enter);
-        } else {
-          cross_level(pattern, step, level, rows, dim, enter);
+          if (options.irradiance) {
+            cross_level(pattern, step, level, rows, light_up, enter);
+          } else {
+            cross_level(pattern, step, level, rows, dim, enter);
+          }
+          if (!box.periodic || rows.level_cell[level] < rows.level_cell[level + 1]) {
+            for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);
+          }
+          record(step + 1);
         }
-        if (!box.periodic || rows.level_cell[level] < rows.level_cell[level + 1]) {
-          for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);
+        if (!box.periodic) {  // rays that stand across a side let in and out what lands beyond what they carry
+          for (const Real rest : light) landed -= static_cast<double>(rest);
+          (landed > 0 ? sum.gain : sum.loss) += std::abs(landed);
         }
-        record(step + 1);
       }
-      if (!box.periodic) {  // rays that stand across a side let in and out what lands beyond what they carry
-        for (const Real rest : light) landed -= static_cast<double>(rest);
-        (landed > 0 ? sum.gain : sum.loss) += std::abs(landed);
-      }
-    }
+    });
   }
+  errors.rethrow();
 
   DirectBeam<Real> result;
   result.irradiance.assign(options.irradiance ? rows.size() : 0, Real(0));

@@ -147,6 +147,7 @@ DistinctColumns distinct_columns(const Problem& problem, const ColumnCells& cell
   const std::size_t columns = problem.grid.box.columns();
   const Likeness likeness(problem, cells, beam);
   std::vector<std::uint64_t> hash(columns);
+  // Nothing throws here.
 #pragma omp parallel for schedule(static)
   for (std::size_t c = 0; c < columns; ++c) hash[c] = likeness.hash(c);
   DistinctColumns distinct;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "cloudbow/core/not_negative.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -227,12 +229,12 @@ class FluxFields {
     for (std::size_t c = 0; c < columns_; ++c) {
       double direct = 0;
       // Where hardly any light comes, what the iteration has left to correct may be less than nothing.
-      double diffuse = std::max(0., flux.down[c]);
+      double diffuse = not_negative(flux.down[c]);
       if (problem_.sun) {
         direct = true_beam_->level_flux[edge * columns_ + c];
-        diffuse = std::max(0., diffuse + flux.carried[c]);
+        diffuse = not_negative(diffuse + flux.carried[c]);
       }
-      solution.upwelling_flux.push_back(static_cast<float>(std::max(0., flux.up[c])));
+      solution.upwelling_flux.push_back(static_cast<float>(not_negative(flux.up[c])));
       solution.downwelling_diffuse_flux.push_back(static_cast<float>(diffuse));
       solution.direct_flux.push_back(static_cast<float>(direct));
     }
@@ -243,7 +245,7 @@ class FluxFields {
     solution.profile_upwelling_flux = solved_.fluxes.profile_up;
     solution.profile_downwelling_diffuse_flux = solved_.fluxes.profile_down;
     for (auto* profile : {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux}) {
-      for (double& flux : *profile) flux = std::max(0., flux);
+      for (double& flux : *profile) flux = not_negative(flux);
     }
     solution.profile_direct_flux.assign(levels, 0.);
     if (!problem_.sun) return;

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "cloudbow/core/parallel_errors.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -206,81 +208,94 @@ void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
   const std::size_t tiles = (field.cells + tile - 1) / tile;
   const int sector_values = octant_size_ * tile;
   const bool scatters = !terms.dark || !terms.correction.empty();
+  ParallelErrors errors;
 #pragma omp parallel
   {
-    std::vector<Real> radiance(static_cast<std::size_t>(field.rows) * tile), source(radiance.size()),
-        product(sector_values);
+    std::vector<Real> radiance, source, product;
+    errors.run([&] {
+      radiance.resize(static_cast<std::size_t>(field.rows) * tile);
+      source.resize(radiance.size());
+      product.resize(static_cast<std::size_t>(sector_values));
+    });
 #pragma omp for schedule(static)
     for (std::size_t t = 0; t < tiles; ++t) {
-      const std::size_t first = t * tile;
-      const int n = static_cast<int>(std::min<std::size_t>(tile, field.cells - first));
-      if (terms.dark) {
-        std::fill(radiance.begin(), radiance.end(), Real(0));
-      } else {
-        fold(field, first, radiance.data());
-      }
-      add_moments(terms.correction, field.cells, first, n, Real(1), radiance.data());
-      bool any = false;
-      for (std::size_t p = 0; scatters && p < matrix_.size(); ++p) {
-        const Real* const share = cells.scattered[p].data() + first;
-        if (std::all_of(share, share + n, [](Real x) { return x == 0; })) continue;
-        for (int s = 0; s < octants; ++s) {
-          multiply(matrix_[p][s], octant_size_, radiance.data() + s * sector_values, n, product.data());
-          for (int b = 0; b < octant_size_; ++b) {
-            Real* const to = source.data() + s * sector_values + b * tile;
-            if (any) {
-              accumulate<true>(share, product.data() + b * tile, n, to);
-            } else {
-              accumulate<false>(share, product.data() + b * tile, n, to);
+      errors.run([&] {
+        const std::size_t first = t * tile;
+        const int n = static_cast<int>(std::min<std::size_t>(tile, field.cells - first));
+        if (terms.dark) {
+          std::fill(radiance.begin(), radiance.end(), Real(0));
+        } else {
+          fold(field, first, radiance.data());
+        }
+        add_moments(terms.correction, field.cells, first, n, Real(1), radiance.data());
+        bool any = false;
+        for (std::size_t p = 0; scatters && p < matrix_.size(); ++p) {
+          const Real* const share = cells.scattered[p].data() + first;
+          if (std::all_of(share, share + n, [](Real x) { return x == 0; })) continue;
+          for (int s = 0; s < octants; ++s) {
+            multiply(matrix_[p][s], octant_size_, radiance.data() + s * sector_values, n, product.data());
+            for (int b = 0; b < octant_size_; ++b) {
+              Real* const to = source.data() + s * sector_values + b * tile;
+              if (any) {
+                accumulate<true>(share, product.data() + b * tile, n, to);
+              } else {
+                accumulate<false>(share, product.data() + b * tile, n, to);
+              }
             }
           }
+          any = true;
         }
-        any = true;
-      }
-      if (!any) std::fill(source.begin(), source.end(), Real(0));
-      add_moments(terms.emission, field.cells, first, n, Real(1) / octants, source.data());
-      for (int b = 0; b < octant_size_; ++b) {
-        const Real* from[octants];
-        Real* to[octants];
-        for (int o = 0; o < octants; ++o) {
-          Real* const own = source.data() + (o * octant_size_ + b) * tile;
-          from[o] = own;
-          to[o] = field.packed() ? own : field.row(ordinate_[o * octant_size_ + b]) + first;
+        if (!any) std::fill(source.begin(), source.end(), Real(0));
+        add_moments(terms.emission, field.cells, first, n, Real(1) / octants, source.data());
+        for (int b = 0; b < octant_size_; ++b) {
+          const Real* from[octants];
+          Real* to[octants];
+          for (int o = 0; o < octants; ++o) {
+            Real* const own = source.data() + (o * octant_size_ + b) * tile;
+            from[o] = own;
+            to[o] = field.packed() ? own : field.row(ordinate_[o * octant_size_ + b]) + first;
+          }
+          transform<false>(from, to);
+          for (const BeamSource<Real>& beam : terms.beam) {
+            for (int o = 0; o < octants; ++o)
+              add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first, n, to[o]);
+          }
+          for (int o = 0; field.packed() && o < octants; ++o)
+            field.store(ordinate_[o * octant_size_ + b], first, static_cast<std::size_t>(n), to[o]);
         }
-        transform<false>(from, to);
-        for (const BeamSource<Real>& beam : terms.beam) {
-          for (int o = 0; o < octants; ++o)
-            add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first, n, to[o]);
-        }
-        for (int o = 0; field.packed() && o < octants; ++o)
-          field.store(ordinate_[o * octant_size_ + b], first, static_cast<std::size_t>(n), to[o]);
-      }
+      });
     }
   }
+  errors.rethrow();
 }
 
 template <class Real>
 void FoldedScattering<Real>::moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const {
   const std::size_t tiles = (radiance.cells + tile - 1) / tile;
+  ParallelErrors errors;
 #pragma omp parallel
   {
-    std::vector<Real> folded(static_cast<std::size_t>(radiance.rows) * tile);
+    std::vector<Real> folded;
+    errors.run([&] { folded.resize(static_cast<std::size_t>(radiance.rows) * tile); });
 #pragma omp for schedule(static)
     for (std::size_t t = 0; t < tiles; ++t) {
-      const std::size_t first = t * tile;
-      const int n = static_cast<int>(std::min<std::size_t>(tile, radiance.cells - first));
-      fold(radiance, first, folded.data());
-      const std::size_t count = moments.size() / radiance.cells;
-      for (std::size_t m = 0; m < count; ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
-      for (int s = 0; s < octants; ++s) {
-        for (const SectorMoment& moment : moments_[s]) {
-          Real* const to = moments.data() + moment.moment * radiance.cells + first;
-          for (int b = 0; b < octant_size_; ++b)
-            add_scaled(moment.weight[b], folded.data() + (s * octant_size_ + b) * tile, n, to);
+      errors.run([&] {
+        const std::size_t first = t * tile;
+        const int n = static_cast<int>(std::min<std::size_t>(tile, radiance.cells - first));
+        fold(radiance, first, folded.data());
+        const std::size_t count = moments.size() / radiance.cells;
+        for (std::size_t m = 0; m < count; ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
+        for (int s = 0; s < octants; ++s) {
+          for (const SectorMoment& moment : moments_[s]) {
+            Real* const to = moments.data() + moment.moment * radiance.cells + first;
+            for (int b = 0; b < octant_size_; ++b)
+              add_scaled(moment.weight[b], folded.data() + (s * octant_size_ + b) * tile, n, to);
+          }
         }
-      }
+      });
     }
   }
+  errors.rethrow();
 }
 
 template class FoldedScattering<float>;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "backward_march.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "plane_blur.hpp"
 
 namespace cloudbow {
@@ -162,6 +163,7 @@ class SourceGradients {
   void make_mean(const std::vector<double>& of_point, const std::vector<double>& of_beam) {
     const std::size_t n = scene_.cells.size();
     mean_.resize(n);
+    // Nothing throws here.
 #pragma omp parallel for schedule(static)
     for (std::size_t first = 0; first < n; first += block_cells) {
       const std::size_t count = std::min(block_cells, n - first);
@@ -183,6 +185,7 @@ class SourceGradients {
 
   void make_gradient(Gradient& gradient) {
     const std::size_t n = scene_.cells.size();
+    // Nothing throws here but before the loop.
     for (auto& axis : gradient) axis.resize(n + lane_padding);
 #pragma omp parallel for schedule(static)
     for (std::size_t first = 0; first < n; first += block_cells) {
@@ -264,34 +267,39 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
       prepared = std::min(sorted.size(), std::max(alike.last, alike.first + worth_a_gradient));
       gradients.prepare({sorted.data() + alike.first, prepared - alike.first});
     }
+    ParallelErrors errors;
 #pragma omp parallel
     {
       GatherWorkspace<Real> work;
       LinearSource<Real> own;
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t g = 0; g < groups; ++g) {
-        sums[g].clear(bands.size(), columns);
-        for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
-          const Direction& travel = sorted[q].travel;
-          const LaunchPlace start = launch_place(q, filling);
-          march_back(scene, make_path_pattern(box, -travel, start.x, start.y, false, levels), bands, travel,
-                     scene.source->along(travel), static_cast<Real>(power(sorted[q])), gradients.along(travel, own),
-                     work, sums[g]);
-        }
+        errors.run([&] {
+          sums[g].clear(bands.size(), columns);
+          for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
+            const Direction& travel = sorted[q].travel;
+            const LaunchPlace start = launch_place(q, filling);
+            march_back(scene, make_path_pattern(box, -travel, start.x, start.y, false, levels), bands, travel,
+                       scene.source->along(travel), static_cast<Real>(power(sorted[q])), gradients.along(travel, own),
+                       work, sums[g]);
+          }
+        });
       }
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t b = 0; b < bands.size(); ++b) {
-        if (bands[b].empty) continue;
-        std::vector<Real>& band = sums[0].of_band[b];
-        for (std::size_t g = 1; g < groups; ++g) {
-          const Real* __restrict const more = sums[g].of_band[b].data();
-          for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
-        }
-        band.resize(columns);
-        blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
+        errors.run([&] {
+          if (bands[b].empty) return;
+          std::vector<Real>& band = sums[0].of_band[b];
+          for (std::size_t g = 1; g < groups; ++g) {
+            const Real* __restrict const more = sums[g].of_band[b].data();
+            for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
+          }
+          band.resize(columns);
+          blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
+        });
       }
 #pragma omp single
-      {
+      errors.run([&] {
         for (std::size_t b = 0; b < bands.size(); ++b) {
           if (bands[b].empty) continue;
           for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);
@@ -299,8 +307,9 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
         for (const Gathered<Real>& sum : sums) {
           for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sum.beyond[c]);
         }
-      }
+      });
     }
+    errors.rethrow();
   }
   return flux;
 }
@@ -315,49 +324,53 @@ std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upwar
   SourceGradients<Real> gradients(scene);
   gradients.prepare(directions);
   std::vector<std::vector<float>> of_group(level_groups);
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t g = 0; g < level_groups; ++g) {
-    std::vector<float>& flux = of_group[g];
-    flux.assign(columns * levels, 0.F);
-    LinearSource<Real> own;
-    std::vector<Real> sent(scene.cells.size() + lane_padding);
-    std::vector<Real> rays(columns + lane_padding);
-    std::vector<Real> from_ground, side;
-    for (std::size_t q = g; q < directions.size(); q += level_groups) {
-      const Direction& travel = directions[q].travel;
-      const LaunchPlace start = launch_place(q, upward || scene.fill_columns);
-      const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, false, {0, box.nz()});
-      const SourceAlong<Real> source = scene.source->along(travel, power(directions[q]));
-      const Real weight = static_cast<Real>(power(directions[q]));
-      if (upward) {
-        const Real* const leaving = scene.ground->along(travel, from_ground);
-        for (std::size_t c = 0; c < columns; ++c) rays[c] = weight * leaving[c];
-      } else {
-        std::fill(rays.begin(), rays.end(), weight * static_cast<Real>(scene.sky_radiance));
+    errors.run([&] {
+      std::vector<float>& flux = of_group[g];
+      flux.assign(columns * levels, 0.F);
+      LinearSource<Real> own;
+      std::vector<Real> sent(scene.cells.size() + lane_padding);
+      std::vector<Real> rays(columns + lane_padding);
+      std::vector<Real> from_ground, side;
+      for (std::size_t q = g; q < directions.size(); q += level_groups) {
+        const Direction& travel = directions[q].travel;
+        const LaunchPlace start = launch_place(q, upward || scene.fill_columns);
+        const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, false, {0, box.nz()});
+        const SourceAlong<Real> source = scene.source->along(travel, power(directions[q]));
+        const Real weight = static_cast<Real>(power(directions[q]));
+        if (upward) {
+          const Real* const leaving = scene.ground->along(travel, from_ground);
+          for (std::size_t c = 0; c < columns; ++c) rays[c] = weight * leaving[c];
+        } else {
+          std::fill(rays.begin(), rays.end(), weight * static_cast<Real>(scene.sky_radiance));
+        }
+        if (!box.periodic && scene.side_radiance) {
+          const std::vector<double> by_height = scene.side_radiance(travel);
+          side.assign(by_height.begin(), by_height.end());
+          for (Real& radiance : side) radiance *= weight;
+          if (!upward) std::reverse(side.begin(), side.end());
+        }
+        const auto at_level = [&](int step, const Real* p) {
+          float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
+          // A ray counts for the column it is in: its place there is any.
+          for_shifted_rows(pattern.shift_x(step), pattern.shift_y(step), box.nx, box.ny,
+                           [&](std::size_t column, std::size_t ray, int n) {
+                             float* __restrict const to = at + column;
+                             const Real* __restrict const from = p + ray;
+                             for (int i = 0; i < n; ++i) to[i] += static_cast<float>(from[i]);
+                           });
+          if (step == pattern.levels()) return;
+          const std::size_t first = rows.level_cell[pattern.level(step)];  // of the cells that are crossed next
+          source.fill(first, rows.level_cell[pattern.level(step) + 1] - first, sent.data() + first);
+        };
+        march<Real, false>(pattern, rows, gradients.along(travel, own), box.periodic, side, sent.data(), rays.data(),
+                           nullptr, at_level);
       }
-      if (!box.periodic && scene.side_radiance) {
-        const std::vector<double> by_height = scene.side_radiance(travel);
-        side.assign(by_height.begin(), by_height.end());
-        for (Real& radiance : side) radiance *= weight;
-        if (!upward) std::reverse(side.begin(), side.end());
-      }
-      const auto at_level = [&](int step, const Real* p) {
-        float* const at = flux.data() + columns * (upward ? step : levels - 1 - step);
-        // A ray counts for the column it is in: its place there is any.
-        for_shifted_rows(pattern.shift_x(step), pattern.shift_y(step), box.nx, box.ny,
-                         [&](std::size_t column, std::size_t ray, int n) {
-                           float* __restrict const to = at + column;
-                           const Real* __restrict const from = p + ray;
-                           for (int i = 0; i < n; ++i) to[i] += static_cast<float>(from[i]);
-                         });
-        if (step == pattern.levels()) return;
-        const std::size_t first = rows.level_cell[pattern.level(step)];  // of the cells that are crossed next
-        source.fill(first, rows.level_cell[pattern.level(step) + 1] - first, sent.data() + first);
-      };
-      march<Real, false>(pattern, rows, gradients.along(travel, own), box.periodic, side, sent.data(), rays.data(),
-                         nullptr, at_level);
-    }
+    });
   }
+  errors.rethrow();
   for (std::size_t g = 1; g < level_groups; ++g) {
     for (std::size_t c = 0; c < of_group[0].size(); ++c) of_group[0][c] += of_group[g][c];
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cloudbow/core/not_negative.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -16,7 +18,7 @@ GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const Sweep
       diffuse[c] = static_cast<double>(solution.downwelling_diffuse_flux[c]) + solution.direct_flux[c];
   }
   for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c)
-    diffuse[c] = std::max(0., diffuse[c] - system.beam_surface_flux[c]);
+    diffuse[c] = not_negative(diffuse[c] - system.beam_surface_flux[c]);
   return system.ground.radiance_seen(fluxes.surface_arriving, diffuse, system.beam_surface_flux, system.ordinates);
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "cloudbow/core/parallel_errors.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/transport/anderson.hpp"
 #include "cloudbow/transport/diffusion.hpp"
 #include "cloudbow/transport/threads.hpp"
@@ -261,36 +263,44 @@ void LowOrderCorrection<Real>::emit(int moment, const Source& source) {
 template <class Real>
 void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
   const std::size_t n = full_->cells->size();
+  ParallelErrors errors;
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    emit(m, [&](Real* __restrict source) {
-      for (std::size_t b = 0; b < full_->beam.size(); ++b) {
-        const Real share = beam_moments_[b * low_moments + m];
-        const Real* __restrict const intensity = full_->beam[b].intensity.data();
-        for (std::size_t c = 0; c < n; ++c) source[c] += share * intensity[c];
-      }
+    errors.run([&] {
+      emit(m, [&](Real* __restrict source) {
+        for (std::size_t b = 0; b < full_->beam.size(); ++b) {
+          const Real share = beam_moments_[b * low_moments + m];
+          const Real* __restrict const intensity = full_->beam[b].intensity.data();
+          for (std::size_t c = 0; c < n; ++c) source[c] += share * intensity[c];
+        }
+      });
     });
   }
+  errors.rethrow();
   solve(moments);
 }
 
 template <class Real>
 void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<Real> correction) {
   const std::size_t n = full_->cells->size();
+  ParallelErrors errors;
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    emit(m, [&](Real* __restrict source) {
-      for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
-        const Real* __restrict const scattered = full_->cells->scattered[p].data();
-        for (int from = 0; from < low_moments; ++from) {
-          const Real share = scattered_moments_[p](m, from);
-          if (std::abs(share) < Real(1e-6)) continue;
-          const Real* __restrict const of = change.data() + from * n;
-          for (std::size_t c = 0; c < n; ++c) source[c] += share * scattered[c] * of[c];
+    errors.run([&] {
+      emit(m, [&](Real* __restrict source) {
+        for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
+          const Real* __restrict const scattered = full_->cells->scattered[p].data();
+          for (int from = 0; from < low_moments; ++from) {
+            const Real share = scattered_moments_[p](m, from);
+            if (std::abs(share) < Real(1e-6)) continue;
+            const Real* __restrict const of = change.data() + from * n;
+            for (std::size_t c = 0; c < n; ++c) source[c] += share * scattered[c] * of[c];
+          }
         }
-      }
+      });
     });
   }
+  errors.rethrow();
   solve(correction);
 }
 
@@ -299,7 +309,7 @@ template <class Real>
 void LowOrderCorrection<Real>::iterate() {
   const std::size_t n = low_.cells->size();
   const std::size_t mixed = 4 * n;  // the moments l <= 1
-  const ThreadsFor threads(n);
+  const ThreadScope threads(threads_for(n, 0));
   AndersonMixer<Real> mixer(low_mixing_depth);
   std::vector<Real> x(mixed, Real(0)), g(mixed), correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
@@ -336,6 +346,7 @@ void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
   const std::size_t n = low_.cells->size();
   const std::size_t cells = full_->cells->size();
   const Cells<Real>& of = *low_.cells;
+  // Nothing throws here.
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
     const Real* const from = moments_.data() + m * n;

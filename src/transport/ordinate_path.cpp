@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloudbow/core/parallel_errors.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -41,29 +43,33 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
     const StartFraction start = start_for_centred_exit(box, d, vertical, levels);
     return make_path_pattern(box, d, start.x, start.y, vertical, levels);
   };
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t d = 0; d < travel.size(); ++d) {
-    OrdinatePath& path = paths[d];
-    path.upward = travel[d].z() > 0;
-    path.along_z.push_back(along_z(travel[d], {0, box.nz()}));
-    path.cost = cost_along_z(path.along_z.front(), cells.rows.levels);
-    const LevelRange even = cells.even_levels;
-    if (even.first >= even.last) continue;
-    const LevelRange below{0, even.first};
-    const LevelRange above{even.last, box.nz()};
-    for (int axis = 0; axis < 2; ++axis) {
-      auto sideways = make_sideways_path(box, travel[d], axis, even);
-      if (!sideways) continue;
-      std::vector<PathPattern> rest{along_z(travel[d], path.upward ? below : above),
-                                    along_z(travel[d], path.upward ? above : below)};
-      double cost = sideways_cost(*sideways, cells.turned[axis].sheets, cells.size());
-      for (const auto& pattern : rest) cost += cost_along_z(pattern, cells.rows.levels);
-      if (cost >= path.cost) continue;
-      path.cost = cost;
-      path.along_z = std::move(rest);
-      path.sideways = std::move(sideways);
-    }
+    errors.run([&] {
+      OrdinatePath& path = paths[d];
+      path.upward = travel[d].z() > 0;
+      path.along_z.push_back(along_z(travel[d], {0, box.nz()}));
+      path.cost = cost_along_z(path.along_z.front(), cells.rows.levels);
+      const LevelRange even = cells.even_levels;
+      if (even.first >= even.last) return;
+      const LevelRange below{0, even.first};
+      const LevelRange above{even.last, box.nz()};
+      for (int axis = 0; axis < 2; ++axis) {
+        auto sideways = make_sideways_path(box, travel[d], axis, even);
+        if (!sideways) continue;
+        std::vector<PathPattern> rest{along_z(travel[d], path.upward ? below : above),
+                                      along_z(travel[d], path.upward ? above : below)};
+        double cost = sideways_cost(*sideways, cells.turned[axis].sheets, cells.size());
+        for (const auto& pattern : rest) cost += cost_along_z(pattern, cells.rows.levels);
+        if (cost >= path.cost) continue;
+        path.cost = cost;
+        path.along_z = std::move(rest);
+        path.sideways = std::move(sideways);
+      }
+    });
   }
+  errors.rethrow();
   return paths;
 }
 

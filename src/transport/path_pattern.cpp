@@ -29,6 +29,12 @@ double next_face(double position, double slope, int cell) {
 
 }  // namespace
 
+double pattern_segments(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels) {
+  const Slope per_metre = horizontal_slope(box, travel, vertical);
+  const double height_m = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
+  return height_m * (std::abs(per_metre.x) + std::abs(per_metre.y)) + levels.last - levels.first + 3;
+}
+
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
                               bool vertical, LevelRange levels) {
   assert(travel.z() != 0);
@@ -42,9 +48,7 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
   int cell_y = 0;
   Entry entry = Entry::none;
   const int count = levels.last - levels.first;
-  const double height_m = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
-  const double faces = height_m * (std::abs(per_metre.x) + std::abs(per_metre.y)) + count;
-  pattern.segments.reserve(static_cast<std::size_t>(faces) + 3);
+  pattern.segments.reserve(static_cast<std::size_t>(pattern_segments(box, travel, vertical, levels)));
   for (auto* list : {&pattern.chord_m, &pattern.x, &pattern.y}) list->reserve(static_cast<std::size_t>(count) + 1);
   pattern.level_begin.reserve(static_cast<std::size_t>(count) + 1);
   pattern.x.push_back(x);

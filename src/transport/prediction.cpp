@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/camera_view.hpp"
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/path_load.hpp"
 #include "cloudbow/transport/thick_levels.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 #include "cloudbow/transport/uniform_axes.hpp"
@@ -32,6 +33,39 @@ std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& pr
   return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
 }
 
+// The same views in images of a few hundred pixels, which tell what they see as well.
+std::vector<Camera> coarser(std::vector<Camera> cameras) {
+  constexpr int enough = 256;
+  for (Camera& camera : cameras) {
+    const double scale = std::min(1., static_cast<double>(enough) / std::max(camera.width, camera.height));
+    camera.width = static_cast<int>(std::ceil(scale * camera.width));
+    camera.height = static_cast<int>(std::ceil(scale * camera.height));
+  }
+  return cameras;
+}
+
+// Of the direct beams: each of its rays crosses every row of its level in each segment.
+double beam_seconds(const Problem& problem, const SolverOptions& options, double cells) {
+  constexpr int beams = 4;  // the iteration's, the true one, and what the gather has between
+  constexpr double seconds_a_run = 30e-9;
+  constexpr double seconds_to_make_a_segment = 30e-9;
+  const BoxGrid& box = problem.grid.box;
+  const double runs_a_level = cells / box.nz() / std::min(lanes, box.nx);
+  return beams * options.beam_rays * beam_segments(problem, options) *
+         (runs_a_level * seconds_a_run + seconds_to_make_a_segment);
+}
+
+// Of lines of sight through pixels, which cross cells until they leave or see no further.
+double pixel_seconds(const BoxGrid& box, const SolverOptions& options) {
+  constexpr double seconds_a_line = .4e-6;
+  constexpr double seconds_a_cell = 20e-9;
+  double lines = 0;
+  for (const Camera& camera : options.cameras)
+    lines += static_cast<double>(camera.width) * camera.height * camera.rays * camera.rays;
+  for (const View& view : options.views) lines += static_cast<double>(view.width) * view.height * options.beam_rays;
+  return lines * (seconds_a_line + seconds_a_cell * (box.nz() + (box.nx + box.ny) / 2.));
+}
+
 }  // namespace
 
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options) {
@@ -48,9 +82,12 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   // Libraries; reading a cloud takes another one.
   constexpr std::size_t libraries = 20'000'000;
   constexpr std::size_t reading = 33'000'000;
+  check_paths(problem, options);
+  const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
+  const auto of_patterns = static_cast<std::size_t>(path_load(problem, options).bytes(static_cast<int>(threads)));
   if (solved_without_azimuths(problem, options)) {
     constexpr std::size_t program_of_columns = 17'500'000;
-    return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) +
+    return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) + of_patterns +
            columns_memory(problem, options, runs_in_double(problem, options));
   }
   const BoxGrid& box = problem.grid.box;
@@ -60,7 +97,6 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   const std::size_t phases = problem.phase.size();
   const auto ordinates = static_cast<std::size_t>(make_ordinate_set(options.directions).size());
   const auto points = static_cast<std::size_t>(options.control_points);
-  const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
   // A cell of the grid; with its neighbours, its place along x and its share of the chunks; with its beam.
   const std::size_t grid = 4 * (1 + phases);
   const std::size_t cell = real * (5 + phases) + 24 + 4 + 10;
@@ -84,14 +120,21 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   std::size_t pixels = 0;
   std::size_t looked_along = options.views.size();
   for (const Camera& camera : options.cameras) pixels += static_cast<std::size_t>(camera.width) * camera.height;
-  if (!options.cameras.empty()) looked_along += sight_points(options.cameras, active).travel.size();
+  if (!options.cameras.empty()) looked_along += sight_points(coarser(options.cameras), active).travel.size();
   for (const View& view : options.views) {
     pixels += view.width > 0 ? static_cast<std::size_t>(view.width) * view.height : box.columns();
   }
   // While their source is made there is a second array; images follow gradients and a copy of what lines read.
   const std::size_t images = looked_along > 0 ? real * (2 * looked_along + 12) : 0;
-  return program + tables + active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) +
-         dense * place + pixels * sizeof(float);
+  // Radiance of the ground at the control points of its reflection, as the gather and as images see it; what arrives
+  // there along the ordinates, and what leaves.
+  constexpr std::size_t points_of_surface = 642;
+  const std::size_t surface = problem.surface.brdf ? real * (2 * points_of_surface + 2 * ordinates) : 0;
+  // Images, and on their way into the file.
+  constexpr std::size_t pixel = 3 * sizeof(float);
+  return program + tables + of_patterns +
+         active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) + dense * place +
+         box.columns() * surface + pixels * pixel;
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
@@ -124,8 +167,13 @@ double predict_seconds(const Problem& problem, const SolverOptions& options) {
                             ? 0
                             : cells * options.gather_directions * seconds_a_gather_pair *
                                   (2.25 + (options.flux_levels == FluxLevels::all ? 1.25 : 0));
+  // Cells that are higher than wide are crossed in more segments: on average one a face.
+  const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  return (sweep * usual_sweeps + gather) / threads + seconds_to_start;
+  return (sweep * usual_sweeps + gather * (1 + tall) + beam_seconds(problem, options, cells) +
+          pixel_seconds(box, options)) /
+             threads +
+         seconds_to_start;
 }
 
 }  // namespace cloudbow

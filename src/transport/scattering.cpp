@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "cloudbow/core/parallel_errors.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -65,22 +67,29 @@ void scatter_tiles(const AngularField<Real>& from, int from_rows, AngularField<R
                    std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, const Prepare& prepare,
                    const Finish& finish) {
   const std::size_t tiles = (from.cells + tile_cells - 1) / tile_cells;
+  ParallelErrors errors;
 #pragma omp parallel
   {
-    Tile<Real> radiance = Tile<Real>::Zero(from_rows, tile_cells);
-    Tile<Real> product(to_rows, tile_cells);
-    Tile<Real> source(to_rows, tile_cells);
+    Tile<Real> radiance, product, source;
+    errors.run([&] {
+      radiance.setZero(from_rows, tile_cells);
+      product.resize(to_rows, tile_cells);
+      source.resize(to_rows, tile_cells);
+    });
 #pragma omp for schedule(static)
     for (std::size_t tile = 0; tile < tiles; ++tile) {
-      const std::size_t first = tile * tile_cells;
-      const std::size_t n = std::min(tile_cells, from.cells - first);
-      load(from, first, n, radiance);
-      prepare(first, n, radiance);
-      scatter_tile(matrix, cells, first, n, radiance, product, source);
-      finish(first, n, source);
-      store(source, first, n, to);
+      errors.run([&] {
+        const std::size_t first = tile * tile_cells;
+        const std::size_t n = std::min(tile_cells, from.cells - first);
+        load(from, first, n, radiance);
+        prepare(first, n, radiance);
+        scatter_tile(matrix, cells, first, n, radiance, product, source);
+        finish(first, n, source);
+        store(source, first, n, to);
+      });
     }
   }
+  errors.rethrow();
 }
 
 template <class Real>
@@ -146,6 +155,7 @@ AngularField<Real> scatter_towards(const AngularField<Real>& radiance, std::span
 template <class Real>
 void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& weights, std::span<Real> moments) {
   const std::size_t tiles = (radiance.cells + tile_cells - 1) / tile_cells;
+  // Nothing throws here.
 #pragma omp parallel for schedule(static)
   for (std::size_t tile = 0; tile < tiles; ++tile) {
     const std::size_t first = tile * tile_cells;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/radiance_march.hpp"
 
 namespace cloudbow {
@@ -87,22 +89,26 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
                                 cells.extinction, system.beam_irradiance);
   }
   const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
+  ParallelErrors errors;
 #pragma omp parallel
   {
     RadianceMarch<Real> march;
-    std::vector<Real> sent(cells.size());
+    std::vector<Real> sent;
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t i = 0; i < travel.size(); ++i) {
-      Real* const row = radiance.row(static_cast<int>(i));
-      std::copy_n(row, sent.size(), sent.begin());
-      for (const SingleScattering<Real>& beam : first_order) {
-        const Real phase = static_cast<Real>(beam.phase(travel[i].dot(problem.sun->travel)));
-        for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += phase * beam.intensity[c];
-      }
-      const auto along = march.mean_radiance(problem, system, ground, surroundings, off_the_horizon(travel[i]), sent);
-      std::copy(along.begin(), along.end(), row);
+      errors.run([&] {
+        Real* const row = radiance.row(static_cast<int>(i));
+        sent.assign(row, row + cells.size());
+        for (const SingleScattering<Real>& beam : first_order) {
+          const Real phase = static_cast<Real>(beam.phase(travel[i].dot(problem.sun->travel)));
+          for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += phase * beam.intensity[c];
+        }
+        const auto along = march.mean_radiance(problem, system, ground, surroundings, off_the_horizon(travel[i]), sent);
+        std::copy(along.begin(), along.end(), row);
+      });
     }
   }
+  errors.rethrow();
 
   AngularField<Real> source = scattered_by(resolved, share, ordinates, cells, solved.radiance, travel);
   for (std::size_t i = 0; i < travel.size(); ++i) {
@@ -117,7 +123,7 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
       for (std::size_t c = 0; c < cells.size(); ++c) to[c] += forward * scattered[c] * along[c];
     }
     Real* const row = source.row(static_cast<int>(i));
-    std::transform(row, row + cells.size(), row, [](Real s) { return std::max(Real(0), s); });
+    std::transform(row, row + cells.size(), row, [](Real s) { return not_negative(s); });
   }
   return source;
 }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <omp.h>
 #include <sys/resource.h>
 
@@ -6,10 +7,14 @@
 #include <fstream>
 #include <string>
 
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/transport/cell_fields.hpp"
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/finite.hpp"
 #include "cloudbow/transport/flux_fields.hpp"
 #include "cloudbow/transport/images.hpp"
+#include "cloudbow/transport/path_load.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
 #include "cloudbow/transport/thick_levels.hpp"
 #include "cloudbow/transport/threads.hpp"
@@ -156,32 +161,42 @@ Solution solve_without_azimuths(const Problem& problem, const SolverOptions& opt
   return solution;
 }
 
-}  // namespace
+void check_light(const Problem& problem) {
+  const auto check = [](const char* what, double value) {
+    if (value == 0 || (value >= least_light && value <= most_light)) return;
+    throw InputError(
+        fmt::format("{}: out of range (found {}, allowed 0, or {:g} to {:g})", what, value, least_light, most_light));
+  };
+  if (problem.sun) check("irradiance of the sun", problem.sun->irradiance);
+  check("radiance of the sky", problem.sky_radiance);
+}
 
-Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
-               Checkpoints* checkpoints) {
+// Axes along which nothing varies are left out, and thick levels cut, by solving another problem.
+Solution solve_in_parts(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+                        Checkpoints* checkpoints) {
   if (const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
       uniform.any()) {
     SolverOptions less = options;
     less.leave_out_uniform_axes = false;
     const Problem small = without_axes(problem, uniform);
     less.double_precision = options.double_precision || one_column(small.grid.box);  // costs nothing there
-    Solution solution = solve(small, less, progress, checkpoints);
+    Solution solution = solve_in_parts(small, less, progress, checkpoints);
     spread(problem, uniform, solution);
     solution.report.left_out_axes = uniform.x && uniform.y ? "x, y" : uniform.x ? "x" : "y";
     return solution;
   }
   const CutLevels cut = cut_thick_levels(problem, options);
   if (const int added = cut.added(problem.grid.box); added > 0) {
-    Solution solution = solve(with_cut_levels(problem, cut), with_cut_levels(options, cut), progress, checkpoints);
+    Solution solution =
+        solve_in_parts(with_cut_levels(problem, cut), with_cut_levels(options, cut), progress, checkpoints);
     join_levels(problem, cut, solution);
     solution.report.added_levels = added;
     return solution;
   }
-  const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
   const std::size_t solved = options.actinic ? cells : problem.grid.active_cells();
-  omp_set_num_threads(std::max(solved, problem.grid.box.columns()) < worth_threads ? 1 : threads);
+  const ThreadScope threads(threads_for(std::max(solved, problem.grid.box.columns()), options.threads));
+  check_paths(problem, options);
   if (solved_without_azimuths(problem, options)) return solve_without_azimuths(problem, options, progress);
   check_cell_thickness(problem);
   if (options.actinic && problem.grid.active_cells() < cells) {
@@ -192,6 +207,16 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
   }
   return runs_in_double(problem, options) ? solve_as<double>(problem, options, progress, checkpoints)
                                           : solve_as<float>(problem, options, progress, checkpoints);
+}
+
+}  // namespace
+
+Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+               Checkpoints* checkpoints) {
+  check_light(problem);
+  Solution solution = solve_in_parts(problem, options, progress, checkpoints);
+  check_finite(solution);
+  return solution;
 }
 
 }  // namespace cloudbow

@@ -1,11 +1,13 @@
 #include "cloudbow/transport/source_iteration.hpp"
 
+#include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "cloudbow/transport/anderson.hpp"
 #include "cloudbow/transport/iteration_state.hpp"
@@ -76,7 +78,7 @@ std::optional<Real> unit_of_halves(const TransportSystem<Real>& system, const It
 template <class Real>
 double relative_size(std::span<const Real> change, std::span<const Real> of) {
   const double size = std::sqrt(ordered_dot<Real>(of, of));
-  return size > 0 ? std::sqrt(ordered_dot<Real>(change, change)) / size : 0;
+  return size == 0 ? 0 : std::sqrt(ordered_dot<Real>(change, change)) / size;
 }
 
 // The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
@@ -86,6 +88,14 @@ double estimated_error(const std::vector<double>& steps) {
   if (steps.size() >= 3 && steps[steps.size() - 3] > 0)
     rho = std::clamp(std::sqrt(steps.back() / steps[steps.size() - 3]), .2, .95);
   return steps.back() * std::max(least_safety, rho / (1 - rho));
+}
+
+void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
+  if (std::isfinite(report.estimated_error) && std::isfinite(ledger.residual)) return;
+  throw std::runtime_error(fmt::format(
+      "the iteration leaves the range of numbers in sweep {} (found an estimated error of {} and an energy residual of "
+      "{}, allowed finite numbers) nothing is written",
+      report.sweeps, report.estimated_error, ledger.residual));
 }
 
 }  // namespace
@@ -150,6 +160,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
           relative_size<Real>(std::span<const Real>(change).first(n), std::span<const Real>(g).first(n)));
     }
     report.estimated_error = estimated_error(state.steps);
+    check_finite(report, result.ledger);
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
     const double imbalance = std::abs(result.ledger.residual);

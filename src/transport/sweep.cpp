@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/march.hpp"
 
 namespace cloudbow {
@@ -53,45 +54,53 @@ CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>&
 // Gradient of the mean source of some ordinates. Called by all threads of a team.
 template <class Real>
 void team_make_gradient(const TransportSystem<Real>& system, const AngularField<Real>& field,
-                        const std::vector<int>& group, bool turned, GroupGradient<Real>& gradient) {
+                        const std::vector<int>& group, bool turned, GroupGradient<Real>& gradient,
+                        ParallelErrors& errors) {
   const Cells<Real>& cells = *system.cells;
   const std::size_t n = cells.size();
 #pragma omp single
-  {
+  errors.run([&] {
     gradient.source.resize(n);
     for (auto& axis : gradient.axis) axis.resize(n + lane_padding);
     for (auto& axis : gradient.turned) axis.resize(turned ? n + lane_padding : 0);
-  }
+  });
   const std::size_t blocks = (n + block_cells - 1) / block_cells;
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
-    const std::size_t first = block * block_cells;
-    const std::size_t count = std::min(block_cells, n - first);
-    Real* __restrict const to = gradient.source.data() + first;
-    std::fill_n(to, count, Real(0));
-    std::array<Real, block_cells> room{};
-    for (const int d : group) {
-      const Real weight = static_cast<Real>(system.ordinates.weight[d]);
-      const Real* __restrict const from = field.stored_row(d).read(first, count, room.data());
-      for (std::size_t c = 0; c < count; ++c) to[c] += weight * from[c];
-    }
+    errors.run([&] {
+      const std::size_t first = block * block_cells;
+      const std::size_t count = std::min(block_cells, n - first);
+      Real* __restrict const to = gradient.source.data() + first;
+      std::fill_n(to, count, Real(0));
+      std::array<Real, block_cells> room{};
+      for (const int d : group) {
+        const Real weight = static_cast<Real>(system.ordinates.weight[d]);
+        const Real* __restrict const from = field.stored_row(d).read(first, count, room.data());
+        for (std::size_t c = 0; c < count; ++c) to[c] += weight * from[c];
+      }
+    });
   }
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
-    const std::size_t first = block * block_cells;
-    source_gradient(cells, first, std::min(block_cells, n - first), gradient.source.data(),
-                    gradient.axis[0].data() + first, gradient.axis[1].data() + first, gradient.axis[2].data() + first);
+    errors.run([&] {
+      const std::size_t first = block * block_cells;
+      source_gradient(cells, first, std::min(block_cells, n - first), gradient.source.data(),
+                      gradient.axis[0].data() + first, gradient.axis[1].data() + first,
+                      gradient.axis[2].data() + first);
+    });
   }
   if (!turned) return;
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
-    const std::size_t last = std::min(n, (block + 1) * block_cells);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Real* __restrict const from = gradient.axis[axis].data();
-      Real* __restrict const to = gradient.turned[axis].data();
-      const std::uint32_t* __restrict const cell = cells.turned[0].cell.data();
-      for (std::size_t c = block * block_cells; c < last; ++c) to[c] = from[cell[c]];
-    }
+    errors.run([&] {
+      const std::size_t last = std::min(n, (block + 1) * block_cells);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Real* __restrict const from = gradient.axis[axis].data();
+        Real* __restrict const to = gradient.turned[axis].data();
+        const std::uint32_t* __restrict const cell = cells.turned[0].cell.data();
+        for (std::size_t c = block * block_cells; c < last; ++c) to[c] = from[cell[c]];
+      }
+    });
   }
 }
 
@@ -250,6 +259,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 
   const auto march_ordinates = [&](bool upward) {
     const auto groups = groups_side_by_side(system, upward);
+    ParallelErrors errors;
 #pragma omp parallel
     {
       typename SweepWorkspace<Real>::Thread& own = work.of_thread[omp_get_thread_num()];
@@ -259,37 +269,40 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
         const bool shared = shares_gradients(system);
-        if (shared) team_make_gradient(system, field, group, turned, work.gradient);
+        if (shared) team_make_gradient(system, field, group, turned, work.gradient, errors);
 #pragma omp for schedule(dynamic, 1)
         for (std::size_t q = 0; q < group.size(); ++q) {
-          const int d = group[q];
-          std::vector<Real>& rays = exit[d];
-          if (upward) {
-            const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
-            rays.assign(start_of_rays, start_of_rays + columns);
-            rays.resize(columns + lane_padding);
-          } else {
-            rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
-          }
-          if (keep_columns) passing[d].resize(columns * levels);
-          const std::size_t n = system.cells->size();
-          if (field.packed()) {
-            own.unpacked.resize(n + lane_padding);
-            field.stored_row(d).read(0, n, own.unpacked.data());
-          }
-          std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
-          if (system.linear_source && !shared) {
-            for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
-            source_gradient(*system.cells, 0, n, source.data(), own.gradient.axis[0].data(),
-                            own.gradient.axis[1].data(), own.gradient.axis[2].data());
-          }
-          march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record,
-                          keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
-          if (field.packed()) field.store(d, 0, n, source.data());
-          rays.resize(upward ? 0 : columns);
+          errors.run([&] {
+            const int d = group[q];
+            std::vector<Real>& rays = exit[d];
+            if (upward) {
+              const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
+              rays.assign(start_of_rays, start_of_rays + columns);
+              rays.resize(columns + lane_padding);
+            } else {
+              rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
+            }
+            if (keep_columns) passing[d].resize(columns * levels);
+            const std::size_t n = system.cells->size();
+            if (field.packed()) {
+              own.unpacked.resize(n + lane_padding);
+              field.stored_row(d).read(0, n, own.unpacked.data());
+            }
+            std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
+            if (system.linear_source && !shared) {
+              for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
+              source_gradient(*system.cells, 0, n, source.data(), own.gradient.axis[0].data(),
+                              own.gradient.axis[1].data(), own.gradient.axis[2].data());
+            }
+            march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record,
+                            keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
+            if (field.packed()) field.store(d, 0, n, source.data());
+            rays.resize(upward ? 0 : columns);
+          });
         }
       }
     }
+    errors.rethrow();
   };
 
   SweepFluxes<Real> fluxes;

@@ -5,6 +5,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/transport/path_load.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -153,7 +156,7 @@ void set_first_order(const Problem& problem, const Discretisation& discretisatio
   source.sun_travel = problem.sun->travel;
   std::vector<Real> unscattered(system.beam_irradiance.size());
   for (std::size_t c = 0; c < unscattered.size(); ++c)
-    unscattered[c] = std::max(Real(0), system.beam_irradiance[c] - gather_beam->irradiance[c]);
+    unscattered[c] = not_negative(system.beam_irradiance[c] - gather_beam->irradiance[c]);
   for (std::size_t p = 0; p < problem.phase.size(); ++p) {
     const DeltaM& gather = discretisation.gather[p];
     const DeltaM& beam = discretisation.beam[p];
@@ -209,7 +212,7 @@ constexpr double thickest_cell_in_float = 50;
 constexpr double thickest_domain_in_float = 120;
 
 bool runs_in_double(const Problem& problem, const SolverOptions& options) {
-  if (options.double_precision) return true;
+  if (options.double_precision || beam_needs_double(problem, options)) return true;
   const BoxGrid& box = problem.grid.box;
   const ActiveRows rows = active_rows(problem.grid);
   double optical_depth = 0;  // summed over the columns

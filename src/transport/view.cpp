@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "backward_march.hpp"
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/sight_line.hpp"
 
 namespace cloudbow {
@@ -17,20 +19,24 @@ void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* so
   const double across = (scene.x_max_m - box.x_min_m) / view.width;
   const double along = (scene.y_max_m - box.y_min_m) / view.height;
   const double plane = view.travel.z() > 0 ? box.z_edge_m.back() : box.z_edge_m.front();
+  ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (int row = 0; row < view.height; ++row) {
-    for (int column = 0; column < view.width; ++column) {
-      double sum = 0;
-      for (int r = 0; r < rays * rays; ++r) {
-        const Eigen::Vector3d eye(box.x_min_m + (column + (r % rays + .5) / rays) * across,
-                                  box.y_min_m + (row + (r / rays + .5) / rays) * along, plane);
-        sum += seen_along<Real>(scene, eye, -view.travel,
-                                [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
+    errors.run([&] {
+      for (int column = 0; column < view.width; ++column) {
+        double sum = 0;
+        for (int r = 0; r < rays * rays; ++r) {
+          const Eigen::Vector3d eye(box.x_min_m + (column + (r % rays + .5) / rays) * across,
+                                    box.y_min_m + (row + (r / rays + .5) / rays) * along, plane);
+          sum += seen_along<Real>(scene, eye, -view.travel,
+                                  [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
+        }
+        radiance[static_cast<std::size_t>(row) * view.width + column] =
+            static_cast<float>(not_negative(sum / (rays * rays)));
       }
-      radiance[static_cast<std::size_t>(row) * view.width + column] =
-          static_cast<float>(std::max(0., sum / (rays * rays)));
-    }
+    });
   }
+  errors.rethrow();
 }
 
 }  // namespace
@@ -65,26 +71,30 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
       continue;
     }
     std::vector<std::vector<double>> of_ray(static_cast<std::size_t>(rays) * rays);
+    ParallelErrors errors;
 #pragma omp parallel
     {
       GatherWorkspace<Real> work;
       Gathered<Real> seen;
 #pragma omp for schedule(dynamic, 1)
       for (int r = 0; r < rays * rays; ++r) {
-        const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays, (r / rays + .5) / rays,
-                                                      system.vertical, levels);
-        seen.clear(all.size(), box.columns());
-        march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
-        of_ray[r].resize(box.columns());
-        for (std::size_t c = 0; c < box.columns(); ++c)
-          of_ray[r][c] = static_cast<double>(seen.of_band[0][c]) + static_cast<double>(seen.beyond[c]);
+        errors.run([&] {
+          const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays,
+                                                        (r / rays + .5) / rays, system.vertical, levels);
+          seen.clear(all.size(), box.columns());
+          march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
+          of_ray[r].resize(box.columns());
+          for (std::size_t c = 0; c < box.columns(); ++c)
+            of_ray[r][c] = static_cast<double>(seen.of_band[0][c]) + static_cast<double>(seen.beyond[c]);
+        });
       }
     }
+    errors.rethrow();
     RadianceImage image{view, std::vector<float>(box.columns())};
     for (std::size_t c = 0; c < box.columns(); ++c) {
       double sum = 0;
       for (const auto& radiance : of_ray) sum += radiance[c];
-      image.radiance[c] = static_cast<float>(std::max(0., sum / static_cast<double>(of_ray.size())));
+      image.radiance[c] = static_cast<float>(not_negative(sum / static_cast<double>(of_ray.size())));
     }
     images.push_back(std::move(image));
   }

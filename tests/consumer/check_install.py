@@ -21,12 +21,15 @@ def run(*words, **more):
 
 
 def write_project(folder):
-    """CMakeLists.txt and main.cpp of the page, each its only block of that kind."""
+    """CMakeLists.txt and main.cpp of the page, each its only block of that kind; and a shared object that holds the libraries, as a module of
+    another language does."""
     page = (Path(__file__).resolve().parents[2] / "docs/cpp-api.md").read_text()
     folder.mkdir()
     for kind, name in (("cmake", "CMakeLists.txt"), ("cpp", "main.cpp")):
         (block,) = re.findall(rf"^```{kind}\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
         (folder / name).write_text(block)
+    with open(folder / "CMakeLists.txt", "a") as lists:
+        lists.write("add_library(plugin MODULE main.cpp)\ntarget_link_libraries(plugin PRIVATE cloudbow::transport)\n")
 
 
 def main():

@@ -44,7 +44,5 @@ int run(const RunOptions& options);
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
-/// What the machine, or the control group the process lives in, has.
-std::uint64_t physical_memory_bytes();
 
 }  // namespace cloudbow

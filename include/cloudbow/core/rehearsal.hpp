@@ -10,7 +10,7 @@ namespace cloudbow {
 
 struct RehearsalOptions {
   std::string library{};           ///< that reads the file, as messages name it
-  std::uint64_t memory_bytes = 0;  ///< beyond what the process has; 0: half of the machine's
+  std::uint64_t memory_bytes = 0;  ///< beyond what the process has; 0: half of what is available
   std::uint64_t wall_seconds = 0;  ///< 0: a minute, and a second for each megabyte of the file
   std::uint64_t cpu_seconds = 0;   ///< 0: 5 s, and a second for each megabyte of the file
 };

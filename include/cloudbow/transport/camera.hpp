@@ -54,6 +54,17 @@ Camera make_camera(const std::string& name, Camera::Projection projection, const
 /// a fisheye's circle.
 std::optional<Direction> line_of_sight(const Camera& camera, double column, double row);
 
+/// Calls `use(line)` for the lines of sight through a pixel: through the middles of its `rays` x `rays` parts.
+template <class Use>
+void for_lines_of_sight(const Camera& camera, int row, int column, const Use& use) {
+  for (int v = 0; v < camera.rays; ++v) {
+    for (int u = 0; u < camera.rays; ++u) {
+      if (const auto sight = line_of_sight(camera, column + (u + .5) / camera.rays, row + (v + .5) / camera.rays))
+        use(*sight);
+    }
+  }
+}
+
 /// "perspective", "fisheye" or "panorama".
 std::string projection_name(Camera::Projection projection);
 

@@ -52,6 +52,9 @@ struct PathPattern {
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
                               bool vertical, LevelRange levels);
 
+/// Segments of that pattern, at most: known before it is made.
+double pattern_segments(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels);
+
 /// Start fraction at which rays leave the last level at the centre of a column.
 struct StartFraction {
   double x;

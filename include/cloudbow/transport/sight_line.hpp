@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "cloudbow/core/not_negative.hpp"
 #include "cloudbow/transport/exponential_functions.hpp"
 #include "cloudbow/transport/gather.hpp"
 
@@ -156,8 +157,8 @@ double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, con
             static_cast<double>(gradient[1]) * ((place.y() - box.y_min_m) / box.dy_m - iy - .5) +
             static_cast<double>(gradient[2]) * ((place.z() - box.z_edge_m[k]) / box.thickness_m(k) - .5));
       };
-      const Real near = std::max(Real(0), offsets(at));
-      const Real far = std::max(Real(0), offsets(next));
+      const Real near = not_negative(offsets(at));
+      const Real far = not_negative(offsets(next));
       radiance += transmitted * static_cast<double>(t * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far)) * source(cell);
       transmitted -= transmitted * static_cast<double>(t * phi.phi1);
       if (transmitted < sight::seen_through) return radiance / (1 - transmitted);

@@ -18,16 +18,20 @@
 
 namespace cloudbow {
 
+/// Irradiances and sky radiances, where they are not 0: float then holds every flux and radiance that is 1e-12 of them
+/// or more, and everything that a cloud or surface focuses.
+inline constexpr double least_light = 1e-25, most_light = 1e25;
+
 struct Sun {
   Direction travel;       ///< direction in which sunlight travels, z < 0
-  double irradiance = 1;  ///< W m-2 through a surface that faces the sun
+  double irradiance = 1;  ///< W m-2, 0 or least_light to most_light, through a surface that faces the sun
 };
 
 struct Problem {
   OpticalGrid grid;
   std::vector<PhaseFunction> phase;  ///< one for each of grid.scattering
   std::optional<Sun> sun;
-  double sky_radiance = 0;  ///< W m-2 sr-1, uniform diffuse light from above
+  double sky_radiance = 0;  ///< W m-2 sr-1, 0 or least_light to most_light, uniform diffuse light from above
   Surface surface;
 };
 
@@ -161,13 +165,15 @@ struct SolverProgress {
 };
 using ProgressCallback = std::function<void(const SolverProgress&)>;
 
-/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points)
-/// and for cells too thick to be solved (thick_cells.hpp).
+/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points),
+/// for light out of range and for cells too thick to be solved (thick_cells.hpp).
+/// @throws std::runtime_error if a value of the solution is not finite.
 /// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
                Checkpoints* checkpoints = nullptr);
 
-/// Peak memory in bytes that solve() will need, within about 10 %.
+/// Peak memory in bytes that solve() will need, within about 10 %. @throws InputError as solve() for rays that cross
+/// too many cells.
 std::size_t predict_memory(const Problem& problem, const SolverOptions& options);
 /// Wall seconds on this machine, a rough prediction from segment counts.
 double predict_seconds(const Problem& problem, const SolverOptions& options);

@@ -8,16 +8,7 @@ namespace cloudbow {
 /// Fewer cells are swept sooner than threads have met at their barriers.
 inline constexpr std::size_t worth_threads = 5000;
 
-/// One thread in this scope where there are few cells.
-class ThreadsFor {
- public:
-  explicit ThreadsFor(std::size_t cells);
-  ~ThreadsFor();
-  ThreadsFor(const ThreadsFor&) = delete;
-  ThreadsFor& operator=(const ThreadsFor&) = delete;
-
- private:
-  int before_;
-};
+/// One where there are few cells, else as many as are given.
+inline int threads_for(std::size_t cells, int threads) { return cells < worth_threads ? 1 : threads; }
 
 }  // namespace cloudbow

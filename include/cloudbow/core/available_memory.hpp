@@ -1,0 +1,15 @@
+// How much memory the process may come to hold.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace cloudbow {
+
+/// Bytes that the process may hold in all, with what it holds now: the least of the machine's memory, what the system
+/// calls available, the limits of its control groups (version 1 and 2, with all groups above), and `ulimit -v` and
+/// `ulimit -d`.
+/// @param root folder in the place of / for the files of the kernel.
+std::uint64_t available_memory_bytes(const std::filesystem::path& root = "/");
+
+}  // namespace cloudbow

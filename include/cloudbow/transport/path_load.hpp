@@ -1,0 +1,30 @@
+// How long the shared patterns of a solve are, before any is made.
+#pragma once
+
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+/// Segments of patterns (path_pattern.hpp) of a solve by ordinates.
+struct PathLoad {
+  double beam = 0;             ///< of a ray of the direct beam
+  double longest_diffuse = 0;  ///< of an ordinate, a direction of the final gather or a view
+  double ordinates = 0;        ///< of all ordinates together, as they are marched
+
+  /// Held at once by so many threads.
+  double bytes(int threads) const;
+};
+
+PathLoad path_load(const Problem& problem, const SolverOptions& options);
+
+/// Segments of one ray of the direct beam; 0 if there is no beam that crosses columns.
+double beam_segments(const Problem& problem, const SolverOptions& options);
+
+/// Whether the sun is so low for these cells that float loses its beam.
+bool beam_needs_double(const Problem& problem, const SolverOptions& options);
+
+/// @throws InputError where a ray crosses more cells than can be solved in a sensible time, or where the sun lights the
+/// sides of an open domain so much more than its top that no error in the top's terms says anything.
+void check_paths(const Problem& problem, const SolverOptions& options);
+
+}  // namespace cloudbow
