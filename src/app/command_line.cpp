@@ -291,9 +291,6 @@ int run_command_line(int argc, const char* const* argv) {
     tell("cloudbow: {}{}\n", no_memory ? "" : "internal error: ", printable(error.what()));
     return no_memory ? kExitInputError : kExitInternalError;
   } catch (const std::exception& error) {
-    tell("cloudbow: internal error: {}\n", error.what());
-    return kExitInternalError;
-  } catch (const std::exception& error) {
     tell("cloudbow: internal error: {}\n", printable(error.what()));
     return kExitInternalError;
   }
