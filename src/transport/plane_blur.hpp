@@ -12,4 +12,7 @@ namespace cloudbow {
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 
+/// Whether a blur of this width changes anything.
+bool is_blurred(const BoxGrid& box, double sigma_m);
+
 }  // namespace cloudbow

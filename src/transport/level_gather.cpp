@@ -1,0 +1,318 @@
+// Fluxes between bottom and top: one forward march for each direction, its light in bands of the distance it has come.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "cloudbow/transport/gather.hpp"
+#include "gather_classes.hpp"
+#include "plane_blur.hpp"
+#include "source_gradients.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double band_growth = 1.6;  // a band of several levels ends at most this many times as far as it begins
+// Directions are shared out over these many sums, whatever the number of threads, so that sums have one order.
+constexpr std::size_t most_groups = 4;
+constexpr double most_sum_bytes = 1e9;        // of all groups, unless one alone takes more
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+constexpr int boundary_slot = 0;              // what comes from beyond the box
+
+// What the rays of every direction carry and book in one level of the march. A slot is an array of rays.
+struct LevelPlan {
+  int fresh = -1;                           // slot of what the level's cells send; -1: it has none
+  std::vector<int> carried;                 // slots whose light crosses the level
+  std::vector<std::pair<int, int>> merges;  // {from, into} slots, after the level
+  struct Booking {
+    int slot;
+    double distance_m;  // of height, from where the light was sent
+  };
+  int level = -1;                 // index among the wanted interfaces; -1: that after this level is not wanted
+  std::vector<Booking> bookings;  // for each slot but that of the boundary
+};
+
+struct MarchPlan {
+  int slots = 1;
+  std::vector<LevelPlan> steps;
+};
+
+// Bands are as in gather_flux: levels one by one next to an interface, more of them at a time further away. As the
+// march moves on, bands merge as soon as the distance to them allows.
+MarchPlan march_plan(const BoxGrid& box, const ActiveRows& rows, bool upward, std::span<const int> edges) {
+  struct Carried {
+    int slot;
+    double begin_m, end_m;  // height marched where its first and after its last level
+  };
+  MarchPlan plan;
+  std::vector<Carried> bands;  // the most distant first
+  std::vector<int> vacant;
+  double marched_m = 0;
+  const int steps = upward ? edges.back() : box.nz() - edges.front();
+  for (int step = 0; step < steps; ++step) {
+    const int k = upward ? step : box.nz() - 1 - step;
+    LevelPlan level;
+    level.carried.push_back(boundary_slot);
+    for (const Carried& band : bands) level.carried.push_back(band.slot);
+    const double begin_m = marched_m;
+    marched_m += box.thickness_m(k);
+    if (rows.level_cell[k + 1] > rows.level_cell[k]) {
+      if (vacant.empty()) vacant.push_back(plan.slots++);
+      level.fresh = vacant.back();
+      vacant.pop_back();
+      bands.push_back({level.fresh, begin_m, marched_m});
+    }
+    for (std::size_t b = 0; b + 1 < bands.size();) {
+      const double near_m = marched_m - bands[b + 1].end_m, far_m = marched_m - bands[b].begin_m;
+      if (far_m > band_growth * near_m * (1 + 1e-9)) {
+        ++b;
+        continue;
+      }
+      level.merges.emplace_back(bands[b + 1].slot, bands[b].slot);
+      vacant.push_back(bands[b + 1].slot);
+      bands[b].end_m = bands[b + 1].end_m;
+      bands.erase(bands.begin() + static_cast<std::ptrdiff_t>(b) + 1);
+    }
+    const auto wanted = std::find(edges.begin(), edges.end(), upward ? k + 1 : k);
+    if (wanted != edges.end()) {
+      level.level = static_cast<int>(wanted - edges.begin());
+      for (const Carried& band : bands)
+        level.bookings.push_back({band.slot, marched_m - .5 * (band.begin_m + band.end_m)});
+    }
+    plan.steps.push_back(std::move(level));
+  }
+  return plan;
+}
+
+// Sums of one class of directions: for each wanted interface a plane of what is not blurred, and one for each band that
+// is.
+struct ClassPlanes {
+  struct Blurred {
+    int level;
+    double width_m;
+  };
+  std::vector<std::vector<int>> plane;  // [step][booking]; those below the number of interfaces are not blurred
+  std::vector<Blurred> blurred;         // [planes - interfaces]
+
+  ClassPlanes(const MarchPlan& plan, const BoxGrid& box, const SpreadClass& alike, std::size_t levels) {
+    for (const LevelPlan& step : plan.steps) {
+      std::vector<int>& of_step = plane.emplace_back();
+      for (const auto& booking : step.bookings) {
+        const double width_m = blur_width_m(alike, booking.distance_m);
+        if (is_blurred(box, width_m)) {
+          of_step.push_back(static_cast<int>(levels + blurred.size()));
+          blurred.push_back({step.level, width_m});
+        } else {
+          of_step.push_back(step.level);
+        }
+      }
+    }
+  }
+};
+
+template <class Real>
+struct Workspace {
+  std::vector<std::vector<Real>> rays;  // [slots][columns + lane_padding]
+  std::vector<Real> sent, ground;
+  LinearSource<Real> own;
+};
+
+template <class Real>
+class LevelGather {
+ public:
+  LevelGather(const GatherScene<Real>& scene, bool upward, std::span<const int> edges)
+      : scene_(scene),
+        box_(scene.box),
+        rows_(scene.cells.rows),
+        upward_(upward),
+        columns_(scene.box.columns()),
+        levels_(edges.size()),
+        plan_(march_plan(scene.box, scene.cells.rows, upward, edges)) {}
+
+  std::vector<float> flux(std::vector<GatherDirection> directions) {
+    const std::vector<SpreadClass> classes = spread_classes(directions);
+    std::vector<float> flux(levels_ * columns_, 0.F);
+    SourceGradients<Real> gradients(scene_);
+    std::size_t prepared = 0;
+    for (const SpreadClass& alike : classes) {
+      if (alike.last > prepared) {
+        prepared = std::min(directions.size(), std::max(alike.last, alike.first + worth_a_gradient));
+        gradients.prepare({directions.data() + alike.first, prepared - alike.first});
+      }
+      add_class({directions.data(), directions.size()}, alike, gradients, flux);
+    }
+    return flux;
+  }
+
+ private:
+  void add_class(std::span<const GatherDirection> directions, const SpreadClass& alike,
+                 const SourceGradients<Real>& gradients, std::vector<float>& flux) {
+    const ClassPlanes planes(plan_, box_, alike, levels_);
+    const std::size_t size = (levels_ + planes.blurred.size()) * columns_;
+    const auto fits = static_cast<std::size_t>(most_sum_bytes / static_cast<double>(size * sizeof(Real)));
+    const std::size_t groups = std::clamp<std::size_t>(fits, 1, most_groups);
+    sums_.resize(std::max(sums_.size(), groups));
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t g = 0; g < groups; ++g) {
+      Workspace<Real> work;
+      work.rays.resize(plan_.slots);
+      for (auto& slot : work.rays) slot.resize(columns_ + lane_padding);
+      work.sent.resize(rows_.largest_level() + lane_padding);
+      sums_[g].assign(size, Real(0));
+      for (std::size_t q = alike.first + g; q < alike.last; q += groups)
+        march(directions[q], q, planes, gradients, work, sums_[g]);
+    }
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t p = 0; p < levels_ + planes.blurred.size(); ++p) {
+      Real* const sum = sums_[0].data() + p * columns_;
+      for (std::size_t g = 1; g < groups; ++g) {
+        const Real* __restrict const more = sums_[g].data() + p * columns_;
+        for (std::size_t c = 0; c < columns_; ++c) sum[c] += more[c];
+      }
+      if (p < levels_) continue;
+      std::vector<Real> plane(sum, sum + columns_);
+      blur_plane(plane, box_, planes.blurred[p - levels_].width_m);
+      std::copy(plane.begin(), plane.end(), sum);
+    }
+    for (std::size_t p = 0; p < levels_ + planes.blurred.size(); ++p) {
+      const Real* __restrict const sum = sums_[0].data() + p * columns_;
+      const std::size_t level = p < levels_ ? p : static_cast<std::size_t>(planes.blurred[p - levels_].level);
+      float* __restrict const to = flux.data() + level * columns_;
+      for (std::size_t c = 0; c < columns_; ++c) to[c] += static_cast<float>(sum[c]);
+    }
+  }
+
+  // Rays of one direction through all levels up to the last that is wanted.
+  void march(const GatherDirection& direction, std::size_t place, const ClassPlanes& planes,
+             const SourceGradients<Real>& gradients, Workspace<Real>& work, std::vector<Real>& sums) const {
+    const Direction& travel = direction.travel;
+    const LaunchPlace start = launch_place(place, true);
+    const int count = static_cast<int>(plan_.steps.size());
+    const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
+    const PathPattern pattern = make_path_pattern(box_, travel, start.x, start.y, false, range);
+    const SourceAlong<Real> source = scene_.source->along(travel, power(direction));
+    const CellView<Real> cells = gradients.along(travel, work.own);
+    const Real weight = static_cast<Real>(power(direction));
+    enter_box(travel, weight, work);
+    std::vector<double> side;
+    if (!box_.periodic && scene_.side_radiance) side = scene_.side_radiance(travel);
+    for (int step = 0; step < count; ++step) {
+      const LevelPlan& plan = plan_.steps[step];
+      const int level = pattern.level(step);
+      std::vector<Real*> carried;
+      for (const int slot : plan.carried) carried.push_back(work.rays[slot].data());
+      Real* fresh = nullptr;
+      if (plan.fresh >= 0) {
+        std::fill(work.rays[plan.fresh].begin(), work.rays[plan.fresh].end(), Real(0));
+        fresh = work.rays[plan.fresh].data();
+        const std::size_t first = rows_.level_cell[level];
+        source.fill(first, rows_.level_cell[level + 1] - first, work.sent.data());
+      }
+      const auto outside = [&](double at) {
+        if (side.empty()) return Real(0);
+        const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
+        return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]);
+      };
+      cross(pattern, step, cells, work.sent.data(), carried, fresh, outside);
+      for (const auto& [from, into] : plan.merges) {
+        const Real* __restrict const more = work.rays[from].data();
+        Real* __restrict const sum = work.rays[into].data();
+        for (std::size_t m = 0; m < columns_; ++m) sum[m] += more[m];
+      }
+      if (plan.level < 0) continue;
+      book(pattern, step, work.rays[boundary_slot], sums.data() + plan.level * columns_);
+      for (std::size_t b = 0; b < plan.bookings.size(); ++b)
+        book(pattern, step, work.rays[plan.bookings[b].slot], sums.data() + planes.plane[step][b] * columns_);
+    }
+  }
+
+  void enter_box(const Direction& travel, Real weight, Workspace<Real>& work) const {
+    std::vector<Real>& rays = work.rays[boundary_slot];
+    if (upward_) {
+      const Real* const leaving = scene_.ground->along(travel, work.ground);
+      for (std::size_t c = 0; c < columns_; ++c) rays[c] = weight * leaving[c];
+    } else {
+      std::fill(rays.begin(), rays.end(), weight * static_cast<Real>(scene_.sky_radiance));
+    }
+  }
+
+  // All rays cross one level: what they carry fades as exp(-t) = 1 - t phi1, what the cells send (docs/theory.md,
+  // "March along a ray") is added to `fresh`.
+  template <class Outside>
+  void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, const Real* sent,
+             std::span<Real* const> carried, Real* fresh, const Outside& outside) const {
+    const int level = pattern.level(step);
+    const std::size_t first_cell = rows_.level_cell[level];
+    const double chord = pattern.chord_m[step];
+    const auto begin = [&](const Segment& segment) {
+      return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+        Real* __restrict const sum = fresh + ray;
+        const Real* __restrict const s = sent + (cell - first_cell);
+        const Real* __restrict const sigma = cells.extinction + cell;
+        const Real* __restrict const gx = cells.gradient[0] + cell;
+        const Real* __restrict const gy = cells.gradient[1] + cell;
+        const Real* __restrict const gz = cells.gradient[2] + cell;
+        std::array<Real, lanes> faded;
+        for_lanes<Real>(count, [&, sum, s, sigma, gx, gy, gz](int i, bool active) {
+          const Real t = std::min(sigma[i] * g.length, static_cast<Real>(largest_optical_path));
+          const auto phi = exponential_functions(t);
+          const Real entry = 1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i];
+          const Real exit = 1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i];
+          const Real seen = active ? t : Real(0);
+          faded[i] = seen * phi.phi1;
+          sum[i] += seen * (s[i] * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry) - phi.phi1 * sum[i]);
+        });
+        for (Real* const slot : carried) {
+          Real* __restrict const light = slot + ray;
+          for_lanes<Real>(count, [&, light](int i, bool active) {
+            light[i] -= active ? faded[i] * light[i] : Real(0);
+          });
+        }
+      };
+    };
+    const auto enter = [&](const Segment& segment, double at) {
+      if (box_.periodic) return;
+      for_rays_through_side(segment, box_.nx, box_.ny, [&](std::size_t ray) {
+        for (Real* const slot : carried) slot[ray] = 0;
+        if (fresh != nullptr) fresh[ray] = 0;
+        carried[boundary_slot][ray] = outside(at);
+      });
+    };
+    cross_level(pattern, step, level, rows_, begin, enter);
+  }
+
+  // Light counts for the column that its ray is in after the step.
+  void book(const PathPattern& pattern, int step, const std::vector<Real>& rays, Real* plane) const {
+    for_shifted_rows(pattern.shift_x(step + 1), pattern.shift_y(step + 1), box_.nx, box_.ny,
+                     [&](std::size_t column, std::size_t ray, int n) {
+                       Real* __restrict const to = plane + column;
+                       const Real* __restrict const from = rays.data() + ray;
+                       for (int i = 0; i < n; ++i) to[i] += from[i];
+                     });
+  }
+
+  const GatherScene<Real>& scene_;
+  const BoxGrid& box_;
+  const ActiveRows& rows_;
+  bool upward_;
+  std::size_t columns_;
+  std::size_t levels_;
+  MarchPlan plan_;
+  std::vector<std::vector<Real>> sums_;  // [groups][planes][columns]
+};
+
+}  // namespace
+
+template <class Real>
+std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
+                                       const std::vector<GatherDirection>& directions) {
+  return LevelGather<Real>(scene, upward, edges).flux(directions);
+}
+
+template std::vector<float> gather_level_fluxes<float>(const GatherScene<float>&, std::span<const int>, bool,
+                                                       const std::vector<GatherDirection>&);
+template std::vector<float> gather_level_fluxes<double>(const GatherScene<double>&, std::span<const int>, bool,
+                                                        const std::vector<GatherDirection>&);
+
+}  // namespace cloudbow
