@@ -8,14 +8,6 @@
 namespace cloudbow {
 namespace {
 
-std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
-  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
-  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
-  std::vector<int> all(box.nz() + 1);
-  for (int e = 0; e <= box.nz(); ++e) all[e] = e;
-  return all;
-}
-
 double mean(const std::vector<double>& field) {
   double sum = 0;
   for (const double f : field) sum += f;
@@ -284,6 +276,14 @@ class FluxFields {
 };
 
 }  // namespace
+
+std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
+  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
+  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
+  std::vector<int> all(box.nz() + 1);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 template <class Real>
 void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,

@@ -141,7 +141,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
           for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
         }
         band.resize(columns);
-        blur_plane(band, box, blur_width_m(alike, bands[b].distance_m));
+        blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
       }
 #pragma omp single
       {

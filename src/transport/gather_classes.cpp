@@ -7,7 +7,6 @@ namespace {
 
 constexpr double class_growth = 1.4;  // directions of one class differ in spread by at most this factor
 constexpr int most_classes = 16;
-constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -43,8 +42,6 @@ std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions
   }
   return classes;
 }
-
-double blur_width_m(const SpreadClass& alike, double distance_m) { return blur_per_spread * alike.spread * distance_m; }
 
 LaunchPlace launch_place(std::size_t direction, bool filling) {
   const double q = static_cast<double>(direction);

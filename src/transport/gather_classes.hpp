@@ -18,11 +18,11 @@ struct SpreadClass {
   double spread;  ///< distance over which a beam spreads, per unit height (docs/theory.md (26)), flux-weighted
 };
 
+/// Width of the Gaussian that light of a direction is blurred by, as a fraction of its spread times its distance.
+inline constexpr double blur_per_spread = .3;
+
 /// Sorts the directions.
 std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions);
-
-/// Width in metres by which the light of a direction in this class is blurred at `distance_m` of height.
-double blur_width_m(const SpreadClass& alike, double distance_m);
 
 /// Where in their columns the rays of a direction start, as fractions.
 struct LaunchPlace {

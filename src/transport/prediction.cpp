@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/camera_view.hpp"
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/gather.hpp"
 #include "cloudbow/transport/thick_levels.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 #include "cloudbow/transport/uniform_axes.hpp"
@@ -30,6 +31,13 @@ std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& pr
   const CutLevels cut = cut_thick_levels(problem, options);
   if (cut.added(problem.grid.box) == 0) return std::nullopt;
   return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
+}
+
+// Flux levels between bottom and top.
+std::vector<int> inner_levels(const BoxGrid& box, const SolverOptions& options) {
+  std::vector<int> levels = flux_levels(box, options);
+  std::erase_if(levels, [&box](int level) { return level == 0 || level == box.nz(); });
+  return levels;
 }
 
 }  // namespace
@@ -91,7 +99,7 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   // While their source is made there is a second array; images follow gradients and a copy of what lines read.
   const std::size_t images = looked_along > 0 ? real * (2 * looked_along + 12) : 0;
   return program + tables + active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) +
-         dense * place + pixels * sizeof(float);
+         dense * place + pixels * sizeof(float) + level_gather_bytes(box, inner_levels(box, options), options.gather_directions);
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
@@ -118,12 +126,12 @@ double predict_seconds(const Problem& problem, const SolverOptions& options) {
   const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz())
                                                            : problem.grid.active_cells());
   const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair);
-  // Down, with a quarter more about the sun, up, and half as many at the levels between.
+  // Down, with a quarter more about the sun, and up; between bottom and top as many, their light in bands.
   const bool one_column = box.periodic && box.columns() == 1;
   const double gather = one_column || options.independent_columns
                             ? 0
                             : cells * options.gather_directions * seconds_a_gather_pair *
-                                  (2.25 + (options.flux_levels == FluxLevels::all ? 1.25 : 0));
+                                  (2.25 + (inner_levels(box, options).empty() ? 0 : 3));
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   return (sweep * usual_sweeps + gather) / threads + seconds_to_start;
 }

@@ -161,6 +161,9 @@ struct SolverProgress {
 };
 using ProgressCallback = std::function<void(const SolverProgress&)>;
 
+/// Indices of z_edge, ascending, at which a solution holds fluxes.
+std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options);
+
 /// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points)
 /// and for cells too thick to be solved (thick_cells.hpp).
 /// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
