@@ -18,6 +18,7 @@ constexpr double golden = .6180339887498949;
 constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;  // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;    // each distance band ends this many times as far as the last
+constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
 // Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
 constexpr std::size_t groups = 8;
 constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew

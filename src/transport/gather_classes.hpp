@@ -18,9 +18,6 @@ struct SpreadClass {
   double spread;  ///< distance over which a beam spreads, per unit height (docs/theory.md (26)), flux-weighted
 };
 
-/// Width of the Gaussian that light of a direction is blurred by, as a fraction of its spread times its distance.
-inline constexpr double blur_per_spread = .3;
-
 /// Sorts the directions.
 std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions);
 

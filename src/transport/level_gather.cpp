@@ -20,6 +20,9 @@ constexpr double band_growth = 3;  // a band of several levels ends at most this
 constexpr std::size_t most_groups = 4;
 constexpr double most_sum_bytes = 1.5e8;      // of all groups, unless one alone takes more
 constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+// Gaussian width as a fraction of the beam's spread: less than in gather_flux, because rays start in other places for
+// each direction, which smooths as well.
+constexpr double blur_per_spread = .2;
 constexpr int boundary_slot = 0;              // what comes from beyond the box
 
 // What the rays of every direction carry and book in one level of the march. A slot is an array of rays.

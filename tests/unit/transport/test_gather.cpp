@@ -201,7 +201,7 @@ TEST_F(GatherFlux, AnInterfaceIsTheSameWhateverOthersAreAskedFor) {
 
 TEST_F(GatherFlux, InVacuumAboveCloudTheForwardMarchIsAsSmoothAsTheEnds) {
   // Bright cells here and there in two levels, seen 18 and 28 levels above: the two methods differ in where their rays
-  // start. Unsmoothed, the forward march is off by a quarter of the mean in a column, as the ordinates are.
+  // start, and by a half in how wide they blur. Unsmoothed, the forward march is off by a quarter of the mean.
   const BoxGrid box = make_box(24, 20, 30);
   Random random(9);
   std::vector<float> extinction(cells_of(box), 0.F);
@@ -221,7 +221,7 @@ TEST_F(GatherFlux, InVacuumAboveCloudTheForwardMarchIsAsSmoothAsTheEnds) {
     const auto at = levels.begin() + static_cast<std::ptrdiff_t>(box.columns() * e);
     const std::vector<double> forward(at, at + static_cast<std::ptrdiff_t>(box.columns()));
     const auto backward = gather_flux(scene.gather, edges[e], true, directions);
-    EXPECT_LT(spread(forward), 1.2 * spread(backward) + 1e-3) << edges[e];
+    EXPECT_LT(spread(forward), 2 * spread(backward)) << edges[e];
     EXPECT_NEAR(mean(forward) / mean(backward), 1, 1e-3) << edges[e];
   }
 }
