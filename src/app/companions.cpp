@@ -54,8 +54,9 @@ void ask_for_fluxes_alone(SolverOptions& options) {
 SolverOptions ordinates_of_columns(const SolverOptions& options) {
   SolverOptions columns = options;
   ask_for_fluxes_alone(columns);
-  columns.flux_levels = FluxLevels::boundaries;
-  columns.largest_level_depth = 0;  // cut already
+  // The probe's levels are cut already, so that listed ones have other indices there.
+  columns.largest_level_depth = 0;
+  if (columns.flux_levels == FluxLevels::listed) columns.flux_levels = FluxLevels::all;
   columns.leave_out_uniform_axes = false;
   columns.independent_columns = true;
   columns.radiance_field = true;  // which is known by ordinates alone
@@ -90,12 +91,6 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
   }
   other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
   ask_for_fluxes_alone(other);
-  other.flux_levels = FluxLevels::boundaries;
-  if (options.flux_levels == FluxLevels::listed) {
-    other.flux_levels = FluxLevels::listed;
-    other.listed_levels = {options.listed_levels.front()};
-    if (options.listed_levels.size() > 1) other.listed_levels.push_back(options.listed_levels.back());
-  }
   return other;
 }
 

@@ -16,9 +16,7 @@ namespace {
 std::size_t solution_bytes(const AssembledScene& scene) {
   const BoxGrid& box = scene.problem.grid.box;
   const SolverOptions& options = scene.options;
-  const std::size_t levels = options.flux_levels == FluxLevels::all          ? box.z_edge_m.size()
-                             : options.flux_levels == FluxLevels::boundaries ? 2
-                                                                             : options.listed_levels.size();
+  const std::size_t levels = flux_levels(box, options).size();
   const std::size_t of_cells = (options.absorption ? 1 : 0) + (options.actinic ? 1 : 0);
   std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
   for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);

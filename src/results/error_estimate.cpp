@@ -11,6 +11,10 @@
 namespace cloudbow {
 namespace {
 
+// Between the ends columns are off by up to twice what the ends' weights make of the distances there: measured on four
+// fields of thick voxels (docs/error-estimates.md).
+constexpr double kBetweenEnds = 2;
+
 // Of incident: errors of columns whose mean is less are not in terms of it.
 constexpr double kLeastMean = 1e-6;
 
@@ -19,18 +23,27 @@ double incident(const Solution& solution) {
   return solution.profile_downwelling_diffuse_flux.back() + solution.profile_direct_flux.back();
 }
 
-std::vector<double> up_at_top(const Solution& solution) {
+std::size_t planes(const Solution& solution) { return solution.flux_level.size(); }
+
+/// Fluxes up through one of the levels that the solution holds.
+std::vector<double> up(const Solution& solution, std::size_t plane) {
   const auto columns = static_cast<std::ptrdiff_t>(solution.box.columns());
-  return {solution.upwelling_flux.end() - columns, solution.upwelling_flux.end()};
+  const auto begin = solution.upwelling_flux.begin() + static_cast<std::ptrdiff_t>(plane) * columns;
+  return {begin, begin + columns};
 }
 
-std::vector<double> down_at_bottom(const Solution& solution) {
-  std::vector<double> down(solution.box.columns());
-  for (std::size_t c = 0; c < down.size(); ++c) {
-    down[c] = static_cast<double>(solution.downwelling_diffuse_flux[c]) + static_cast<double>(solution.direct_flux[c]);
+/// Direct and diffuse.
+std::vector<double> down(const Solution& solution, std::size_t plane) {
+  std::vector<double> total(solution.box.columns());
+  for (std::size_t c = 0; c < total.size(); ++c) {
+    const std::size_t n = plane * total.size() + c;
+    total[c] = static_cast<double>(solution.downwelling_diffuse_flux[n]) + static_cast<double>(solution.direct_flux[n]);
   }
-  return down;
+  return total;
 }
+
+std::vector<double> up_at_top(const Solution& solution) { return up(solution, planes(solution) - 1); }
+std::vector<double> down_at_bottom(const Solution& solution) { return down(solution, 0); }
 
 double mean(const std::vector<double>& values) {
   double sum = 0;
@@ -113,6 +126,19 @@ ByFlux flux_distance(const Solution& solution, const Solution& other) {
   return distance;
 }
 
+ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other) {
+  assert(solution.flux_level == other.flux_level);
+  const double least = kLeastMean * incident(solution);
+  ByFlux distance;
+  for (std::size_t plane = 0; plane < planes(solution); ++plane) {
+    if (plane + 1 < planes(solution))
+      distance.up = std::max(distance.up, rms_over_mean(up(solution, plane), up(other, plane), least));
+    if (plane > 0)
+      distance.down = std::max(distance.down, rms_over_mean(down(solution, plane), down(other, plane), least));
+  }
+  return distance;
+}
+
 double ErrorParts::total() const { return std::hypot(angular, spatial, iteration); }
 
 double ErrorEstimate::columns() const { return std::max(up.total(), down.total()); }
@@ -125,15 +151,24 @@ ErrorEstimate estimate_error(const Solution& solution, const Companions& compani
   // Companions on the same cells do not know what thick cells cost, nor, with few directions, what thin air under a low
   // sun does.
   if (const auto& probe = companions.probe) estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
-  const auto parts = [&](double ByFlux::*flux) {
-    return ErrorParts{
-        std::max(weights.least.*flux, weights.angular.*flux * (estimate.angular_distance.*flux)),
-        std::max(weights.spatial.*flux * (estimate.spatial_distance.*flux), estimate.probe_distance.*flux),
-        solution.report.estimated_error};
+  const auto parts = [&](double ByFlux::*flux, const ByFlux& angular, const ByFlux& spatial, const ByFlux& probe) {
+    return ErrorParts{std::max(weights.least.*flux, weights.angular.*flux * (angular.*flux)),
+                      std::max(weights.spatial.*flux * (spatial.*flux), probe.*flux), solution.report.estimated_error};
   };
-  estimate.domain = parts(&ByFlux::domain);
-  estimate.up = parts(&ByFlux::up);
-  estimate.down = parts(&ByFlux::down);
+  const auto at_ends = [&](double ByFlux::*flux) {
+    return parts(flux, estimate.angular_distance, estimate.spatial_distance, estimate.probe_distance);
+  };
+  estimate.domain = at_ends(&ByFlux::domain);
+  estimate.up = at_ends(&ByFlux::up);
+  estimate.down = at_ends(&ByFlux::down);
+  if (planes(solution) > 2) {
+    const ByFlux angular = flux_distance_between_ends(solution, companions.linear);
+    const ByFlux spatial = flux_distance_between_ends(companions.linear, companions.constant);
+    ByFlux probe;
+    if (companions.probe) probe = flux_distance_between_ends(companions.probe->by_ordinates, companions.probe->exact);
+    estimate.between_ends = kBetweenEnds * std::max(parts(&ByFlux::up, angular, spatial, probe).total(),
+                                                    parts(&ByFlux::down, angular, spatial, probe).total());
+  }
   const auto count = [&estimate](const SolverReport& report) {
     estimate.cpu_seconds += report.cpu_seconds;
     estimate.table_seconds += report.seconds_tables;
@@ -156,8 +191,11 @@ ErrorEstimate estimate_error(const Solution& solution, const Companions& compani
 
 std::string error_line(const ErrorEstimate& estimate) {
   const auto percent = [](double fraction) { return fmt::format("{:.2g} %", 100 * fraction); };
-  return fmt::format("{:<21} domain {}, columns up {}, down {}\n", "flux errors, about",
-                     percent(estimate.domain.total()), percent(estimate.up.total()), percent(estimate.down.total()));
+  const std::string between =
+      estimate.between_ends > 0 ? fmt::format(", at levels between {}", percent(estimate.between_ends)) : "";
+  return fmt::format("{:<21} domain {}, columns up {}, down {}{}\n", "flux errors, about",
+                     percent(estimate.domain.total()), percent(estimate.up.total()), percent(estimate.down.total()),
+                     between);
 }
 
 }  // namespace cloudbow

@@ -283,7 +283,8 @@ class ResultWriter {
         {{"units", "1"},
          {"comment",
           "domain: of reflectance and transmittance, fraction of incident; columns: up at the highest and down at "
-          "the lowest level, RMS over the columns / mean"}});
+          "the lowest level, RMS over the columns / mean; columns_between: up or down, at the worst of the other levels; 0 "
+          "without any"}});
     struct Named {
       const char* name;
       ErrorParts ErrorEstimate::*parts;
@@ -310,6 +311,7 @@ class ResultWriter {
     }
     netcdf4::write_attributes(group,
                               {{"columns", of([](const ErrorEstimate& estimate) { return estimate.columns(); })},
+                               {"columns_between", of([](const ErrorEstimate& e) { return e.between_ends; })},
                                {"cpu_seconds", of([](const ErrorEstimate& estimate) { return estimate.cpu_seconds; })},
                                {"calibrated_for", info_.error_estimates.front().calibrated_for}});
     group.close();

@@ -45,14 +45,6 @@ struct Sums {
   double squared_imbalance = 0;
 };
 
-std::vector<int> levels_asked(const BoxGrid& box, const SolverOptions& options) {
-  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
-  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
-  std::vector<int> all(box.nz() + 1);
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
 template <class Real>
 class ColumnSolver {
  public:
@@ -476,7 +468,7 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
   Solution solution;
   solution.box = box;
   solution.sun = problem.sun;
-  solution.flux_level = levels_asked(box, options);
+  solution.flux_level = flux_levels(box, options);
   for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux})
     field->assign(solution.flux_level.size() * box.columns(), 0.F);
   if (options.absorption) solution.absorbed_power.assign(box.columns() * box.nz(), 0.F);
@@ -531,9 +523,7 @@ std::size_t columns_memory(const Problem& problem, const SolverOptions& options,
   const std::size_t real = in_double ? sizeof(double) : sizeof(float);
   const auto n = static_cast<std::size_t>(options.column_streams);
   const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
-  const std::size_t fluxes = options.flux_levels == FluxLevels::all          ? levels
-                             : options.flux_levels == FluxLevels::boundaries ? 2
-                                                                             : options.listed_levels.size();
+  const std::size_t fluxes = flux_levels(box, options).size();
   const std::size_t fields =
       4 * (3 * fluxes * box.columns() + ((options.absorption ? 1 : 0) + (options.actinic ? 1 : 0)) * cells);
   const std::size_t batch = levels * lanes * real * (n * (n + 1) + 4 * n + 12 + 2 * problem.phase.size());

@@ -10,14 +10,6 @@
 namespace cloudbow {
 namespace {
 
-std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
-  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
-  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
-  std::vector<int> all(box.nz() + 1);
-  for (int e = 0; e <= box.nz(); ++e) all[e] = e;
-  return all;
-}
-
 double mean(const std::vector<double>& field) {
   double sum = 0;
   for (const double f : field) sum += f;
@@ -69,15 +61,7 @@ class FluxFields {
     for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
       field->reserve(columns_ * solution.flux_level.size());
     }
-    std::vector<float> inner_up, inner_down;
-    const bool inner = source_ && options_.flux_levels == FluxLevels::all && system_.box.nz() > 1;
-    if (inner) {
-      const auto scene = gather_scene();
-      const int count = std::max(32, options_.gather_directions / 2);
-      inner_down = march_level_fluxes<Real>(scene, false, gather_directions(count, false, sun_direction()));
-      report_progress(.75);
-      inner_up = march_level_fluxes<Real>(scene, true, gather_directions(count, true, std::nullopt));
-    }
+    if (source_) gather_inner(solution);
     for (const int edge : solution.flux_level) {
       LevelFlux flux;
       if (problem_.sun) {
@@ -87,11 +71,6 @@ class FluxFields {
       if (!source_) {
         flux.up = slice(solved_.fluxes.column_up, edge);
         flux.down = slice(solved_.fluxes.column_down, edge);
-      } else if (inner && edge > 0 && edge < system_.box.nz()) {
-        flux.up = slice(inner_up, edge);
-        flux.down = slice(inner_down, edge);
-        rescale(flux.up, profile_up(edge));
-        rescale(flux.down, profile_down(edge));
       } else {
         set_plane(edge, solution, flux);
       }
@@ -126,12 +105,12 @@ class FluxFields {
     peak_directions_ = peak_directions(peak_angles(discretisation.peak, scattering, count), problem_.sun->travel);
   }
 
-  // The beam's light that is not direct, at a plane; `flux` holds that on the sun's own line.
-  void spread_peak(int edge, std::vector<double>& flux) const {
-    if (peak_directions_.empty()) return;
-    const GatherScene<Real> scene{system_.box, *system_.cells, &*peak_source_,      {},
-                                  0.,          nullptr,        carried_extinction_, true};
-    std::vector<double> peak = gather_flux<Real>(scene, edge, false, peak_directions_);
+  GatherScene<Real> peak_scene() const {
+    return {system_.box, *system_.cells, &*peak_source_, {}, 0., nullptr, carried_extinction_, true};
+  }
+
+  // The beam's light that is not direct, at a plane, from `peak` as gathered; `flux` holds that on the sun's own line.
+  void add_peak(std::vector<double> peak, int edge, std::vector<double>& flux) const {
     const std::vector<double> sharp = slice(sharp_beam_->level_flux, edge);
     const std::vector<double> direct = slice(true_beam_->level_flux, edge);
     rescale(peak, mean(flux) + mean(direct) - mean(sharp));
@@ -179,7 +158,8 @@ class FluxFields {
       direct = slice(true_beam_->level_flux, 0);
       bottom_carried_ = slice(carried_beam_->level_flux, 0);
       for (std::size_t c = 0; c < columns_; ++c) bottom_carried_[c] -= direct[c];
-      spread_peak(0, bottom_carried_);
+      if (!peak_directions_.empty())
+        add_peak(gather_flux<Real>(peak_scene(), 0, false, peak_directions_), 0, bottom_carried_);
       for (std::size_t c = 0; c < columns_; ++c) direct[c] += bottom_carried_[c];
     }
     ground_ = system_.ground.radiance(solved_.fluxes.surface_arriving, bottom_down_, direct, system_.ordinates);
@@ -205,6 +185,24 @@ class FluxFields {
     report_progress(.5);
   }
 
+  // Between bottom and top.
+  void gather_inner(const Solution& solution) {
+    for (const int edge : solution.flux_level) {
+      if (edge > 0 && edge < system_.box.nz()) inner_edges_.push_back(edge);
+    }
+    if (inner_edges_.empty()) return;
+    const auto gather = [this](const GatherScene<Real>& scene, bool upward,
+                               const std::vector<GatherDirection>& directions) {
+      return gather_level_fluxes<Real>(scene, inner_edges_, upward, directions);
+    };
+    const int count = options_.gather_directions;
+    inner_down_ = gather(gather_scene(), false, gather_directions(count, false, sun_direction()));
+    report_progress(.7);
+    inner_up_ = gather(gather_scene(), true, gather_directions(count, true, std::nullopt));
+    report_progress(.9);
+    if (!peak_directions_.empty()) inner_peak_ = gather(peak_scene(), false, peak_directions_);
+  }
+
   void set_plane(int edge, Solution& solution, LevelFlux& flux) const {
     const int top = system_.box.nz();
     if (edge == 0) {
@@ -215,13 +213,13 @@ class FluxFields {
       flux.up = top_up_;
       flux.down.assign(columns_, std::numbers::pi * problem_.sky_radiance);
     } else {
-      flux.up = gather_flux<Real>(gather_scene(), edge, true,
-                                  gather_directions(options_.gather_directions, true, std::nullopt));
-      flux.down = gather_flux<Real>(gather_scene(), edge, false,
-                                    gather_directions(options_.gather_directions, false, sun_direction()));
+      const auto inner = static_cast<int>(std::lower_bound(inner_edges_.begin(), inner_edges_.end(), edge) -
+                                          inner_edges_.begin());
+      flux.up = slice(inner_up_, inner);
+      flux.down = slice(inner_down_, inner);
       note_factor(solution, rescale(flux.up, profile_up(edge)));
       note_factor(solution, rescale(flux.down, profile_down(edge)));
-      if (problem_.sun) spread_peak(edge, flux.carried);
+      if (!inner_peak_.empty()) add_peak(slice(inner_peak_, inner), edge, flux.carried);
     }
   }
 
@@ -275,9 +273,19 @@ class FluxFields {
   std::optional<GroundRadiance<Real>> ground_;
   std::vector<double> bottom_down_;
   std::vector<double> top_up_;
+  std::vector<int> inner_edges_;  // of flux levels those between bottom and top
+  std::vector<float> inner_up_, inner_down_, inner_peak_;  // [inner_edges_][columns]
 };
 
 }  // namespace
+
+std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
+  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
+  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
+  std::vector<int> all(box.nz() + 1);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 template <class Real>
 void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,

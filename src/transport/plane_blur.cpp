@@ -86,6 +86,8 @@ void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m) {
   if (along_y.reach > 0) blur_along_y(field, box.nx, box.ny, box.periodic, along_y);
 }
 
+double least_blur_m(const BoxGrid& box) { return least_blur * std::min(box.dx_m, box.dy_m); }
+
 template void blur_plane<float>(std::vector<float>&, const BoxGrid&, double);
 template void blur_plane<double>(std::vector<double>&, const BoxGrid&, double);
 

@@ -12,4 +12,7 @@ namespace cloudbow {
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 
+/// Narrower blurs change nothing.
+double least_blur_m(const BoxGrid& box);
+
 }  // namespace cloudbow

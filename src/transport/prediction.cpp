@@ -6,6 +6,7 @@
 
 #include "cloudbow/transport/camera_view.hpp"
 #include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/gather.hpp"
 #include "cloudbow/transport/path_load.hpp"
 #include "cloudbow/transport/thick_levels.hpp"
 #include "cloudbow/transport/transport_system.hpp"
@@ -64,6 +65,13 @@ double pixel_seconds(const BoxGrid& box, const SolverOptions& options) {
     lines += static_cast<double>(camera.width) * camera.height * camera.rays * camera.rays;
   for (const View& view : options.views) lines += static_cast<double>(view.width) * view.height * options.beam_rays;
   return lines * (seconds_a_line + seconds_a_cell * (box.nz() + (box.nx + box.ny) / 2.));
+}
+
+// Flux levels between bottom and top.
+std::vector<int> inner_levels(const BoxGrid& box, const SolverOptions& options) {
+  std::vector<int> levels = flux_levels(box, options);
+  std::erase_if(levels, [&box](int level) { return level == 0 || level == box.nz(); });
+  return levels;
 }
 
 }  // namespace
@@ -134,7 +142,8 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   constexpr std::size_t pixel = 3 * sizeof(float);
   return program + tables + of_patterns +
          active * (grid + cell + system + std::max(iteration, gather) + radiance_field + images) + dense * place +
-         box.columns() * surface + pixels * pixel;
+         box.columns() * surface + pixels * pixel +
+         level_gather_bytes(box, inner_levels(box, options), options.gather_directions);
 }
 
 double predict_seconds(const Problem& problem, const SolverOptions& options) {
@@ -161,12 +170,12 @@ double predict_seconds(const Problem& problem, const SolverOptions& options) {
   const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz())
                                                            : problem.grid.active_cells());
   const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair);
-  // Down, with a quarter more about the sun, up, and half as many at the levels between.
+  // Down, with a quarter more about the sun, and up; between bottom and top as many, their light in bands.
   const bool one_column = box.periodic && box.columns() == 1;
   const double gather = one_column || options.independent_columns
                             ? 0
                             : cells * options.gather_directions * seconds_a_gather_pair *
-                                  (2.25 + (options.flux_levels == FluxLevels::all ? 1.25 : 0));
+                                  (2.25 + (inner_levels(box, options).empty() ? 0 : 3));
   // Cells that are higher than wide are crossed in more segments: on average one a face.
   const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();

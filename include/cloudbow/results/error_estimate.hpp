@@ -18,8 +18,12 @@ struct ByFlux {
 
 /// How far apart two solutions of one problem are. Of the domain the largest difference of the mean fluxes up and down
 /// at any level is taken: at the ends alone two solutions may agree by chance. Columns are those of the highest and the
-/// lowest level that the first one holds; the second one holds these two.
+/// lowest level that both hold.
 ByFlux flux_distance(const Solution& solution, const Solution& other);
+
+/// The largest distance of columns at the other levels and directions: up below the highest level that the solutions
+/// hold, down above the lowest. The domain is left 0. Both solutions hold the same levels.
+ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other);
 
 /// What one unit of distance between solutions counts as an error.
 struct ErrorWeights {
@@ -38,6 +42,7 @@ struct ErrorParts {
 
 struct ErrorEstimate {
   ErrorParts domain, up, down;
+  double between_ends = 0;  ///< columns, up or down, at the worst other level, RMS / mean; 0: there are the ends alone
   ByFlux angular_distance, spatial_distance;  ///< before they were weighed
   ByFlux probe_distance;                      ///< of single columns from their exact solution
   double cpu_seconds = 0;                     ///< of the companions

@@ -53,9 +53,13 @@ template <class Real>
 std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
                                 const std::vector<GatherDirection>& directions);
 
-/// Diffuse fluxes at all interfaces from a forward march, unsmoothed: [nz+1][columns].
+/// Diffuse fluxes [edges][columns] through the interfaces z_edge[edges], of those between bottom and top, ascending: one
+/// forward march for all of them, its light in distance bands that are smoothed as those of gather_flux.
 template <class Real>
-std::vector<float> march_level_fluxes(const GatherScene<Real>& scene, bool upward,
-                                      const std::vector<GatherDirection>& directions);
+std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
+                                       const std::vector<GatherDirection>& directions);
+
+/// The most memory that gather_level_fluxes takes in float for its sums, with this many directions.
+std::size_t level_gather_bytes(const BoxGrid& box, std::span<const int> edges, int directions);
 
 }  // namespace cloudbow

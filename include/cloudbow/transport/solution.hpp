@@ -165,6 +165,9 @@ struct SolverProgress {
 };
 using ProgressCallback = std::function<void(const SolverProgress&)>;
 
+/// Indices of z_edge, ascending, at which a solution holds fluxes.
+std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options);
+
 /// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points),
 /// for light out of range and for cells too thick to be solved (thick_cells.hpp).
 /// @throws std::runtime_error if a value of the solution is not finite.

@@ -62,6 +62,43 @@ TEST(FluxDistance, OfTheDomainIsTheLargestOfAnyLevel) {
   EXPECT_NEAR(flux_distance(made_up(0, 0), other).domain, .07, 1e-12);
 }
 
+TEST(FluxDistance, BetweenTheEndsIsTheWorstOfTheOtherPlanes) {
+  // Level 0 is off by .1 up, level 1 by .3 down: both planes are ends of the other direction.
+  Solution other = made_up(0, 0);
+  for (std::size_t c = 0; c < 6; ++c) {
+    other.upwelling_flux[c] += .1F;
+    other.direct_flux[6 + c] += .3F;
+  }
+  const ByFlux ends = flux_distance(made_up(0, 0), other);
+  EXPECT_EQ(ends.up, 0);
+  EXPECT_EQ(ends.down, 0);
+  const ByFlux between = flux_distance_between_ends(made_up(0, 0), other);
+  EXPECT_NEAR(between.up, .1 / 2, kRounding);
+  EXPECT_NEAR(between.down, .3 / 6, kRounding);
+  EXPECT_EQ(between.domain, 0);
+}
+
+TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
+  const ErrorWeights weights{{1, 1, 1}, {1, 1, 1}, {0, 0, 0}};
+  const auto three_levels = [](float offset) {
+    Solution solution = made_up(0, 0);
+    solution.flux_level = {0, 1, 2};
+    for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux})
+      field->insert(field->end(), field->begin(), field->begin() + 6);
+    for (std::size_t c = 6; c < 12; ++c) solution.upwelling_flux[c] += offset;
+    return solution;
+  };
+  const Companions off{three_levels(.1F), three_levels(.1F)};
+  const ErrorEstimate estimate = estimate_error(three_levels(0), off, weights, false);
+  EXPECT_EQ(estimate.up.total(), 0);
+  EXPECT_NEAR(estimate.between_ends, 2 * .1 / 2, kRounding) << "which count twice";
+  EXPECT_NE(error_line(estimate).find("at levels between 10 %"), std::string::npos) << error_line(estimate);
+  const Companions at_ends{made_up(.1, .3), made_up(.1, .3)};
+  const ErrorEstimate of_two = estimate_error(made_up(0, 0), at_ends, weights, false);
+  EXPECT_EQ(of_two.between_ends, 0);
+  EXPECT_EQ(error_line(of_two).find("between"), std::string::npos);
+}
+
 // What companions on the same cells do not see.
 TEST(ErrorEstimate, CountsProbesAsSpatialWhereTheyAreTheLargerPart) {
   Companions companions{made_up(.1, .3), made_up(.14, .3), Companions::Probe{made_up(0, 0), made_up(.2, .12)}};
