@@ -110,7 +110,7 @@ CASES = [
     imported("palm_3d.nc", US_1976, "--fill", "clear", *AIR, words=("4 cells are missing", "U.S. Standard Atmosphere 1976")),
     refused("packed.nc", ("-7.728352e-06", "packed integers"), note="four values wrapped round in 16 bits (33000 stored as -32536)"),
     imported("species.nc", CUMULUS, words=("NOT imported: 'qi', cloud ice", "NOT imported: 'qr', rain")),
-    imported("species.nc", {"largest": (0.3058, 1e-3)}, "--variable", "qi", note="ice: .3 of the water"),
+    imported("species.nc", {"largest": (0.3058, 1e-3)}, "--variable", "qi", words=("'qi' is cloud ice",), note="ice: .3 of the water"),
     refused("qlqc.nc", ("'qc' and 'ql'", "--variable")),
     imported("qlqc.nc", CUMULUS, "--variable", "qc"),
     imported("f2_sam.nc", {"largest": (0.1, 1e-6)}, *CELLS, words=("'QN' less 'QI'", "NOT imported: 'QI', cloud ice")),
