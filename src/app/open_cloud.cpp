@@ -201,7 +201,14 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   }
 
   std::vector<float> radius;
-  if (!cloud.effective_radius_grid.empty() && (is_water || cloud.droplets != nullptr)) {
+  const bool has_radius_grid = !cloud.effective_radius_grid.empty();
+  if (!is_water && cloud.droplets == nullptr && !cloud.extinction_m2_per_g) {
+    if (has_radius_grid || cloud.effective_radius_um) {
+      files.note(fmt::format("note: {}: not used: the grid \"{}\" holds extinction, and phase_function is no Mie table",
+                             scene.where(has_radius_grid ? "cloud.effective_radius_grid" : "cloud.effective_radius_um"),
+                             cloud.read.grid));
+    }
+  } else if (has_radius_grid) {
     radius = read_effective_radius(scene, files, field, companion);
     const auto [least, largest] = std::minmax_element(radius.begin(), radius.end());
     opened.figures.effective_radius_um = {*least, *largest};

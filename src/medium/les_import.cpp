@@ -320,9 +320,12 @@ class LesReader {
 
   // -- what else ----------------------------------------------------------------------------------------------------
 
-  /// Water of other kinds is not imported, and the user is told so.
+  /// Water of other kinds is not imported unless it is named, and the user is told so.
   void report_species() {
     for (const Species& species : kSpecies) {
+      const auto& names = species.names;
+      if (!is_extinction_ && std::find(names.begin(), names.end(), main_.name) != names.end())
+        file_.note("'{}' is {} by its name, and counts as liquid water", main_.name, species.what);
       const NetcdfVariable* variable = file_.first_of(species.names);
       if (variable == nullptr || variable == &main_) continue;
       if (!grid_.holds(*variable)) {

@@ -230,6 +230,21 @@ TEST_F(AssembleTest, DoubtsAndNotesAreToldOnce) {
                                          AllOf(HasSubstr("warning: "), HasSubstr("optical depth 7.519e+05"))));
 }
 
+// Extinction with a phase function of its own has no use for radii: the user is told, and the grid need not be there.
+TEST_F(AssembleTest, ARadiusThatNothingUsesIsTold) {
+  write_cloud("extinction");
+  for (const std::string key : {"effective_radius_um = 7", "effective_radius_grid = \"nowhere\""}) {
+    std::vector<std::string> told;
+    CloudFiles files(false, [&](const std::string& sentence) { told.push_back(sentence); });
+    const Scene scene = read_scene(folder_.write(
+        "scene.toml", "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\nsingle_scattering_albedo = 1\n" +
+                          key + "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n"));
+    const AssembledScene assembled = assemble(scene, kMemory, files, {});
+    EXPECT_THAT(told, testing::ElementsAre(AllOf(HasSubstr("cloud.effective_radius"), HasSubstr("not used"))));
+    EXPECT_FALSE(assembled.cloud->effective_radius_um);
+  }
+}
+
 /// The same cloud with droplets by a table: radii 5 and 10 um, extinctions 0.4 and 0.1 m2/g, albedos 0.5 and 1.
 class MieSceneTest : public AssembleTest {
  protected:

@@ -471,6 +471,13 @@ TEST_F(LesImport, OtherSpeciesAreToldAndNeverMixed) {
   EXPECT_THAT(notes_of(cloud), HasSubstr("NOT imported: 'qi', cloud ice"));
   EXPECT_THAT(notes_of(cloud), HasSubstr("NOT imported: 'qr', rain"));
   EXPECT_THAT(notes_of(cloud), Not(HasSubstr("'qg'")));  // nothing there
+  EXPECT_THAT(notes_of(cloud), Not(HasSubstr("counts as liquid water")));
+  CloudImportOptions ice = with([&](NetcdfBuilder& file) {
+    add_rho(file);
+    add_water(file, "qi", "kg/kg", 0.3);
+  });
+  ice.variable = "qi";
+  EXPECT_THAT(notes_of(import_cloud(ice)), HasSubstr("'qi' is cloud ice by its name, and counts as liquid water"));
 
   const auto two = with([&](NetcdfBuilder& file) {
     add_rho(file);
