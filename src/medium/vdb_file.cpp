@@ -39,10 +39,10 @@ void check_memory_to_load() {
   }
   const std::uint64_t left = memory_left_by_limits(), needed = libraries + log_threads * stack;
   if (left >= needed) return;
-  throw InputError(
-      fmt::format("{}: too little memory to load OpenVDB (found {} MB that the limits of this process leave, allowed {} "
-                  "MB and more) raise `ulimit -v` and `ulimit -d`",
-                  module_file, left / 1'000'000, needed / 1'000'000));
+  throw InputError(fmt::format(
+      "{}: too little memory to load OpenVDB (found {} MB that the limits of this process leave, allowed {} "
+      "MB and more) raise `ulimit -v` and `ulimit -d`",
+      module_file, left / 1'000'000, needed / 1'000'000));
 }
 
 const void* load_symbol() {
