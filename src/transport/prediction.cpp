@@ -11,6 +11,7 @@
 #include "cloudbow/transport/path_load.hpp"
 #include "cloudbow/transport/sight_line.hpp"
 #include "cloudbow/transport/thick_levels.hpp"
+#include "cloudbow/transport/threads.hpp"
 #include "cloudbow/transport/transport_system.hpp"
 #include "cloudbow/transport/uniform_axes.hpp"
 
@@ -34,6 +35,14 @@ std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& pr
   const CutLevels cut = cut_thick_levels(problem, options);
   if (cut.added(problem.grid.box) == 0) return std::nullopt;
   return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
+}
+
+// With as many threads as the solve will have.
+SolverOptions with_threads(const Problem& problem, const SolverOptions& options) {
+  SolverOptions with = options;
+  const int threads = threads_for(problem, options);
+  with.threads = threads > 0 ? threads : omp_get_max_threads();
+  return with;
 }
 
 // The same views in smaller images, which tell what they see as well.
@@ -139,22 +148,23 @@ double surface_seconds(const Problem& problem, int ordinates) {
 
 }  // namespace
 
-std::size_t predict_memory(const Problem& problem, const SolverOptions& options) {
-  if (const auto less = without_uniform_axes(problem, options)) {
+std::size_t predict_memory(const Problem& problem, const SolverOptions& asked) {
+  if (const auto less = without_uniform_axes(problem, asked)) {
     const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
     const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
     // Fluxes and absorption of the whole, and on their way into the file.
     return predict_memory(less->first, less->second) + grid + 8 * cells * sizeof(float);
   }
-  if (const auto fine = in_cut_levels(problem, options)) {
+  if (const auto fine = in_cut_levels(problem, asked)) {
     const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
     return predict_memory(fine->first, fine->second) + grid;
   }
+  const SolverOptions options = with_threads(problem, asked);
   // Libraries; reading a cloud takes another one.
   constexpr std::size_t libraries = 20'000'000;
   constexpr std::size_t reading = 33'000'000;
   check_paths(problem, options);
-  const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
+  const auto threads = static_cast<std::size_t>(options.threads);
   const auto of_patterns = static_cast<std::size_t>(path_load(problem, options).bytes(static_cast<int>(threads)));
   if (solved_without_azimuths(problem, options)) {
     constexpr std::size_t program_of_columns = 17'500'000;
@@ -213,9 +223,10 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& options)
   return program + dense * place + std::max(solving, writing);
 }
 
-double predict_seconds(const Problem& problem, const SolverOptions& options) {
-  if (const auto less = without_uniform_axes(problem, options)) return predict_seconds(less->first, less->second);
-  if (const auto fine = in_cut_levels(problem, options)) return predict_seconds(fine->first, fine->second);
+double predict_seconds(const Problem& problem, const SolverOptions& asked) {
+  if (const auto less = without_uniform_axes(problem, asked)) return predict_seconds(less->first, less->second);
+  if (const auto fine = in_cut_levels(problem, asked)) return predict_seconds(fine->first, fine->second);
+  const SolverOptions options = with_threads(problem, asked);
   if (solved_without_azimuths(problem, options))
     return columns_seconds(problem, options, runs_in_double(problem, options));
   // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest
@@ -245,10 +256,9 @@ double predict_seconds(const Problem& problem, const SolverOptions& options) {
                                   (2.25 + (options.flux_levels == FluxLevels::all ? 1.25 : 0));
   // Cells that are higher than wide are crossed in more segments: on average one a face.
   const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
-  const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   return (sweep * usual_sweeps + gather * (1 + tall) + beam_seconds(problem, options, cells) +
           pixel_seconds(problem, options) + seen_seconds(options, cells, ordinates.size())) /
-             threads +
+             options.threads +
          surface_seconds(problem, ordinates.size()) + seconds_to_start;
 }
 
