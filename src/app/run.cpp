@@ -215,8 +215,6 @@ int run(const RunOptions& options) {
     if (!options.quiet) tell("cloudbow: {}\n", printable(sentence));
   });
   const InterruptGuard guard;
-  std::optional<ThreadScope> threads;
-  if (!options.dry_run) threads.emplace(options.threads);
   Solved solved;
   std::optional<RunPlan> plan;
   if (options.goal) {
@@ -246,6 +244,7 @@ int run(const RunOptions& options) {
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
   }
+  const ThreadScope threads(options.threads);
   write_result(output, solved.solutions, info, solved.by_columns);
   InterruptGuard::check();
 

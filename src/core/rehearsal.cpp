@@ -58,19 +58,13 @@ rlim_t room_below(auto resource, rlim_t in_use) {
   return limit.rlim_cur - std::min(limit.rlim_cur, in_use);
 }
 
-/// Of `ulimit -v` and `ulimit -d`.
-rlim_t memory_left_by_host() {
-  const MemoryInUse in_use = memory_in_use();
-  return std::min(room_below(RLIMIT_AS, in_use.addresses), room_below(RLIMIT_DATA, in_use.data));
-}
-
 /// Parsing takes less than 0.1 s and 0.1 s for each megabyte; a disk of the network gives at least a megabyte a second.
 Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& options) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
   const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : available_memory_bytes() / 2;
-  const rlim_t left = memory_left_by_host();
+  const rlim_t left = memory_left_by_limits();
   // Libraries need some 30 MB for themselves, and buffers of about the file's size.
   const rlim_t comfortable = (128 + 2 * megabytes) * megabyte;
   return {options.cpu_seconds > 0 ? options.cpu_seconds : 5 + megabytes,
@@ -216,7 +210,10 @@ void judge(const std::string& path, const std::string& library, const Limits& li
 
 }  // namespace
 
-bool memory_is_limited() { return memory_left_by_host() != RLIM_INFINITY; }
+std::uint64_t memory_left_by_limits() {
+  const MemoryInUse in_use = memory_in_use();
+  return std::min(room_below(RLIMIT_AS, in_use.addresses), room_below(RLIMIT_DATA, in_use.data));
+}
 
 void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read) {
   const Limits limits = limits_for(path, options);

@@ -2,8 +2,10 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <chrono>
+#include <cstdint>
 #include <thread>
 
 #include "cloudbow/core/error.hpp"
@@ -25,6 +27,24 @@ constexpr bool has_address_sanitizer = __has_feature(address_sanitizer);
 constexpr bool has_address_sanitizer = false;
 #endif
 
+/// OpenVDB's log starts threads as it is loaded. It ends the program, or waits for ever, if they find no memory.
+void check_memory_to_load() {
+  constexpr std::uint64_t log_threads = 4;
+  constexpr std::uint64_t libraries = 100'000'000;  // 65 MB, and what reading a small file takes
+  pthread_attr_t attributes{};
+  std::size_t stack = 8'388'608;
+  if (pthread_getattr_default_np(&attributes) == 0) {
+    pthread_attr_getstacksize(&attributes, &stack);
+    pthread_attr_destroy(&attributes);
+  }
+  const std::uint64_t left = memory_left_by_limits(), needed = libraries + log_threads * stack;
+  if (left >= needed) return;
+  throw InputError(fmt::format(
+      "{}: too little memory to load OpenVDB (found {} MB that the limits of this process leave, allowed {} "
+      "MB and more) raise `ulimit -v` and `ulimit -d`",
+      module_file, left / 1'000'000, needed / 1'000'000));
+}
+
 const void* load_symbol() {
   void* const library = dlopen(module_file, RTLD_NOW | RTLD_LOCAL);
   const void* const symbol = library != nullptr ? dlsym(library, "cloudbow_vdb_module") : nullptr;
@@ -41,8 +61,7 @@ const void* load_symbol() {
 /// It stays loaded: OpenVDB's threads outlive any call.
 const VdbModule& vdb_module() {
   static const VdbModule& module = []() -> const VdbModule& {
-    // OpenVDB's log starts threads as it is loaded, and aborts the program if they find no memory.
-    if (memory_is_limited()) rehearse(module_file, {.library = "OpenVDB's log"}, [] { load_symbol(); });
+    check_memory_to_load();
     const void* const symbol = load_symbol();
     // The address sanitizer's allocator, unlike the C library's, is not kept whole over a fork: the threads that
     // OpenVDB's log has just started are to be at rest before the first rehearsal.

@@ -12,6 +12,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/parallel_errors.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 #include "cloudbow/sphere/icosphere.hpp"
 #include "column_fit.hpp"
@@ -206,6 +207,7 @@ std::vector<PhaseFit> fit_phase_function(const PhaseFunction& phase, const Contr
   const Fitter fitter(phase, points, ordinates, options);
   const auto count = static_cast<int>(methods.size());
   std::vector<PhaseFit> fits(methods.size());
+  const ThreadScope threads(0);
   ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic)
   for (int i = 0; i < count; ++i) errors.run([&] { fits[i] = fitter.fit(methods[i]); });

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "cloudbow/core/parallel_errors.hpp"
+#include "cloudbow/core/thread_scope.hpp"
 #include "hdf5_handle.hpp"
 
 namespace cloudbow::hdf5 {
@@ -93,6 +94,7 @@ void write_deflated(hid_t dataset, const std::vector<hsize_t>& shape, const std:
   std::size_t chunk_values = 1;
   for (const hsize_t length : chunk) chunk_values *= length;
   const auto count = static_cast<int>(chunks.size());
+  const ThreadScope threads(0);
   for (int begin = 0; begin < count; begin += batch) {
     const int size = std::min(batch, count - begin);
     std::vector<std::vector<Bytef>> bytes(size);

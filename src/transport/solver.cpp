@@ -194,8 +194,7 @@ Solution solve_in_parts(const Problem& problem, const SolverOptions& options, co
     return solution;
   }
   const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
-  const std::size_t solved = options.actinic ? cells : problem.grid.active_cells();
-  const ThreadScope threads(threads_for(std::max(solved, problem.grid.box.columns()), options.threads));
+  const ThreadScope threads(threads_for(problem, options));
   check_paths(problem, options);
   if (solved_without_azimuths(problem, options)) return solve_without_azimuths(problem, options, progress);
   check_cell_thickness(problem);

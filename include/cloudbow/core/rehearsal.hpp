@@ -22,8 +22,8 @@ struct RehearsalOptions {
 /// the process has itself are kept; if they leave little memory, the message says so.
 void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read);
 
-/// Whether `ulimit -v` or `ulimit -d` limits the memory of this process.
-bool memory_is_limited();
+/// Bytes that `ulimit -v` and `ulimit -d` leave beyond what this process has; the largest number if there is no limit.
+std::uint64_t memory_left_by_limits();
 
 /// What `read` returns in this process, after it went well in a child.
 template <class Read>

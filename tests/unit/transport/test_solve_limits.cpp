@@ -126,6 +126,36 @@ TEST(SolveLimits, MemoryOfLongPatternsIsForeseen) {
   EXPECT_GT(predict_seconds(under_zenith(zenith), options), predict_seconds(under_zenith(60), options) + 1);
 }
 
+TEST(SolveLimits, FewCellsAreForeseenOnTheOneThreadThatSolvesThem) {
+  SolverOptions one = quick(), many = quick();
+  one.threads = 1;
+  many.threads = 64;
+  EXPECT_EQ(predict_memory(under_zenith(89.99), many), predict_memory(under_zenith(89.99), one));
+  EXPECT_EQ(predict_seconds(under_zenith(89.99), many), predict_seconds(under_zenith(89.99), one));
+}
+
+TEST(SolveLimits, LinesOfSightAreForeseenByTheCellsThatTheyCross) {
+  const auto seconds = [](const Eigen::Vector3d& look_at) {
+    Problem thin = cloudy();
+    for (float& a : thin.grid.absorption) a *= 1e-4F;
+    for (float& s : thin.grid.scattering.front()) s *= 1e-4F;
+    SolverOptions options = quick();
+    options.cameras = {
+        make_camera("c", Camera::Projection::perspective, {{2, 1.5, .01}, look_at, {0, 1, 0}}, .02, 3000, 3000, 1)};
+    return predict_seconds(thin, options);
+  };
+  // 3 cells straight up; at a slope of a hundredth 300 cells for each of the three levels.
+  EXPECT_GT(seconds({2, 1.5, 100}), predict_seconds(cloudy(), quick()) + 1);
+  EXPECT_GT(seconds({102, 1.5, 5}), 3 * seconds({2, 1.5, 100}));
+}
+
+TEST(SolveLimits, TablesOfReflectionAreForeseen) {
+  Problem sea = cloudy();
+  sea.surface.brdf = SurfaceBrdf::cox_munk(7, 1.34);
+  // 1313 x 1313 samples, in double precision, and their products with 642 points.
+  EXPECT_GT(predict_memory(sea, quick()), predict_memory(cloudy(), quick()) + 20'000'000);
+}
+
 // The ledger is in terms of the power through the top, here a hundredth of what comes through the sides: in float its
 // residual would be 1e-5.
 TEST(SolveLimits, OpenDomainsUnderALowSunCloseTheirLedgerOrAreRefused) {
