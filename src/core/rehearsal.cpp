@@ -63,13 +63,16 @@ Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& opt
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
-  const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : available_memory_bytes() / 2;
   const rlim_t left = memory_left_by_limits();
+  // What is available is within these limits too.
+  const rlim_t half = available_memory_bytes() / 2;
+  const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : half;
+  const bool of_host = left < (options.memory_bytes > 0 ? memory : 2 * half);
   // Libraries need some 30 MB for themselves, and buffers of about the file's size.
   const rlim_t comfortable = (128 + 2 * megabytes) * megabyte;
   return {options.cpu_seconds > 0 ? options.cpu_seconds : 5 + megabytes,
-          options.wall_seconds > 0 ? options.wall_seconds : 60 + megabytes, std::min(memory, left), left < memory,
-          left < std::min(memory, comfortable)};
+          options.wall_seconds > 0 ? options.wall_seconds : 60 + megabytes, of_host ? left : memory, of_host,
+          of_host && left < comfortable};
 }
 
 /// Lowers a limit, never raises one that the host has set.
