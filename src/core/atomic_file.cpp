@@ -102,6 +102,7 @@ void check_target(const fs::path& target) {
     throw_unwritable(target, fmt::format("{} is not a folder", folder_of(target).string()));
 
   const fs::file_status status = fs::status(target, error);
+  if (error == std::errc::filename_too_long) throw_unwritable(target, system_message(ENAMETOOLONG));
   if (fs::is_directory(status)) throw_unwritable(target, "it is a directory, name a file");
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw_unwritable(target, "it is a device, pipe or socket, name a file");

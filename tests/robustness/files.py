@@ -86,7 +86,7 @@ def outputs(bench):
     for name in (scene, "spectrum.toml"):
         text = (bench.folder / name).read_text()
         (bench.folder / name).write_text(text.replace("state.1", "cloud.vdb"))
-    (bench.folder / "moments.txt").write_text("0 1\n1 0.8\n2 0.6\n")
+    (bench.folder / "moments.txt").write_text("0 1\n1 0.5\n2 0.1\n")
     overwrites += [("result over a checkpoint's part", ["run", "spectrum.toml", "-o", "state.2", "--checkpoint", "state"], ["checkpoint would overwrite the result"]),
                    ("checkpoint of one wavelength over that of another", ["run", "spectrum.toml", "-o", "r.h5", "--checkpoint", "a", "--resume", "b"], ["a.1", "overwrite an input"]),
                    ("result over the checkpoint to go on from", ["run", scene, "-o", "moments.txt", "--resume", "moments.txt"], ["overwrite an input"]),

@@ -224,7 +224,7 @@ TEST_F(FieldExport, SeveralNumbersInPlaceOfOneAreRefused) {
   H5Fclose(file);
   options_.actinic = true;
   EXPECT_THAT(exporting(),
-              ThrowsMessage<InputError>(AllOf(HasSubstr("result.h5"), HasSubstr("cell_size_m is not one number"))));
+              ThrowsMessage<InputError>(AllOf(HasSubstr("result.h5"), HasSubstr("attribute cell_size_m has 8 values"))));
 }
 
 TEST_F(FieldExport, WhatIsMissingOrWrongIsNamedAndLeavesNothing) {
