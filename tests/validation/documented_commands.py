@@ -71,7 +71,7 @@ PAGES = {
     "docs/error-estimates.md": Page(files={"scene.toml": STEP_CLOUD}, shows=("flux errors, about", "can't be promised")),
     "docs/checkpoints.md": Page(files={"scene.toml": STEP_CLOUD}),
     "docs/verify.md": Page(),
-    "docs/phase-function-fits.md": Page(files={"measured.txt": "0 10\n90 1\n180 2\n"}),
+    "docs/phase-function-fits.md": Page(files={"measured.txt": "0 2\n90 0.5\n180 1\n"}),
     "docs/result-reference.md": Page(before=["cloudbow run configs/slab.toml"]),
     "docs/cpp-api.md": Page(),
 }

@@ -206,7 +206,7 @@ TEST_F(DropletTableFile, ReadsUnitsAndHeadsHoweverTheyAreSpelled) {
   const DropletTable table = read_droplet_table(
       write_text("! MIE SCATTERING TABLE VS. EFFECTIVE RADIUS (LWC=1 G/M^3)\n 0.860 0.860 WAVELENGTH RANGE\n"
                  " 1 5.0 5.0 NUMBER, STARTING, ENDING EFFECTIVE RADIUS\n"
-                 " 5.0 3.0D+2 0.99 3 REFF EXT ALB NLEG\n 1.0 1.5 0.75 0.1\n"),
+                 " 5.0 3.0D+2 0.99 3 REFF EXT ALB NLEG\n 1.0 1.5 0.75 0.05\n"),
       std::nullopt);
   EXPECT_EQ(table.wavelength_um, 0.86);
   EXPECT_NEAR(table.extinction_m2_per_g[0], 0.3, 1e-15);
