@@ -22,10 +22,10 @@ class CloudFiles {
   explicit CloudFiles(bool keep, std::function<void(const std::string&)> tell = {})
       : keep_(keep), tell_(std::move(tell)) {}
 
-  /// Tells a sentence that was not told yet.
+  /// Reports a sentence once.
   void note(const std::string& sentence);
 
-  /// As read_cloud_vdb(), its notes told.
+  /// As read_cloud_vdb(); its notes are reported.
   VdbCloud field(const std::filesystem::path& file, const VdbReadOptions& options);
   /// As read_companion_vdb().
   std::vector<float> companion(const std::filesystem::path& file, const CloudField& field,
