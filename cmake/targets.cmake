@@ -18,6 +18,8 @@ function(cloudbow_layer name)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                               $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  # Private headers are named from src/: "transport/rays/march.hpp".
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${target} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:cloudbow_options> ${ARG_PRIVATE_LINK})
   # What Eigen aligns its memory to follows from the architecture, and must be the same on both sides of a header.
   if(CLOUDBOW_ARCHITECTURE)

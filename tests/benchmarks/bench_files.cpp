@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "cloudbow/io/result_file.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
-#include "cloudbow/results/result_file.hpp"
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "cloudbow/transport/flux_fields.hpp"
-#include "cloudbow/transport/low_order_correction.hpp"
-#include "cloudbow/transport/transport_system.hpp"
+#include "transport/acceleration/low_order_correction.hpp"
+#include "transport/observers/flux_fields.hpp"
+#include "transport/system/transport_system.hpp"
 
 namespace cloudbow {
 namespace {

@@ -1,7 +1,7 @@
 // Checkpoints: all of their values in the child process, then the arrays of make_seeds.py as a run loads them.
 #include <vector>
 
-#include "cloudbow/results/checkpoint_file.hpp"
+#include "cloudbow/io/checkpoint_file.hpp"
 #include "fuzz_input.hpp"
 
 namespace fuzz = cloudbow::fuzz;

@@ -1,5 +1,5 @@
 // Tables of droplets: HDF5, netCDF and text.
-#include "cloudbow/results/droplet_table_file.hpp"
+#include "cloudbow/io/droplet_table_file.hpp"
 #include "fuzz_input.hpp"
 
 namespace fuzz = cloudbow::fuzz;

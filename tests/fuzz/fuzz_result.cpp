@@ -1,10 +1,10 @@
-// Result files, as `render`, `tradeoff` and `export` read them: each mutant by one of them, because every reading takes a
-// child process.
+// Result files, as `render`, `tradeoff` and `export` read them: each mutant by one of them, because every reading takes
+// a child process.
 #include <numeric>
 
-#include "cloudbow/results/field_export.hpp"
-#include "cloudbow/results/flux_image.hpp"
-#include "cloudbow/results/tradeoff.hpp"
+#include "cloudbow/io/boundary_result.hpp"
+#include "cloudbow/io/field_export.hpp"
+#include "cloudbow/io/flux_image.hpp"
 #include "fuzz_input.hpp"
 
 namespace fuzz = cloudbow::fuzz;

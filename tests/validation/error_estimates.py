@@ -5,7 +5,7 @@ Truths: the plane-parallel cases (discrete ordinates), the step cloud, RICO and,
 clouds of column_fluxes.py (the same). Each is solved at every level named; per level and flux (domain, columns up, columns down) there is one row
 of the table. An estimate is good where it is no less than the true error and yet not much more.
 
-Every second case of each group, by name, is what the factors of src/app/error_calibration.cpp were fitted to (`--fit` does it again and prints
+Every second case of each group, by name, is what the factors of src/app/planning/error_calibration.cpp were fitted to (`--fit` does it again and prints
 them); the other half is what the figures are to be read from.
 
 usage: error_estimates.py [--accuracy draft balanced fine] [--csv FILE] [--plot FILE.png] [--fit] [--landsat] [--table FILE NAME]
@@ -162,7 +162,7 @@ def fit(rows, column):
 
 
 def fit_all(rows, accuracies):
-    """Prints the weights as src/app/error_calibration.cpp has them, and puts the estimates by them in the place of those in the rows."""
+    """Prints the weights as src/app/planning/error_calibration.cpp has them, and puts the estimates by them in the place of those in the rows."""
     learned = halves(rows)
     for column in (False, True):
         for accuracy in accuracies:

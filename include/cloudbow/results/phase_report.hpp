@@ -31,15 +31,4 @@ struct PhaseReport {
 /// Tables for a terminal.
 std::string phase_table(const PhaseReport& report);
 
-/// HDF5 that is also netCDF-4: see docs/formats.md, "The phase function file".
-/// @param source name and version of the program
-/// @param history time and command
-/// @throws InputError where the file can't be written.
-void write_phase_file(const std::filesystem::path& file, const PhaseReport& report, const std::string& source,
-                      const std::string& history);
-
-/// PNG: for each function one plot against the scattering angle and one around the direction of travel, along a great
-/// circle. @throws InputError where the file can't be written.
-void write_phase_plot(const std::filesystem::path& file, const PhaseReport& report);
-
 }  // namespace cloudbow

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,10 +36,6 @@ struct BoundaryResult {
   SolveCost cost;
 };
 
-/// Of a file by `cloudbow run`. @throws InputError where it is no such file, or its fluxes do not reach from the bottom
-/// of the domain to its top.
-BoundaryResult read_boundary_result(const std::filesystem::path& file);
-
 /// In per cent; of a spectrum, the largest of all wavelengths.
 struct FluxErrors {
   double domain = 0;  ///< the larger of |dR| and |dT|, of incident
@@ -54,27 +49,5 @@ FluxErrors flux_errors(const BoundaryResult& result, const BoundaryResult& truth
 /// Points that no other beats: none has less of one and no more of the other. Equal points: the first alone. Points
 /// whose error is not finite are left out. @returns indices by ascending cost.
 std::vector<std::size_t> pareto_front(std::span<const double> cost, std::span<const double> error);
-
-struct TradeoffRow {
-  std::string level;
-  SolveCost cost;
-  std::optional<FluxErrors> errors;  ///< none: the row is the truth of the others
-};
-
-struct TradeoffReport {
-  std::string title;
-  std::string truth;               ///< a level, or a file
-  std::vector<TradeoffRow> rows;   ///< in the order of the ladder
-  std::vector<std::string> notes;  ///< levels left out, and why
-};
-
-/// Ends with a newline. An asterisk marks errors on the Pareto front against CPU seconds.
-std::string tradeoff_table(const TradeoffReport& report);
-
-/// One line a level after a header; the truth has no errors. @throws InputError where it cannot be written.
-void write_tradeoff_csv(const std::filesystem::path& file, const TradeoffReport& report);
-
-/// Errors against CPU seconds, both logarithmic (PNG). @throws InputError where it cannot be written.
-void write_tradeoff_plot(const std::filesystem::path& file, const TradeoffReport& report);
 
 }  // namespace cloudbow

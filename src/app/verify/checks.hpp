@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cloudbow/app/verify.hpp"
+#include "app/verify/verify.hpp"
 
 namespace cloudbow {
 

@@ -2,8 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "checks.hpp"
-#include "scenes.hpp"
+#include "app/verify/checks.hpp"
+#include "app/verify/scenes.hpp"
+#include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
 namespace {

@@ -3,8 +3,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "checks.hpp"
-#include "scenes.hpp"
+#include "app/verify/checks.hpp"
+#include "app/verify/scenes.hpp"
+#include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
 namespace {

@@ -3,9 +3,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "checks.hpp"
+#include "app/verify/checks.hpp"
+#include "app/verify/scenes.hpp"
 #include "cloudbow/medium/cloud_makers.hpp"
-#include "scenes.hpp"
+#include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "checks.hpp"
-#include "cloudbow/app/accuracy.hpp"
+#include "app/scene/accuracy.hpp"
+#include "app/verify/checks.hpp"
 
 namespace cloudbow {
 namespace {

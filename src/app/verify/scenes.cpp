@@ -1,9 +1,9 @@
-#include "scenes.hpp"
+#include "app/verify/scenes.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "cloudbow/app/accuracy.hpp"
+#include "app/scene/accuracy.hpp"
 
 namespace cloudbow {
 namespace {

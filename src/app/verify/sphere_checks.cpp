@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "checks.hpp"
+#include "app/verify/checks.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
 
 namespace cloudbow {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
+#include "../io/sample_solution.hpp"
 #include "cloudbow/results/summary.hpp"
-#include "sample_solution.hpp"
 
 namespace cloudbow {
 namespace {

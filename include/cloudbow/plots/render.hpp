@@ -1,0 +1,54 @@
+// Pictures of result files.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cloudbow/io/flux_image.hpp"
+
+namespace cloudbow {
+
+struct RenderOptions {
+  std::filesystem::path result_file;
+  std::filesystem::path image_file;         ///< PNG, or OpenEXR if its name ends in .exr; no other ending
+  std::string variable = "upwelling_flux";  ///< one of list_flux_images()
+  std::string level = "top";                ///< "top", "bottom" or a height in metres
+  std::optional<double> wavelength_um;      ///< of a spectrum: draw the nearest alone
+  std::optional<std::pair<double, double>>
+      range;             ///< values of the first and last colour; default: smallest and largest value
+  int scale = 0;         ///< pixels a cell, nearest neighbour; 0: so that the longer side is about 768 pixels, of
+                         ///< cameras and of OpenEXR files 1
+  std::string colormap;  ///< one of colormap_names(); empty: natural colours where there can be, else grey
+  std::string tone;      ///< one of tone_names(); empty: filmic
+  std::optional<double> exposure;  ///< factor on reflectance factors, > 0; default 1
+  bool automatic_exposure = false;
+};
+
+/// What the picture shows, for a line on the terminal.
+struct RenderReport {
+  FluxImage image;  ///< of natural colours: the red one
+  int width = 0;    ///< pixels
+  int height = 0;
+  double min = 0;       ///< value of the first colour
+  double max = 0;       ///< value of the last colour
+  std::string colours;  ///< how values became colours
+};
+
+std::vector<std::string> colormap_names();
+std::vector<std::string> tone_names();
+
+/// Draws a map with x to the right and y up (a result with one row of cells: a section with z up; of a camera: upright)
+/// atomically.
+///
+/// Images of radiance at three wavelengths become natural colours: red, green and blue are the reflectance factors at
+/// the wavelengths nearest to 0.67, 0.55 and 0.45 um, times the exposure, through a tone curve (docs/pictures.md). With
+/// a tone or an exposure, images of one wavelength become grey in the same way. All else is drawn by a colormap, in
+/// which cells without value are transparent. OpenEXR files hold the numbers as they are, 0 where there is none.
+/// @throws InputError for files that can't be read or written and for options out of range or that exclude each other,
+/// listing what is there or allowed.
+RenderReport render(const RenderOptions& options);
+
+}  // namespace cloudbow

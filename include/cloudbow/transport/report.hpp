@@ -1,0 +1,63 @@
+// How a solve went, and where its light went.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+namespace cloudbow {
+
+/// Fractions of the solar power through the horizontal top (with sky: of all power that enters through the top).
+/// docs/theory.md, "Energy".
+struct EnergyLedger {
+  double reflectance = 0;
+  double transmittance = 0;         ///< direct and diffuse
+  double transmittance_direct = 0;  ///< true extinction
+  double absorptance = 0;           ///< volume integral of absorbed_power
+  double surface_absorptance = 0;
+  double side_gain = 0;
+  double side_loss = 0;
+  double residual = 0;  ///< 1 + side_gain - (reflectance + absorptance + surface_absorptance + side_loss)
+};
+
+struct SolverReport {
+  bool converged = false;  ///< estimated error within tolerance and ledger within energy_tolerance
+  int sweeps = 0;
+  double estimated_error = 0;
+  double gather_rescaling =
+      1;  ///< factor that brought the gathered diffuse flux to the solver's mean (the one farthest from 1)
+  int control_points = 0;
+  std::string directions;
+  std::string mode;           ///< "1d", "2d", "3d", "independent-columns" or "independent-diffuse"
+  std::string left_out_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
+  int added_levels = 0;       ///< by cutting levels in which the direct beam fades
+  std::string radiance_storage;  ///< "float16", "float32" or "float64"
+  std::size_t active_voxels = 0;
+  int threads = 1;
+  double seconds_total = 0;
+  double seconds_tables = 0;
+  double seconds_beam = 0;
+  double seconds_sweeps = 0;
+  double seconds_scattering = 0;
+  double seconds_acceleration = 0;
+  double seconds_gather = 0;
+  double cpu_seconds = 0;
+  std::size_t peak_memory_bytes = 0;
+  double fit_closure = 0;
+  double fit_max_error = 0;
+  int fit_fallbacks = 0;
+  double surface_largest_albedo = 0;      ///< directional-hemispherical, of the model itself; above 1 it was held to 1
+  double surface_largest_correction = 0;  ///< worst |factor - 1| that gave a column of its table that albedo
+};
+
+/// Told after each sweep and phase; may throw to stop the solve.
+struct SolverProgress {
+  std::string phase;  ///< "tables", "beam", "sweep", "gather"
+  int sweep = 0;
+  double estimated_error = 0;
+  double energy_residual = 0;
+  double fraction = 0;  ///< of this phase
+};
+using ProgressCallback = std::function<void(const SolverProgress&)>;
+
+}  // namespace cloudbow

@@ -1,0 +1,24 @@
+// From a problem to its solution.
+#pragma once
+
+#include <cstddef>
+
+#include "cloudbow/transport/checkpoints.hpp"
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points),
+/// for light out of range and for cells too thick to be solved (thick_cells.hpp).
+/// @throws std::runtime_error if a value of the solution is not finite.
+/// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
+Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
+               Checkpoints* checkpoints = nullptr);
+
+/// Peak memory in bytes that solve() will need, within about 10 %. @throws InputError as solve() for rays that cross
+/// too many cells.
+std::size_t predict_memory(const Problem& problem, const SolverOptions& options);
+/// Wall seconds on this machine, a rough prediction from segment counts.
+double predict_seconds(const Problem& problem, const SolverOptions& options);
+
+}  // namespace cloudbow

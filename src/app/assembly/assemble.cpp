@@ -1,0 +1,320 @@
+#include "cloudbow/app/assemble.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+
+#include "app/assembly/open_cloud.hpp"
+#include "app/process/cache_directory.hpp"
+#include "app/scene/accuracy.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/albedo_map.hpp"
+#include "cloudbow/optics/delta_m.hpp"
+#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/thick_cells.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Corners of the domain are taken to be meant where they stand this close to a voxel face, in voxels.
+constexpr double kFaceTolerance = 1e-3;
+constexpr double kMaxColumnsPerAxis = 1e6;
+
+struct Domain {
+  std::array<double, 3> min_m{0, 0, 0};
+  std::array<double, 3> max_m{1, 1, 1};
+};
+
+/// Corners given by the scene, moved onto the faces they are meant to lie on.
+class DomainChecker {
+ public:
+  DomainChecker(const Scene& scene, const CloudField* field) : scene_(scene), field_(field) {
+    if (field != nullptr) {
+      summary_ = summarize(*field);
+      for (int axis = 0; axis < 3; ++axis) {
+        domain_.min_m[axis] = field->min_m[axis];
+        domain_.max_m[axis] = field->max_m(axis);
+      }
+    } else {
+      domain_.min_m[2] = scene.layers.front().bottom_m;
+      domain_.max_m[2] = scene.layers.front().top_m;
+    }
+    for (const Layer& layer : scene.layers) {
+      domain_.min_m[2] = std::min(domain_.min_m[2], layer.bottom_m);
+      domain_.max_m[2] = std::max(domain_.max_m[2], layer.top_m);
+    }
+  }
+
+  Domain check() {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (field_ == nullptr && axis != 2) continue;  // a single column, as wide as one likes
+      if (scene_.domain.min_m) domain_.min_m[axis] = corner("domain.min_m", axis, (*scene_.domain.min_m)[axis]);
+      if (scene_.domain.max_m) domain_.max_m[axis] = corner("domain.max_m", axis, (*scene_.domain.max_m)[axis]);
+      check_order(axis);
+      if (field_ != nullptr) check_contains_cloud(axis);
+    }
+    check_contains_layers();
+    return domain_;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& key, int axis, const std::string& problem, double found,
+                         const std::string& allowed) const {
+    throw InputError(
+        fmt::format("{}: {} in {} (found {} m, allowed {})", scene_.where(key), problem, "xyz"[axis], found, allowed));
+  }
+
+  double corner(const std::string& key, int axis, double value) const {
+    if (field_ == nullptr) return value;
+    const double origin = field_->min_m[axis];
+    const double size = field_->cell_size_m[axis];
+    const double faces = (value - origin) / size;
+    if (std::abs(faces - std::round(faces)) <= kFaceTolerance) return origin + std::round(faces) * size;
+    if (axis == 2) {
+      for (const Layer& layer : scene_.layers) {
+        if (value == layer.bottom_m || value == layer.top_m) return value;
+      }
+    }
+    fail(key, axis, axis == 2 ? "neither on a voxel face nor on a layer's edge" : "not on a voxel face", value,
+         fmt::format("{} m or {} m, the nearest voxel faces", origin + std::floor(faces) * size,
+                     origin + std::ceil(faces) * size));
+  }
+
+  void check_order(int axis) const {
+    const double extent = domain_.max_m[axis] - domain_.min_m[axis];
+    const std::string key = scene_.domain.max_m ? "domain.max_m" : "domain.min_m";
+    if (extent <= 0) {
+      const bool max_given = scene_.domain.max_m.has_value();
+      fail(key, axis, max_given ? "not above the lower corner" : "not below the upper corner",
+           max_given ? domain_.max_m[axis] : domain_.min_m[axis],
+           max_given ? fmt::format("> {} m", domain_.min_m[axis]) : fmt::format("< {} m", domain_.max_m[axis]));
+    }
+    if (field_ != nullptr && axis != 2 && extent / field_->cell_size_m[axis] > kMaxColumnsPerAxis) {
+      fail(key, axis, "too far away: more columns than any memory holds", domain_.max_m[axis],
+           fmt::format("at most {} columns of {} m", kMaxColumnsPerAxis, field_->cell_size_m[axis]));
+    }
+  }
+
+  void check_contains_cloud(int axis) const {
+    const double slack = kFaceTolerance * field_->cell_size_m[axis];
+    if (domain_.min_m[axis] > summary_.cloud_min_m[axis] + slack) {
+      fail("domain.min_m", axis, "cuts the cloud", domain_.min_m[axis],
+           fmt::format("at most {} m, where the cloud begins", summary_.cloud_min_m[axis]));
+    }
+    if (domain_.max_m[axis] < summary_.cloud_max_m[axis] - slack) {
+      fail("domain.max_m", axis, "cuts the cloud", domain_.max_m[axis],
+           fmt::format("at least {} m, where the cloud ends", summary_.cloud_max_m[axis]));
+    }
+  }
+
+  void check_contains_layers() const {
+    for (std::size_t n = 0; n < scene_.layers.size(); ++n) {
+      const Layer& layer = scene_.layers[n];
+      const auto outside = [&](const char* key, double found) {
+        throw InputError(fmt::format("{}: outside the domain (found {} m, allowed {} m to {} m, as [domain] says)",
+                                     scene_.where(fmt::format("layer.{}.{}", n, key)), found, domain_.min_m[2],
+                                     domain_.max_m[2]));
+      };
+      if (layer.bottom_m < domain_.min_m[2]) outside("bottom_m", layer.bottom_m);
+      if (layer.top_m > domain_.max_m[2]) outside("top_m", layer.top_m);
+    }
+  }
+
+  const Scene& scene_;
+  const CloudField* field_;
+  CloudSummary summary_;
+  Domain domain_;
+};
+
+/// Diffuse light by columns under a slanted beam is known without its azimuths only.
+void check_asks_no_azimuths(const Scene& scene) {
+  const std::string found = scene.output.radiance_field ? "output.fields radiance_field"
+                            : !scene.radiances.empty()  ? "[[radiance]]"
+                            : !scene.cameras.empty()    ? "[[camera]]"
+                            : scene.surface.brdf        ? "a surface that does not reflect evenly"
+                                                        : "";
+  if (found.empty()) return;
+  throw InputError(
+      fmt::format("{}: 'independent-diffuse' knows fluxes, absorption and actinic flux over Lambertian ground alone "
+                  "(found {}, allowed with it 'auto', '3d', 'independent-columns')",
+                  scene.where("solver.mode"), found));
+}
+
+SolverOptions solver_options(const Scene& scene, bool one_column) {
+  const SceneSolver& solver = scene.solver;
+  const bool measured =
+      (scene.cloud && (scene.cloud->droplets != nullptr || scene.cloud->phase_set != nullptr)) ||
+      std::any_of(scene.phase_functions.begin(), scene.phase_functions.end(), [](const auto& p) { return p.measured; });
+  SolverOptions options = accuracy_options(solver.accuracy, one_column, measured);
+  if (solver.delta_m_order) {
+    options.fit.beam_delta_m_order += *solver.delta_m_order - options.fit.delta_m_order;
+    options.fit.delta_m_order = *solver.delta_m_order;
+  }
+  options.control_points = solver.control_points.value_or(options.control_points);
+  options.directions = solver.directions.value_or(options.directions);
+  options.fit.method = solver.fit.value_or(options.fit.method);
+  options.fit.cache_directory = cache_directory();
+  options.gather_directions = solver.gather_directions.value_or(options.gather_directions);
+  options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
+  options.largest_level_depth = solver.largest_level_depth.value_or(options.largest_level_depth);
+  options.tolerance = solver.tolerance.value_or(options.tolerance);
+  options.max_sweeps = solver.max_sweeps;
+  options.half_precision_radiance = solver.half_precision_radiance;
+  options.column_streams = solver.column_streams.value_or(options.column_streams);
+  options.beam_crosses_columns = solver.mode == SolveMode::independent_diffuse;
+  if (options.beam_crosses_columns) check_asks_no_azimuths(scene);
+  options.independent_columns = solver.mode == SolveMode::independent_columns || options.beam_crosses_columns;
+  options.leave_out_uniform_axes = solver.mode != SolveMode::three_dimensional;
+  options.flux_levels = scene.output.flux_levels;
+  options.absorption = scene.output.absorption;
+  options.actinic = scene.output.actinic;
+  options.radiance_field = scene.output.radiance_field;
+  for (const SceneRadiance& radiance : scene.radiances) {
+    const SceneSun place{radiance.zenith_deg, radiance.azimuth_deg,
+                         0};  // light travels towards where the sensor stands
+    options.views.push_back({radiance.name, -sun_travel(place), radiance.width, radiance.height});
+  }
+  options.cameras = scene.cameras;
+  return options;
+}
+
+// Layers alone are a column of their own, and have their fluxes without iteration, more exactly and sooner. Who sets
+// what the iteration alone has means the iteration. Voxels that do not vary agree with those that do a little, so they
+// are solved as these are.
+void solve_layers_without_iteration(const Scene& scene, const Problem& problem, SolverOptions& options) {
+  const SceneSolver& solver = scene.solver;
+  if (scene.cloud || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 || solver.control_points ||
+      solver.directions || solver.delta_m_order || solver.fit)
+    return;
+  SolverOptions by_columns = options;
+  by_columns.independent_columns = true;
+  if (solved_without_azimuths(problem, by_columns)) options = by_columns;
+}
+
+int nearest_edge(const std::vector<double>& edges, double z) {
+  const auto nearest = std::min_element(edges.begin(), edges.end(),
+                                        [z](double a, double b) { return std::abs(a - z) < std::abs(b - z); });
+  return static_cast<int>(nearest - edges.begin());
+}
+
+void check_cameras(const Scene& scene, double ground_m) {
+  for (std::size_t n = 0; n < scene.cameras.size(); ++n) {
+    const double height = scene.cameras[n].position_m.z();
+    if (height < ground_m) {
+      throw InputError(fmt::format("{}: below the ground (found z = {} m, allowed at least {} m)",
+                                   scene.where(fmt::format("camera.{}.position_m", n)), height, ground_m));
+    }
+  }
+}
+
+/// A map of another size, by its own coordinates, is that of another place.
+void check_map_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m) {
+  const std::array<int, 2> cells{map.nx, map.ny};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double slack = std::max(0.01, 1.0 / cells[axis]);
+    if (!map.length_m[axis] || std::abs(*map.length_m[axis] / domain_m[axis] - 1) <= slack) continue;
+    throw InputError(
+        fmt::format("{}: not the size of the domain (found {:.6g} m along {} by its coordinates, allowed {:.6g} m, to "
+                    "1 % or a cell) cut the map to the domain, or leave its coordinates out",
+                    file.string(), *map.length_m[axis], axis == 0 ? "x" : "y", domain_m[axis]));
+  }
+}
+
+std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, const Domain& domain) {
+  try {
+    const AlbedoMap map = read_albedo_map(scene.albedo_map);
+    check_map_covers(map, scene.albedo_map, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]});
+    return area_means(map, box.nx, box.ny);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.where("surface.albedo_map"), error.what()));
+  }
+}
+
+}  // namespace
+
+Direction sun_travel(const SceneSun& sun) {
+  const double zenith = sun.zenith_deg * std::numbers::pi / 180;
+  const double azimuth = sun.azimuth_deg * std::numbers::pi / 180;
+  return {-std::sin(zenith) * std::cos(azimuth), -std::sin(zenith) * std::sin(azimuth), -std::cos(zenith)};
+}
+
+AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
+  CloudFiles files(false);
+  return assemble(scene, memory_limit_bytes, files, {});
+}
+
+AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, CloudFiles& files,
+                        const std::vector<double>& levels_m) {
+  OpenedCloud cloud;
+  if (scene.cloud) cloud = open_cloud(scene, files);
+  const CloudField* field = scene.cloud ? &cloud.field : nullptr;
+  const Domain domain = DomainChecker(scene, field).check();
+  for (const double height : scene.output.heights_m) {
+    if (height < domain.min_m[2] || height > domain.max_m[2]) {
+      throw InputError(fmt::format("{}: outside the domain (found {} m, allowed {} m to {} m)",
+                                   scene.where("output.flux_levels"), height, domain.min_m[2], domain.max_m[2]));
+    }
+  }
+
+  check_cameras(scene, domain.min_m[2]);
+
+  AssembledScene assembled;
+  Problem& problem = assembled.problem;
+  for (const ScenePhaseFunction& phase : scene.phase_functions) problem.phase.push_back(phase.function);
+  problem.phase.insert(problem.phase.end(), cloud.varying_phase.begin(), cloud.varying_phase.end());
+  assembled.phase_classes = cloud.phase_classes;
+  if (scene.cloud) assembled.cloud = cloud.figures;
+  if (scene.sun) problem.sun = Sun{sun_travel(*scene.sun), scene.sun->irradiance_w_m2};
+  problem.sky_radiance = scene.sky_radiance;
+  problem.surface = scene.surface;
+
+  const bool one_column =
+      field == nullptr || (std::lround((domain.max_m[0] - domain.min_m[0]) / field->cell_size_m[0]) == 1 &&
+                           std::lround((domain.max_m[1] - domain.min_m[1]) / field->cell_size_m[1]) == 1);
+  assembled.options = solver_options(scene, one_column);
+  assembled.one_column = one_column;
+
+  std::vector<double> forward_fraction;
+  for (const PhaseFunction& phase : problem.phase) {
+    forward_fraction.push_back(delta_m(phase, assembled.options.fit.delta_m_order).forward_fraction);
+  }
+  LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
+  levels.layer_cells = scene.domain.vertical_cells;
+  levels.edges_m = scene.output.heights_m;
+  levels.levels_m = levels_m;
+  levels.memory_limit_bytes = memory_limit_bytes;
+  // Layers without a cloud are the same everywhere: they have no sides.
+  const bool periodic = scene.domain.periodic || field == nullptr;
+  try {
+    problem.grid = make_optical_grid(field, cloud.optics, scene.layers, domain.min_m, domain.max_m, periodic,
+                                     static_cast<int>(problem.phase.size()), forward_fraction, levels);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+  }
+  if (!scene.albedo_map.empty()) {
+    problem.surface.albedo_map = albedo_of_columns(scene, problem.grid.box, domain);
+  }
+  for (const double height : scene.output.heights_m) {
+    const int level = nearest_edge(problem.grid.box.z_edge_m, height);
+    auto& listed = assembled.options.listed_levels;
+    if (listed.empty() || listed.back() != level) listed.push_back(level);
+  }
+  solve_layers_without_iteration(scene, problem, assembled.options);
+  if (!solved_without_azimuths(problem, assembled.options)) {
+    try {
+      check_cell_thickness(problem);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+    }
+  }
+  return assembled;
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,301 @@
+#include "cloudbow/app/command_line.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <system_error>
+
+#include "app/commands/cloud_commands.hpp"
+#include "app/commands/command_checks.hpp"
+#include "app/commands/export_command.hpp"
+#include "app/commands/mie_command.hpp"
+#include "app/commands/phase_command.hpp"
+#include "app/commands/run.hpp"
+#include "app/commands/tradeoff_command.hpp"
+#include "app/commands/usage_error.hpp"
+#include "app/commands/verify_command.hpp"
+#include "app/planning/planner.hpp"
+#include "app/planning/run_options.hpp"
+#include "app/process/exit_codes.hpp"
+#include "app/process/interrupt.hpp"
+#include "app/process/messages.hpp"
+#include "app/process/version.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/printable.hpp"
+#include "cloudbow/plots/render.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr int kExitBrokenPipe = 128 + SIGPIPE;  // as a shell tells it
+
+/// What a subcommand sets up and then does. Only the one that the user named is run.
+using Action = std::function<int()>;
+
+/// What --target-error, --of and --budget say.
+struct GoalText {
+  std::string error, of = "domain", budget;
+
+  std::optional<Goal> goal() const {
+    if (error.empty() && budget.empty()) return std::nullopt;
+    Goal goal;
+    if (!error.empty()) goal.error = parse_target_error(error);
+    goal.of = of == "domain" ? ErrorOf::domain : ErrorOf::columns;
+    if (!budget.empty()) goal.budget_seconds = parse_budget(budget);
+    return goal;
+  }
+};
+
+void add_run(CLI::App& app, Action& action, const std::string& command) {
+  auto options = std::make_shared<RunOptions>();
+  auto goal = std::make_shared<GoalText>();
+  options->command = command;
+  CLI::App* run_app = app.add_subcommand("run", "Solve a scene file and write one HDF5 file");
+  run_app->add_option("scene", options->scene, "Scene file (TOML)")->type_name("FILE")->required();
+  run_app->add_option("-o,--output", options->output, "Result file (default: the scene's name with .h5, here)")
+      ->type_name("FILE");
+  run_app
+      ->add_option(
+          "--set", options->overrides,
+          "Replace any key of the scene, as in --set sun.zenith_deg=30 --set layer.0.optical_depth=2; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  run_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+      ->check(whole_number(1, 4096));
+  run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  auto* compare = run_app->add_flag("--compare", options->compare,
+                                    "Solve as independent columns too; write the difference of the column fluxes");
+  auto* dry_run = run_app->add_flag("--dry-run", options->dry_run,
+                                    "Validate, print domain and optical depth, predict memory and time, write nothing");
+  auto* checkpoint =
+      run_app
+          ->add_option("--checkpoint", options->checkpoint,
+                       "Keep the state of the iteration here, for --resume: every few minutes, when a signal ends the "
+                       "run, and when the iteration is done")
+          ->type_name("FILE");
+  run_app->add_option("--checkpoint-every", options->checkpoint_minutes, "Minutes between checkpoints")
+      ->type_name("MINUTES")
+      ->needs(checkpoint)
+      ->capture_default_str()
+      ->check(finite_number(0, "minutes >= 0"));
+  auto* resume =
+      run_app
+          ->add_option("--resume", options->resume,
+                       "Go on from a checkpoint, to the same bits; that of another sun, surface or output is a first "
+                       "guess. May be the --checkpoint of the same command: not there yet, the run begins anew")
+          ->type_name("FILE");
+  run_app
+      ->add_option("--target-error", goal->error,
+                   "Choose the cheapest level of accuracy that is expected to reach this error, as 1%")
+      ->type_name("ERROR")
+      ->excludes(compare)
+      ->excludes(dry_run)
+      ->excludes(checkpoint)
+      ->excludes(resume);
+  run_app
+      ->add_option(
+          "--budget", goal->budget,
+          "Choose the best level (with --target-error: the cheapest that reaches it) within this time, as 30s, "
+          "2m, 1.5h")
+      ->type_name("TIME")
+      ->excludes(compare)
+      ->excludes(dry_run)
+      ->excludes(checkpoint)
+      ->excludes(resume);
+  run_app->add_option("--of", goal->of, "Fluxes that the error is of: domain, columns")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"domain", "columns"}));
+  run_app->callback([&action, options, goal] {
+    action = [options, goal] {
+      options->goal = goal->goal();
+      return run(*options);
+    };
+  });
+}
+
+void set_exposure(RenderOptions& options, const std::string& text) {
+  if (text.empty()) return;
+  if (text == "auto") {
+    options.automatic_exposure = true;
+    return;
+  }
+  double factor = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(factor) || factor <= 0)
+    throw InputError(fmt::format("--exposure: found '{}', allowed a number > 0 or auto", text));
+  options.exposure = factor;
+}
+
+void add_render(CLI::App& app, Action& action) {
+  struct Options {
+    RenderOptions render;
+    std::vector<double> range;
+    std::string exposure;
+  };
+  auto options = std::make_shared<Options>();
+  RenderOptions& render_options = options->render;
+  CLI::App* render_app = app.add_subcommand("render", "Draw an image or a flux field of a result file");
+  render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->type_name("FILE")->required();
+  render_app->add_option("-o,--output", render_options.image_file, "Picture: PNG, or OpenEXR if its name ends in .exr")
+      ->type_name("FILE")
+      ->required();
+  render_app->add_option("--variable,--field", render_options.variable, "Variable to draw")->capture_default_str();
+  render_app->add_option("--level", render_options.level, "top, bottom or a height in metres")->capture_default_str();
+  render_app->add_option("--range", options->range, "Values of the first and the last colour (default: those there)")
+      ->expected(2)
+      ->check(finite_number(std::numeric_limits<double>::lowest(), "a finite number"));
+  render_app->add_option("--scale", render_options.scale, "Pixels a cell (default: about 768 pixels in all)")
+      ->check(whole_number(1, 1000));
+  render_app
+      ->add_option("--colormap", render_options.colormap,
+                   joined(colormap_names()) + " (default: natural colours where there can be, else grey)")
+      ->type_name("NAME");
+  render_app->add_option("--wavelength-um", options->render.wavelength_um, "Of a spectrum: draw the nearest alone")
+      ->check(finite_number(0, "a wavelength > 0"));
+  render_app->add_option("--tone", render_options.tone, "Tone curve of natural colours: " + joined(tone_names()))
+      ->type_name("NAME");
+  render_app->add_option("--exposure", options->exposure, "Factor on reflectance factors, or auto (default: 1)")
+      ->type_name("X|auto");
+  render_app->callback([&action, options] {
+    action = [options] {
+      if (!options->range.empty()) options->render.range = {options->range[0], options->range[1]};
+      set_exposure(options->render, options->exposure);
+      const RenderReport report = render(options->render);
+      fmt::print("{}: {} [{}], {}{} x {} pixels, {}\n", options->render.image_file.string(), report.image.variable,
+                 printable(report.image.units), report.image.place.empty() ? "" : report.image.place + ", ",
+                 report.width, report.height, report.colours);
+      return kExitDone;
+    };
+  });
+}
+
+void add_mie(CLI::App& app, Action& action, const std::string& command) {
+  auto options = std::make_shared<MieOptions>();
+  options->command = command;
+  CLI::App* mie_app = app.add_subcommand("mie", "Make a table of droplets by Mie theory, for scenes");
+  mie_app->add_option("--wavelength-um", options->wavelength_um, "Wavelengths [um], one or several")
+      ->type_name("W|FROM:TO:STEP")
+      ->required();
+  mie_app->add_option("--effective-radius-um", options->effective_radius_um, "Effective radii [um]")
+      ->type_name("R|FROM:TO:STEP")
+      ->required();
+  mie_app->add_option("--distribution", options->distribution, "Spread of the sizes: gamma, lognormal")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"gamma", "lognormal"}));
+  mie_app->add_option("--variance", options->variance, "Effective variance of the sizes")
+      ->capture_default_str()
+      ->check(finite_number(0, "a variance > 0"));
+  auto* substance = mie_app->add_option("--substance", options->substance, "What droplets are made of: water, ice")
+                        ->capture_default_str()
+                        ->check(CLI::IsMember({"water", "ice"}));
+  mie_app->add_option("--refractive-index", options->refractive_index, "Instead of the substance's: n + i k, k >= 0")
+      ->type_name("N K")
+      ->expected(2)
+      ->excludes(substance)
+      ->check(finite_number(0, "a number >= 0"));
+  mie_app
+      ->add_option("--density-g-cm3", options->density_g_cm3,
+                   "Density of the droplets (default: the substance's, or 1)")
+      ->check(finite_number(0, "a density > 0"));
+  mie_app->add_option("-o,--output", options->output, "Table (HDF5)")->type_name("FILE")->required();
+  mie_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+      ->check(whole_number(1, 4096));
+  mie_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  mie_app->callback([&action, options] { action = [options] { return make_mie_file(*options); }; });
+}
+
+std::string command_text(int argc, const char* const* argv) {
+  std::string text = "cloudbow";
+  for (int n = 1; n < argc; ++n) text += fmt::format(" {}", argv[n]);
+  return text;
+}
+
+/// What was printed may wait for room on a disk that has none. Whoever closes stdout wants nothing of it.
+void check_printed() {
+  if (std::fflush(stdout) == 0 || errno == EBADF) return;
+  if (errno == EPIPE) throw std::system_error(errno, std::generic_category(), "stdout");
+  throw InputError(fmt::format("stdout: can't be written ({})", std::generic_category().message(errno)));
+}
+
+int parse_and_act(int argc, const char* const* argv) {
+  CLI::App app("Sunlight in cloudy air, solved deterministically", "cloudbow");
+  app.set_version_flag("--version", version_text());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, or too little memory, 3 solved but not converged "
+      "or not within the "
+      "error or time asked for (the result is marked so), "
+      "or a check of verify does not hold");
+  Action action;
+  add_run(app, action, command_text(argc, argv));
+  add_cloud(app, action);
+  add_mie(app, action, command_text(argc, argv));
+  add_render(app, action);
+  add_export(app, action);
+  add_phase(app, action, command_text(argc, argv));
+  add_tradeoff(app, action);
+  add_verify(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", usage_error(app, error)));
+  }
+  const int code = action();
+  check_printed();
+  return code;
+}
+
+/// What a parent may have left in another state than programs expect.
+void settle_process() {
+  // Else the next file that is opened becomes a standard stream, and messages are written into it.
+  while (true) {
+    const int descriptor = open("/dev/null", O_RDWR);
+    if (descriptor <= STDERR_FILENO && descriptor >= 0) continue;
+    if (descriptor >= 0) close(descriptor);
+    break;
+  }
+  // A file over the limit of its size is reported, as a full disk is. A reader of stderr that has gone ends no run.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  // Ignored, it would hide how children end.
+  std::signal(SIGCHLD, SIG_DFL);
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  settle_process();
+  try {
+    return parse_and_act(argc, argv);
+  } catch (const InputError& error) {
+    tell("cloudbow: {}\n", printable(error.what()));
+    return kExitInputError;
+  } catch (const Interrupted& interrupted) {
+    tell("cloudbow: interrupted\n");
+    return 128 + interrupted.signal;
+  } catch (const std::bad_alloc&) {
+    tell("cloudbow: out of memory (a smaller domain, a lower solver.accuracy or fewer --threads need less)\n");
+    return kExitInputError;
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::broken_pipe) return kExitBrokenPipe;
+    const bool no_memory = error.code() == std::errc::not_enough_memory;
+    tell("cloudbow: {}{}\n", no_memory ? "" : "internal error: ", printable(error.what()));
+    return no_memory ? kExitInputError : kExitInternalError;
+  } catch (const std::exception& error) {
+    tell("cloudbow: internal error: {}\n", printable(error.what()));
+    return kExitInternalError;
+  }
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,262 @@
+#include "app/commands/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "app/planning/goal_run.hpp"
+#include "app/planning/run_checkpoints.hpp"
+#include "app/planning/run_options.hpp"
+#include "app/planning/solve_scenes.hpp"
+#include "app/process/cache_directory.hpp"
+#include "app/process/exit_codes.hpp"
+#include "app/process/history.hpp"
+#include "app/process/interrupt.hpp"
+#include "app/process/messages.hpp"
+#include "app/process/version.hpp"
+#include "cloudbow/app/assemble.hpp"
+#include "cloudbow/app/cloud_files.hpp"
+#include "cloudbow/app/scene.hpp"
+#include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/core/available_memory.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
+#include "cloudbow/core/printable.hpp"
+#include "cloudbow/core/thread_scope.hpp"
+#include "cloudbow/io/result_file.hpp"
+#include "cloudbow/optics/scattering_table.hpp"
+#include "cloudbow/results/summary.hpp"
+#include "cloudbow/transport/columns.hpp"
+
+namespace cloudbow {
+namespace {
+
+std::string classes_text(const PhaseClassReport& classes) {
+  return fmt::format("{} of {} functions, which changes fluxes by about {:.1e} of the incident", classes.classes,
+                     classes.functions, classes.estimated_error);
+}
+
+void check_comparable(const Scene& scene) {
+  if (scene.solver.mode == SolveMode::independent_columns) {
+    throw InputError(
+        fmt::format("{}: --compare sets a solution beside independent columns (found independent-columns "
+                    "itself, allowed auto, 3d)",
+                    scene.where("solver.mode")));
+  }
+}
+
+void check_memory(const Scene& scene, const Forecast& forecast, std::uint64_t available) {
+  if (forecast.memory <= available) return;
+  throw InputError(fmt::format(
+      "{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
+      "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
+      "less",
+      scene.path.string(), static_cast<double>(forecast.memory) / 1e9, static_cast<double>(available) / 1e9));
+}
+
+std::string figures_text(const ColumnFigures& figures, double columns, const char* unit) {
+  return fmt::format("mean of all columns {:.4g}{}, largest of a column {:.4g}{}", figures.sum / columns, unit,
+                     figures.largest, unit);
+}
+
+/// By these a wrong unit is seen.
+void print_figures(const Scene& scene, const AssembledScene& assembled) {
+  const BoxGrid& box = assembled.problem.grid.box;
+  const double x_max = box.x_min_m + box.nx * box.dx_m, y_max = box.y_min_m + box.ny * box.dy_m;
+  if (assembled.cloud) {
+    fmt::print("domain    {:.10g} to {:.10g} m, {:.10g} to {:.10g} m, {:.10g} to {:.10g} m along x, y, z\n",
+               box.x_min_m, x_max, box.y_min_m, y_max, box.z_edge_m.front(), box.z_edge_m.back());
+    const auto columns = static_cast<double>(box.columns());
+    const CloudFigures& cloud = *assembled.cloud;
+    fmt::print("cloud     optical depth: {}\n", figures_text(cloud.optical_depth, columns, ""));
+    if (cloud.water_path_g_m2) {
+      fmt::print("water     path: {}; content up to {:.4g} g/m3\n",
+                 figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
+    }
+    if (cloud.effective_radius_um) {
+      const auto [least, largest] = *cloud.effective_radius_um;
+      fmt::print("radius    {}{:.4g} um\n", least < largest ? fmt::format("{:.4g} to ", least) : "", largest);
+    }
+  } else {
+    fmt::print("domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
+  }
+  double layers = 0;
+  for (const Layer& layer : scene.layers) layers += layer.optical_depth;
+  if (!scene.layers.empty()) fmt::print("layers    optical depth: {:.4g}\n", layers);
+}
+
+void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& first, const Forecast& forecast,
+                    std::uint64_t available) {
+  const OpticalGrid& grid = first.problem.grid;
+  fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
+             grid.active_cells());
+  print_figures(scenes.front(), first);
+  if (solved_without_azimuths(first.problem, first.options)) {
+    fmt::print("solver    columns by themselves, {} polar directions a hemisphere\n", first.options.column_streams);
+  } else {
+    fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points,
+               first.options.directions, first.options.tolerance);
+  }
+  if (scenes.front().wavelength_um) {
+    std::string list;
+    for (const Scene& scene : scenes) list += fmt::format("{}{}", list.empty() ? "" : ", ", *scene.wavelength_um);
+    fmt::print("spectrum  {} um\n", list);
+  }
+  if (first.phase_classes) fmt::print("phase     {}\n", classes_text(*first.phase_classes));
+  fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(forecast.memory) / 1e9,
+             static_cast<double>(available) / 1e9);
+  fmt::print("time      {:.1f} s predicted\n", forecast.seconds);
+}
+
+/// Each once: the scenes of a spectrum share their files.
+void tell_notes(const std::vector<Scene>& scenes) {
+  std::set<std::string> told;
+  for (const Scene& scene : scenes) {
+    for (const std::string& note : scene.notes) {
+      if (told.insert(note).second) tell("cloudbow: {}\n", note);
+    }
+  }
+}
+
+std::filesystem::path output_file(const RunOptions& options, const Scene& scene) {
+  if (!options.output.empty()) return options.output;
+  if (!scene.output.file.empty()) return scene.output.file;
+  return scene.path.stem().string() + ".h5";
+}
+
+void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    if (scenes[n].wavelength_um)
+      fmt::print("{}{:<21}{} um\n", n == 0 ? "" : "\n", "wavelength", *scenes[n].wavelength_um);
+    if (!solved.phase_classes.empty())
+      fmt::print("{:<21}{}\n", "phase functions", classes_text(solved.phase_classes[n]));
+    fmt::print("{}", summary_table(solved.solutions[n]));
+    if (!solved.errors.empty()) fmt::print("{}", error_line(solved.errors[n]));
+    if (!solved.by_columns.empty()) {
+      const EnergyLedger &ledger = solved.solutions[n].ledger, &columns = solved.by_columns[n].ledger;
+      fmt::print("{:<21}reflectance {:+.6f}, transmittance {:+.6f}\n", "minus columns",
+                 ledger.reflectance - columns.reflectance, ledger.transmittance - columns.transmittance);
+    }
+  }
+}
+
+/// Exit code.
+int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solution>& solutions, const std::string& which,
+                     const std::filesystem::path& output) {
+  int code = kExitDone;
+  for (std::size_t n = 0; n < solutions.size(); ++n) {
+    const Solution& solution = solutions[n];
+    if (solution.report.converged) continue;
+    const std::string at = which + (scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "");
+    tell(
+        "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
+        "marked so\n",
+        at, solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
+    code = kExitNotConverged;
+  }
+  return code;
+}
+
+/// Exit code.
+int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
+  if (plan.met) return kExitDone;
+  tell("cloudbow: `{}` misses what was asked for, and no better level fits: {} is marked so\n", plan.accuracy,
+       output.string());
+  return kExitNotConverged;
+}
+
+/// Tables of the cache are written without being asked for.
+void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
+  const std::filesystem::path cache = cache_directory();
+  for (const std::filesystem::path& file : files) {
+    if (file.empty() || !is_cached_table(file)) continue;
+    if (same_file(written_file(file).parent_path(), cache)) {
+      throw InputError(
+          fmt::format("{}: would be overwritten (found the name of a table in the cache's folder, allowed any other)",
+                      file.string()));
+    }
+  }
+}
+
+/// Nothing that a run writes may land on what it reads or on something else that it writes.
+void check_files(const RunOptions& options, std::size_t solves, const std::filesystem::path& output,
+                 const Scene& scene) {
+  std::vector<OutputFile> outputs{{output, "the result"}};
+  std::vector<std::filesystem::path> files = scene.inputs;
+  for (std::size_t of = 0; of < solves; ++of) {
+    const std::filesystem::path kept = checkpoint_file(options.checkpoint, of, solves);
+    const std::filesystem::path resumed = checkpoint_file(options.resume, of, solves);
+    outputs.push_back({kept, "the checkpoint"});
+    // A solve may keep its state in the file that it goes on from, but in that of no other solve.
+    if (!same_file(kept, resumed)) files.push_back(resumed);
+  }
+  if (options.dry_run) {
+    check_distinct(outputs, files);
+  } else {
+    check_outputs(outputs, files);
+  }
+  for (const OutputFile& file : outputs) files.push_back(file.path);
+  check_not_of_cache(files);
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  std::vector<Scene> scenes = read_scenes(options.scene, options.overrides);
+  const Scene first = scenes.front();
+  tell_notes(scenes);
+  const std::filesystem::path output = output_file(options, first);
+  check_files(options, scenes.size(), output, first);
+  if (options.compare) check_comparable(first);
+
+  const std::uint64_t available = available_memory_bytes();
+  CloudFiles files(scenes.size() > 1, [&options](const std::string& sentence) {
+    if (!options.quiet) tell("cloudbow: {}\n", printable(sentence));
+  });
+  const InterruptGuard guard;
+  Solved solved;
+  std::optional<RunPlan> plan;
+  if (options.goal) {
+    GoalRun done = reach_goal(options, available, files);
+    scenes = std::move(done.scenes);
+    solved = std::move(done.solved);
+    plan = std::move(done.plan);
+  } else {
+    Forecast expected = forecast(scenes, available, options.threads, options.compare, files);
+    check_memory(first, expected, available);
+    if (options.dry_run) {
+      const AssembledScene assembled =
+          expected.only ? std::move(*expected.only) : assemble(first, available, files, expected.levels_m);
+      print_forecast(scenes, assembled, expected, available);
+      return kExitDone;
+    }
+    solved = solve_all(scenes, std::move(expected), options, available, files);
+  }
+  ResultInfo info{first.title, fmt::format("cloudbow {}", version()), history_line(options.command),
+                  scenes.front().text};
+  info.error_estimates = solved.errors;
+  info.plan = plan;
+  for (const PhaseClassReport& classes : solved.phase_classes) {
+    info.phase_classes.push_back(classes.classes);
+    info.phase_class_error.push_back(classes.estimated_error);
+  }
+  for (const Scene& scene : scenes) {
+    if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
+  }
+  const ThreadScope threads(options.threads);
+  write_result(output, solved.solutions, info, solved.by_columns);
+  InterruptGuard::check();
+
+  if (!options.quiet) {
+    print_summaries(scenes, solved);
+    fmt::print("\nwritten to {}\n", output.string());
+  }
+  return std::max({tell_unconverged(scenes, solved.solutions, "", output),
+                   tell_unconverged(scenes, solved.by_columns, " as independent columns", output),
+                   plan ? tell_missed(*plan, output) : kExitDone});
+}
+
+}  // namespace cloudbow

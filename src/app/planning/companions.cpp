@@ -1,0 +1,130 @@
+#include "app/planning/companions.hpp"
+
+#include <algorithm>
+
+#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/probe_columns.hpp"
+#include "cloudbow/transport/solver.hpp"
+
+namespace cloudbow {
+namespace {
+
+// A companion's own iteration and its last gather need only be good beside its few directions.
+constexpr double kTolerance = 1e-2;
+constexpr double kEnergyTolerance = 1e-3;
+
+// Columns without azimuths: of a field of them as few streams as still tell, for the time; of one column more than it
+// has, whose error their distance then is.
+constexpr int kFewStreams = 4;
+constexpr int kMostStreams = 16;
+int streams_of_field(int streams) { return streams > kFewStreams ? kFewStreams : 2 * kFewStreams; }
+int streams_of_column(int streams) { return streams < kMostStreams ? std::min(2 * streams, kMostStreams) : 12; }
+
+struct Directions {
+  int control_points;
+  const char* ordinates;
+  int delta_m_order;
+  int exact_moments;
+  int beam_half_range_rows;
+};
+
+// Of fields: as few as still tell where more would matter.
+constexpr Directions kField{42, "double-gauss-4x8", 4, 2, 2};
+// A single column costs next to nothing, and its errors are so small that few directions say little of them: against a
+// better solution at the draft, else against one that is nearly as good, on the same control points.
+constexpr Directions kColumnOfDraft{162, "reduced-double-gauss-12x20", 12, 3, 3};
+constexpr Directions kColumnOfBalanced{162, "reduced-double-gauss-10x16", 10, 3, 3};
+constexpr Directions kColumn{642, "double-gauss-14x20", 12, 3, 3};
+
+void set_directions(const Directions& directions, SolverOptions& options) {
+  options.control_points = directions.control_points;
+  options.directions = directions.ordinates;
+  options.fit.delta_m_order = directions.delta_m_order;
+  options.fit.exact_moments = directions.exact_moments;
+  options.fit.beam_half_range_rows = directions.beam_half_range_rows;
+  options.fit.minimax = true;
+}
+
+void ask_for_fluxes_alone(SolverOptions& options) {
+  options.absorption = options.actinic = options.radiance_field = false;
+  options.views.clear();
+  options.cameras.clear();
+}
+
+// Each column for itself, with the directions of the solve.
+SolverOptions ordinates_of_columns(const SolverOptions& options) {
+  SolverOptions columns = options;
+  ask_for_fluxes_alone(columns);
+  // The probe's levels are cut already, so that listed ones have other indices there.
+  columns.largest_level_depth = 0;
+  if (columns.flux_levels == FluxLevels::listed) columns.flux_levels = FluxLevels::all;
+  columns.leave_out_uniform_axes = false;
+  columns.independent_columns = true;
+  columns.radiance_field = true;  // which is known by ordinates alone
+  return columns;
+}
+
+SolverOptions streams_of_columns(const SolverOptions& options) {
+  SolverOptions columns = ordinates_of_columns(options);
+  columns.radiance_field = false;
+  columns.column_streams = kMostStreams;
+  return columns;
+}
+
+}  // namespace
+
+SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
+  SolverOptions other = options;
+  const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
+  other.column_streams = as == SolvedAs::field                   ? streams_of_field(options.column_streams)
+                         : as == SolvedAs::column_beside_streams ? kMostStreams
+                                                                 : streams_of_column(options.column_streams);
+  if (as == SolvedAs::column_beside_streams) {
+    other.independent_columns = true;
+  } else if (as == SolvedAs::column) {
+    set_directions(accuracy == "draft" ? kColumnOfDraft : accuracy == "balanced" ? kColumnOfBalanced : kColumn, other);
+  } else if (as == SolvedAs::field) {
+    set_directions(kField, other);
+    other.gather_directions = std::min(options.gather_directions, 32);
+    other.beam_rays = 1;
+    other.tolerance = std::max(options.tolerance, kTolerance);
+    other.energy_tolerance = kEnergyTolerance;
+  }
+  other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
+  ask_for_fluxes_alone(other);
+  return other;
+}
+
+Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
+                            SolvedAs as, const ProgressCallback& progress) {
+  SolverOptions other = companion_options(options, accuracy, as);
+  Companions companions;
+  companions.linear = solve(problem, other, progress);
+  if (solved_without_azimuths(problem, other)) {  // exact in the vertical
+    companions.constant = companions.linear;
+    companions.constant.report = {};  // one solve
+    return companions;
+  }
+  other.linear_source = false;
+  companions.constant = solve(problem, other, progress);
+  if (as == SolvedAs::field) {
+    const Problem columns = probe_columns(problem, options);
+    companions.probe = {solve(columns, ordinates_of_columns(options), progress),
+                        solve(columns, streams_of_columns(options), progress)};
+  }
+  return companions;
+}
+
+double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
+                                 SolvedAs as) {
+  const SolverOptions other = companion_options(options, accuracy, as);
+  if (solved_without_azimuths(problem, other)) return predict_seconds(problem, other);
+  double seconds = 2 * predict_seconds(problem, other);
+  if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
+    const double columns = static_cast<double>(problem.grid.box.columns());
+    seconds += std::min(1., most_probe_columns / columns) * predict_seconds(problem, options);
+  }
+  return seconds;
+}
+
+}  // namespace cloudbow

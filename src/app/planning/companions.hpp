@@ -1,0 +1,25 @@
+// Other solutions of a scene, which tell how far off its solution is.
+#pragma once
+
+#include <string>
+
+#include "app/planning/error_calibration.hpp"
+#include "cloudbow/results/error_estimate.hpp"
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+
+/// Other directions, fewer of everything (more for a single column at the coarser levels); fluxes at the highest and
+/// the lowest level alone.
+/// @param accuracy the level that `options` are of.
+SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
+
+/// Both companions of a solution by `options`.
+Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
+                            SolvedAs as, const ProgressCallback& progress);
+
+/// Wall seconds of them, as predict_seconds().
+double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
+                                 SolvedAs as);
+
+}  // namespace cloudbow

@@ -1,0 +1,105 @@
+#include "app/planning/forecast.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/planning/companions.hpp"
+#include "app/planning/machine_speed.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/transport/solver.hpp"
+
+namespace cloudbow {
+namespace {
+
+/// Of the fields that a solution holds.
+std::size_t solution_bytes(const AssembledScene& scene) {
+  const BoxGrid& box = scene.problem.grid.box;
+  const SolverOptions& options = scene.options;
+  const std::size_t levels = flux_levels(box, options).size();
+  const std::size_t of_cells = (options.absorption ? 1 : 0) + (options.actinic ? 1 : 0);
+  std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
+  for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);
+  for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
+  if (options.radiance_field)
+    floats += scene.problem.grid.active_cells() * static_cast<std::size_t>(options.control_points + 3);
+  return floats * sizeof(float);
+}
+
+std::size_t foreseen(const Scene& scene, const Problem& problem, const SolverOptions& options) {
+  try {
+    return predict_memory(problem, options);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
+  }
+}
+
+/// The radiance field of all wavelengths has one list of cells.
+void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available, CloudFiles& files,
+                      const std::vector<double>& levels_m) {
+  std::optional<std::size_t> cells;
+  for (const Scene& scene : scenes) {
+    const std::size_t here = assemble(scene, available, files, levels_m).problem.grid.active_cells();
+    if (here != cells.value_or(here)) {
+      throw InputError(
+          fmt::format("{}: a radiance field needs the same cells at every wavelength (found {} cells with "
+                      "matter at {} um and {} at {} um, allowed optical depths that are above 0 at all or at none)",
+                      scene.path.string(), *cells, *scenes.front().wavelength_um, here, *scene.wavelength_um));
+    }
+    cells = here;
+  }
+}
+
+}  // namespace
+
+SolverOptions by_columns(SolverOptions options) {
+  options.independent_columns = true;
+  options.beam_crosses_columns = false;
+  options.absorption = options.actinic = options.radiance_field = false;
+  options.views.clear();
+  options.cameras.clear();
+  return options;
+}
+
+Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
+                  CloudFiles& files) {
+  Forecast forecast;
+  std::vector<std::vector<double>> levels;
+  std::size_t kept = 0;
+  for (const Scene& scene : scenes) {
+    AssembledScene assembled = assemble(scene, available, files, {});
+    assembled.options.threads = threads;
+    forecast.memory = std::max(forecast.memory, foreseen(scene, assembled.problem, assembled.options));
+    forecast.seconds += predict_seconds(assembled.problem, assembled.options);
+    if (scene.output.error_estimate) {
+      const SolvedAs as = solved_as(assembled.problem, assembled.options, assembled.one_column);
+      forecast.seconds += predict_companion_seconds(assembled.problem, assembled.options, scene.solver.accuracy, as);
+      const SolverOptions companion = companion_options(assembled.options, scene.solver.accuracy, as);
+      forecast.memory =
+          std::max(forecast.memory, foreseen(scene, assembled.problem, companion) + solution_bytes(assembled));
+    }
+    if (compare) {
+      const SolverOptions columns = by_columns(assembled.options);
+      forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, columns));
+      forecast.seconds += predict_seconds(assembled.problem, columns);
+      kept += solution_bytes(assembled);  // at most: of these, fluxes alone are kept
+    }
+    levels.push_back(assembled.problem.grid.box.z_edge_m);
+    kept += solution_bytes(assembled);
+    if (scenes.size() == 1) forecast.only = std::move(assembled);
+  }
+  if (scenes.size() > 1 || compare) forecast.memory += kept;
+  forecast.seconds *= machine_slowness();
+  if (scenes.size() > 1) {
+    forecast.levels_m = finest_levels(levels);
+    if (scenes.front().output.radiance_field) check_same_cells(scenes, available, files, forecast.levels_m);
+  }
+  return forecast;
+}
+
+std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {
+  CloudFiles files(scenes.size() > 1);
+  return forecast(scenes, available, threads, false, files).memory;
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,34 @@
+// What a run will take, before the first solve.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cloudbow/app/assemble.hpp"
+#include "cloudbow/app/cloud_files.hpp"
+#include "cloudbow/app/scene.hpp"
+
+namespace cloudbow {
+
+/// What is known of a run before the first solve.
+struct Forecast {
+  std::size_t memory = 0;              ///< bytes, of the most demanding wavelength, with the results of all
+  double seconds = 0;                  ///< of all wavelengths, on this machine
+  std::vector<double> levels_m;        ///< that serve all wavelengths; empty: there is one scene only
+  std::optional<AssembledScene> only;  ///< that scene
+};
+
+/// Looks at every wavelength, so that none fails after others were solved.
+/// @param compare whether the same is solved as independent columns too
+Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
+                  CloudFiles& files);
+
+/// The same columns, each by itself, and their fluxes alone.
+/// Peak memory [bytes] of run() for the wavelengths of a scene.
+/// @param available bytes that the optical grid may take. @throws InputError as assemble().
+std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
+
+SolverOptions by_columns(SolverOptions options);
+
+}  // namespace cloudbow

@@ -1,0 +1,178 @@
+#include "app/planning/goal_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "app/planning/error_calibration.hpp"
+#include "app/process/messages.hpp"
+#include "app/scene/accuracy.hpp"
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
+
+std::vector<Scene> scenes_at(const RunOptions& options, const std::string& level) {
+  std::vector<std::string> overrides = options.overrides;
+  overrides.push_back("solver.accuracy=" + level);
+  std::vector<Scene> scenes = read_scenes(options.scene, overrides);
+  for (Scene& scene : scenes) scene.output.error_estimate = true;
+  return scenes;
+}
+
+/// Of the fluxes that the goal names; of a spectrum the largest.
+double error_of(const std::vector<ErrorEstimate>& errors, ErrorOf of) {
+  double largest = 0;
+  for (const ErrorEstimate& error : errors)
+    largest = std::max(largest, of == ErrorOf::domain ? error.domain.total() : error.columns());
+  return largest;
+}
+
+double expected_error(const std::vector<ErrorEstimate>& of_draft, ErrorOf of, const ByFlux& ratio) {
+  double largest = 0;
+  for (const ErrorEstimate& error : of_draft) {
+    largest = std::max(largest, of == ErrorOf::domain
+                                    ? ratio.domain * error.domain.total()
+                                    : std::max(ratio.up * error.up.total(), ratio.down * error.down.total()));
+  }
+  return largest;
+}
+
+/// What the forecast leaves out, which a second run does not pay either.
+double table_seconds(const Solved& solved) {
+  double sum = 0;
+  for (const Solution& solution : solved.solutions) sum += solution.report.seconds_tables;
+  for (const ErrorEstimate& error : solved.errors) sum += error.table_seconds;
+  return sum;
+}
+
+class GoalRunner {
+ public:
+  GoalRunner(const RunOptions& options, std::uint64_t available, CloudFiles& files)
+      : options_(options), goal_(*options.goal), available_(available), files_(files), names_(accuracy_names()) {}
+
+  GoalRun run() {
+    std::size_t level = 0;
+    begin_forecasts();
+    solve_level(level);
+    if (!reached() || !goal_.error) {
+      extend_forecasts();
+      level = choose_level(levels_, goal_, means());
+      if (level > 0) {
+        tell_choice(level);
+        solve_level(level);
+      }
+    }
+    while (!reached()) {
+      const auto next = next_level(levels_, level, goal_, means());
+      if (!next) break;
+      level = *next;
+      tell_choice(level);
+      solve_level(level);
+    }
+    finish(level);
+    return std::move(result_);
+  }
+
+ private:
+  Means means() const { return {seconds_since(start_), static_cast<double>(available_)}; }
+
+  /// By the estimate of the last level solved.
+  bool reached() const { return !goal_.error || error_of(result_.solved.errors, goal_.of) <= *goal_.error; }
+
+  LevelForecast forecast_of(const std::string& level) {
+    const Forecast expected = forecast(scenes_at(options_, level), available_, options_.threads, false, files_);
+    return {level, 0, expected.seconds, static_cast<double>(expected.memory)};
+  }
+
+  /// A time too short for any level is told before anything is solved.
+  void begin_forecasts() {
+    levels_ = {forecast_of(names_.front())};
+    first_seconds_ = levels_.front().seconds;
+    choose_level(levels_, {std::nullopt, goal_.of, goal_.budget_seconds.value_or(1e30)}, means());
+  }
+
+  void extend_forecasts() {
+    const std::vector<ErrorEstimate>& of_draft = result_.solved.errors;
+    const double pace = result_.plan.seconds / first_seconds_;
+    for (std::size_t n = 1; n < names_.size(); ++n) {
+      LevelForecast level = forecast_of(names_[n]);
+      level.seconds *= pace;
+      level.error = expected_error(of_draft, goal_.of, error_ratio_to_draft(names_[n], solved_as_));
+      levels_.push_back(level);
+    }
+    levels_.front().error = error_of(of_draft, goal_.of);
+    levels_.front().seconds = 0;  // it is there already
+  }
+
+  void solve_level(std::size_t level) {
+    result_.scenes = scenes_at(options_, names_[level]);
+    result_.solved = {};
+    Forecast expected = forecast(result_.scenes, available_, options_.threads, false, files_);
+    if (const auto& only = expected.only) solved_as_ = solved_as(only->problem, only->options, only->one_column);
+    const auto start = Clock::now();
+    result_.solved = solve_all(result_.scenes, std::move(expected), options_, available_, files_);
+    result_.plan.seconds = seconds_since(start) - table_seconds(result_.solved);
+    result_.plan.levels_solved += (level == 0 ? "" : ", ") + names_[level];
+    if (!options_.quiet) {
+      tell("cloudbow: `{}`: estimated error of {} {}, in {:.2g} s\n", names_[level], name_of(goal_.of),
+           percent(error_of(result_.solved.errors, goal_.of)), result_.plan.seconds);
+    }
+  }
+
+  void tell_choice(std::size_t level) const {
+    if (options_.quiet) return;
+    std::string wish;
+    if (goal_.error) wish = fmt::format("{} wanted", percent(*goal_.error));
+    if (goal_.budget_seconds)
+      wish += fmt::format("{}{:.3g} s of {:.3g} s left", wish.empty() ? "" : ", ",
+                          *goal_.budget_seconds - means().spent_seconds, *goal_.budget_seconds);
+    tell("cloudbow: chose `{}`: {} of {} expected, in {:.2g} s and {:.2g} GB ({})\n", names_[level],
+         percent(levels_[level].error), name_of(goal_.of), levels_[level].seconds, levels_[level].memory_bytes / 1e9,
+         wish);
+  }
+
+  void finish(std::size_t level) {
+    RunPlan& plan = result_.plan;
+    plan.target_error = goal_.error;
+    plan.of = name_of(goal_.of);
+    plan.budget_seconds = goal_.budget_seconds;
+    plan.accuracy = names_[level];
+    plan.predicted_error = levels_[level].error;
+    plan.predicted_seconds = level == 0 ? first_seconds_ : levels_[level].seconds;
+    plan.predicted_memory_bytes = levels_[level].memory_bytes;
+    plan.seconds_in_all = seconds_since(start_);
+    plan.met = reached() && (!goal_.budget_seconds || plan.seconds_in_all <= *goal_.budget_seconds);
+  }
+
+  const RunOptions& options_;
+  const Goal goal_;
+  std::uint64_t available_;
+  CloudFiles& files_;
+  const std::vector<std::string> names_;
+  const Clock::time_point start_ = Clock::now();
+  std::vector<LevelForecast> levels_;
+  double first_seconds_ = 0;
+  SolvedAs solved_as_ = SolvedAs::field;
+  GoalRun result_;
+};
+
+}  // namespace
+
+GoalRun reach_goal(const RunOptions& options, std::uint64_t available, CloudFiles& files) {
+  for (const std::string& setting : options.overrides) {
+    if (setting.starts_with("solver.accuracy="))
+      throw InputError(
+          fmt::format("--set {}: --target-error and --budget choose the level (allowed: one or the other)", setting));
+  }
+  return GoalRunner(options, available, files).run();
+}
+
+}  // namespace cloudbow

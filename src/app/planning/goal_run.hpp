@@ -1,0 +1,22 @@
+// Runs to a wanted error or time: a draft first, then the level that serves.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "app/planning/solve_scenes.hpp"
+#include "cloudbow/io/result_file.hpp"
+
+namespace cloudbow {
+
+struct GoalRun {
+  std::vector<Scene> scenes;  ///< at the level chosen
+  Solved solved;
+  RunPlan plan;
+};
+
+/// Says on stderr what is chosen and why.
+/// @throws InputError where no level serves, with what would be possible; Interrupted.
+GoalRun reach_goal(const RunOptions& options, std::uint64_t available, CloudFiles& files);
+
+}  // namespace cloudbow

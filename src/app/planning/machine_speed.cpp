@@ -1,0 +1,61 @@
+#include "app/planning/machine_speed.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "app/process/cache_directory.hpp"
+#include "app/verify/scenes.hpp"
+#include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
+#include "cloudbow/transport/solver.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr const char* kHeader = "cloudbow machine 1";  // its number goes up when predict_seconds() changes
+constexpr double kLeast = .01, kMost = 100;            // beyond, it is no measurement
+
+std::filesystem::path speed_file() {
+  const std::filesystem::path folder = cache_directory();
+  return folder.empty() ? folder : folder / "machine-speed.txt";
+}
+
+}  // namespace
+
+double machine_slowness() {
+  const std::filesystem::path path = speed_file();
+  if (!unreadable_reason(path).empty()) return 1;
+  std::ifstream file(path);
+  std::string header;
+  double factor = 0;
+  if (!std::getline(file, header) || header != kHeader || !(file >> factor)) return 1;
+  return std::isfinite(factor) && factor >= kLeast && factor <= kMost ? factor : 1;
+}
+
+double calibrate_machine() {
+  const std::filesystem::path path = speed_file();
+  if (path.empty())
+    throw InputError("--calibrate: no folder for caches (found neither XDG_CACHE_HOME nor HOME, allowed either)");
+  const Problem problem =
+      field_problem(uneven_field(48, 48, 16, .5), 1, PhaseFunction::henyey_greenstein(.85), sun_at(.5, 30));
+  SolverOptions options = field_options("draft");
+  options.threads = 0;
+  options.absorption = false;
+  const double predicted = predict_seconds(problem, options);
+  double least = 0;
+  for (int n = 0; n < 3; ++n) {
+    const SolverReport report = solve(problem, options).report;
+    const double seconds = report.seconds_total - report.seconds_tables;
+    least = n == 0 ? seconds : std::min(least, seconds);
+  }
+  const double factor = std::clamp(least / predicted, kLeast, kMost);
+  write_file_atomically(path, fmt::format("{}\n{:.4g}\n", kHeader, factor));
+  return factor;
+}
+
+}  // namespace cloudbow

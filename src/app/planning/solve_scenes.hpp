@@ -1,0 +1,25 @@
+// The solves of a run.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "app/planning/forecast.hpp"
+#include "app/planning/run_options.hpp"
+#include "cloudbow/results/error_estimate.hpp"
+
+namespace cloudbow {
+
+/// Solutions of all wavelengths, and what the result file says about how they were made.
+struct Solved {
+  std::vector<Solution> solutions;
+  std::vector<Solution> by_columns;             ///< of each the same as independent columns, or none
+  std::vector<PhaseClassReport> phase_classes;  ///< of each, or none
+  std::vector<ErrorEstimate> errors;            ///< of each, or none
+};
+
+/// @throws Interrupted.
+Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunOptions& options,
+                 std::uint64_t available, CloudFiles& files);
+
+}  // namespace cloudbow

@@ -1,0 +1,229 @@
+#include "cloudbow/app/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "app/scene/scene_reader.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/input_file.hpp"
+#include "cloudbow/transport/solution.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr NumberRange kLight{"0, or 1e-25 to 1e25", 0, most_light};
+constexpr NumberRange kZenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
+constexpr int kMaxVerticalCells = 100000;
+constexpr std::size_t kMaxWavelengths = 1000;
+
+/// Irradiance or radiance, which results hold in float.
+std::optional<double> light(const ConfigReader& reader, const std::string& key, SpectralPlace at) {
+  const auto value = reader.find_number(key, kLight, at);
+  if (value && *value > 0 && *value < least_light)
+    reader.fail(key, "out of range", fmt::format("{}", *value), kLight.allowed);
+  return value;
+}
+
+/// Of `[spectrum]`; none without it.
+std::vector<double> read_wavelengths(const ConfigReader& root) {
+  const auto spectrum = root.find_table("spectrum");
+  if (!spectrum) return {};
+  spectrum->check_keys({"wavelengths_um"});
+  const auto wavelengths = spectrum->find_numbers("wavelengths_um", kPositive);
+  if (!wavelengths) spectrum->fail_missing("wavelengths_um", "a list of wavelengths > 0");
+  if (wavelengths->empty() || wavelengths->size() > kMaxWavelengths) {
+    spectrum->fail("wavelengths_um", "empty or too long", fmt::format("{} wavelengths", wavelengths->size()),
+                   fmt::format("1 to {}", kMaxWavelengths));
+  }
+  // As a coordinate of the result, which readers search, must be.
+  const bool ascend =
+      std::adjacent_find(wavelengths->begin(), wavelengths->end(), std::greater_equal<>()) == wavelengths->end();
+  const bool descend =
+      std::adjacent_find(wavelengths->begin(), wavelengths->end(), std::less_equal<>()) == wavelengths->end();
+  if (!ascend && !descend) {
+    spectrum->fail("wavelengths_um", "neither ascending nor descending", describe(*spectrum->find("wavelengths_um")),
+                   "each wavelength once, in one of the two orders");
+  }
+  return *wavelengths;
+}
+
+}  // namespace
+
+Scene SceneReader::read() {
+  root_.check_keys({"title", "cloud", "phase_function", "layer", "domain", "sun", "sky", "surface", "solver",
+                    "radiance", "camera", "spectrum", "output"});
+  scene_.title = root_.find_text("title").value_or(scene_.path.stem().string());
+  read_phase_functions();
+  if (const auto cloud = root_.find_table("cloud")) read_cloud(*cloud);
+  for (const ConfigReader& layer : root_.tables("layer")) read_layer(layer);
+  if (const auto domain = root_.find_table("domain")) read_domain(*domain);
+  if (const auto sun = root_.find_table("sun")) read_sun(*sun);
+  if (const auto sky = root_.find_table("sky")) {
+    sky->check_keys({"radiance_w_m2_sr"});
+    scene_.sky_radiance = light(*sky, "radiance_w_m2_sr", at_).value_or(0);
+  }
+  if (const auto surface = root_.find_table("surface")) read_surface(*surface);
+  if (const auto solver = root_.find_table("solver")) read_solver(*solver);
+  for (const ConfigReader& radiance : root_.tables("radiance")) read_radiance(radiance);
+  for (const ConfigReader& camera : root_.tables("camera")) read_camera(camera);
+  if (const auto output = root_.find_table("output")) read_output(*output);
+  check_whole();
+  return std::move(scene_);
+}
+
+std::filesystem::path SceneReader::relative_to_scene(const std::string& file) const {
+  return scene_.path.parent_path() / std::filesystem::path(file);
+}
+
+std::filesystem::path SceneReader::existing_file(const ConfigReader& reader, const std::string& key) {
+  return existing_file(reader, key, reader.text(key));
+}
+
+std::filesystem::path SceneReader::existing_file(const ConfigReader& reader, const std::string& key,
+                                                 const std::string& name) {
+  const std::filesystem::path file = relative_to_scene(name);
+  if (const std::string reason = unreadable_reason(file); !reason.empty())
+    reader.fail(key, reason, file.string(), "a file that is there and may be read");
+  scene_.inputs.push_back(file);
+  return file;
+}
+
+std::filesystem::path SceneReader::existing_spectral_file(const ConfigReader& reader, const std::string& key) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& name : reader.spectral_texts(key, at_)) files.push_back(existing_file(reader, key, name));
+  return files.size() == 1 ? files.front() : files[at_.index];
+}
+
+void SceneReader::remember(const ConfigReader& reader, const std::string& key) {
+  scene_.place[reader.full_name(key)] = reader.place_of(key);
+}
+
+void SceneReader::note(const ConfigReader& reader, const std::string& key, std::span<const std::string> notes) {
+  for (const std::string& note : notes)
+    scene_.notes.push_back(fmt::format("{}: {}: {}", reader.place_of(key), reader.full_name(key), note));
+}
+
+void SceneReader::read_domain(const ConfigReader& reader) {
+  reader.check_keys({"boundary", "min_m", "max_m", "vertical_cells"});
+  SceneDomain& domain = scene_.domain;
+  domain.periodic = reader.find_choice("boundary", {"periodic", "open"}).value_or("periodic") == "periodic";
+  domain.min_m = reader.find_triple("min_m", kFinite);
+  domain.max_m = reader.find_triple("max_m", kFinite);
+  if (domain.min_m && domain.max_m) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((*domain.max_m)[axis] <= (*domain.min_m)[axis]) {
+        reader.fail("max_m", fmt::format("not above min_m in {}", "xyz"[axis]),
+                    fmt::format("{}", (*domain.max_m)[axis]), fmt::format("> {}", (*domain.min_m)[axis]));
+      }
+    }
+  }
+  domain.vertical_cells = reader.find_integer("vertical_cells", 1, kMaxVerticalCells).value_or(0);
+  if (domain.vertical_cells > 0 && scene_.cloud) {
+    reader.fail("vertical_cells", "only for scenes without [cloud]", std::to_string(domain.vertical_cells),
+                "no such key: the cloud's voxels give the levels");
+  }
+  for (const char* key : {"min_m", "max_m"}) remember(reader, key);
+}
+
+// Counter-clockwise from +x, from whichever of the two keys is there.
+std::optional<double> SceneReader::read_azimuth(const ConfigReader& reader) {
+  const auto azimuth = reader.find_number("azimuth_deg", kFinite);
+  const auto bearing = reader.find_number("bearing_deg", kFinite);
+  if (azimuth && bearing) reader.fail("bearing_deg", "excludes azimuth_deg", "both", "one of the two");
+  if (bearing) return 90 - *bearing;
+  return azimuth;
+}
+
+void SceneReader::read_sun(const ConfigReader& reader) {
+  reader.check_keys({"zenith_deg", "azimuth_deg", "bearing_deg", "irradiance_w_m2"});
+  SceneSun sun;
+  sun.zenith_deg = reader.number("zenith_deg", kZenith);
+  const auto azimuth = read_azimuth(reader);
+  if (!azimuth) {
+    reader.fail("azimuth_deg", "missing", "neither azimuth_deg nor bearing_deg",
+                "one of the two: azimuth_deg counter-clockwise from +x, or bearing_deg clockwise from +y");
+  }
+  sun.azimuth_deg = *azimuth;
+  sun.irradiance_w_m2 = light(reader, "irradiance_w_m2", at_).value_or(1);
+  if (sun.irradiance_w_m2 > 0) scene_.sun = sun;
+}
+
+void SceneReader::read_surface(const ConfigReader& reader) {
+  const std::string type =
+      reader.find_choice("type", {"lambertian", "rpv", "ross-li", "cox-munk"}).value_or("lambertian");
+  std::vector<std::string> keys{"type", "slope_deg", "aspect_deg"};
+  const auto check_keys = [&](std::initializer_list<std::string> more) {
+    keys.insert(keys.end(), more);
+    reader.check_keys(keys);
+  };
+  Surface& surface = scene_.surface;
+  surface.tilt.slope_deg = reader.find_number("slope_deg", {"0 to 89", 0, 89}).value_or(0);
+  surface.tilt.aspect_deg = reader.find_number("aspect_deg", kFinite).value_or(0);
+  if (type == "lambertian") {
+    check_keys({"albedo", "albedo_map"});
+    surface.albedo = reader.find_number("albedo", kFraction, at_).value_or(0);
+    if (reader.has("albedo_map")) read_albedo_map_key(reader);
+    if (surface.tilt.slope_deg > 0) surface.brdf = SurfaceBrdf::lambertian(surface.albedo);
+  } else if (type == "rpv") {
+    check_keys({"rho0", "k", "theta", "rho_c"});
+    const double rho0 = reader.number("rho0", kNotNegative, at_);
+    surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", kPositive, at_),
+                                    reader.number("theta", {"between -1 and 1", -1, 1, false, false}, at_),
+                                    reader.find_number("rho_c", kNotNegative, at_).value_or(rho0));
+  } else if (type == "ross-li") {
+    check_keys({"f_iso", "f_vol", "f_geo"});
+    surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", kNotNegative, at_), reader.number("f_vol", kFinite, at_),
+                                        reader.number("f_geo", kFinite, at_));
+  } else {
+    check_keys({"wind_speed_m_s", "refractive_index"});
+    surface.brdf = SurfaceBrdf::cox_munk(
+        reader.number("wind_speed_m_s", {"0 to 50", 0, 50}),
+        reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}, at_).value_or(1.34));
+  }
+}
+
+void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
+  const std::string file = reader.spectral_texts("albedo_map", at_).front();
+  if (reader.has("albedo")) reader.fail("albedo_map", "stands beside `albedo`", file, "one of the two");
+  if (scene_.surface.tilt.slope_deg > 0) reader.fail("albedo_map", "stands beside `slope_deg`", file, "one of the two");
+  if (!scene_.cloud) {
+    reader.fail("albedo_map", "needs a cloud, whose columns it covers", file, "`albedo` where there are layers alone");
+  }
+  scene_.albedo_map = existing_spectral_file(reader, "albedo_map");
+  remember(reader, "albedo_map");
+}
+
+void SceneReader::check_whole() const {
+  if (!scene_.cloud && scene_.layers.empty()) {
+    throw InputError(
+        fmt::format("{}: nothing that light could meet (found neither [cloud] nor [[layer]], allowed one or both)",
+                    scene_.path.string()));
+  }
+  if (!scene_.sun && scene_.sky_radiance <= 0) {
+    throw InputError(fmt::format("{}: no light (found neither [sun] nor [sky] that shines, allowed one or both)",
+                                 scene_.path.string()));
+  }
+}
+
+std::string Scene::where(const std::string& key) const {
+  const auto known = place.find(key);
+  return fmt::format("{}: {}", known == place.end() ? path.string() : known->second, key);
+}
+
+std::vector<Scene> read_scenes(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  const ConfigTree tree = read_config(path, overrides);
+  const std::vector<double> wavelengths = read_wavelengths(ConfigReader(tree.root, ""));
+  std::vector<Scene> scenes;
+  for (std::size_t n = 0; n < std::max<std::size_t>(wavelengths.size(), 1); ++n)
+    scenes.push_back(SceneReader(tree, path, wavelengths, n).read());
+  return scenes;
+}
+
+Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  return std::move(read_scenes(path, overrides).front());
+}
+
+}  // namespace cloudbow

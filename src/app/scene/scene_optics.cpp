@@ -1,0 +1,270 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/scene/phase_set_file.hpp"
+#include "app/scene/scene_reader.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/io/droplet_table_file.hpp"
+#include "cloudbow/medium/plausibility.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
+#include "cloudbow/optics/rayleigh.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr NumberRange kAsymmetry{"-1 < g < 1", -1, 1, false, false};
+
+}  // namespace
+
+void SceneReader::read_phase_functions() {
+  defined_.emplace("isotropic", DefinedPhaseFunction{PhaseFunction::isotropic()});
+  defined_.emplace("rayleigh", DefinedPhaseFunction{PhaseFunction::rayleigh()});
+  const auto table = root_.find_table("phase_function");
+  if (!table) return;
+  for (const std::string& name : root_.find("phase_function")->keys) {
+    const ConfigReader reader = *table->find_table(name);
+    if (defined_.count(name) != 0) table->fail(name, "already defined", name, "a name that is not built in");
+    defined_.emplace(name, read_phase_function(reader));
+  }
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const ConfigReader& reader) {
+  const std::string type = reader.text("type");
+  if (type == "isotropic" || type == "rayleigh") {
+    reader.check_keys({"type"});
+    return {type == "isotropic" ? PhaseFunction::isotropic() : PhaseFunction::rayleigh()};
+  }
+  if (type == "henyey-greenstein") {
+    reader.check_keys({"type", "asymmetry_parameter"});
+    return {PhaseFunction::henyey_greenstein(reader.number("asymmetry_parameter", kAsymmetry, at_))};
+  }
+  if (type == "double-henyey-greenstein") {
+    reader.check_keys({"type", "forward_asymmetry_parameter", "backward_asymmetry_parameter", "forward_weight"});
+    return {PhaseFunction::double_henyey_greenstein(reader.number("forward_asymmetry_parameter", kAsymmetry, at_),
+                                                    reader.number("backward_asymmetry_parameter", kAsymmetry, at_),
+                                                    reader.number("forward_weight", kFraction, at_))};
+  }
+  if (type == "legendre") return read_legendre(reader);
+  if (type == "table") {
+    reader.check_keys({"type", "file"});
+    return read_function_file(reader, read_phase_table_file);
+  }
+  if (type == "mie") return read_mie(reader);
+  if (type == "set") return read_set(reader);
+  reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
+              "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie, set");
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_legendre(const ConfigReader& reader) {
+  reader.check_keys({"type", "moments", "file"});
+  if (reader.has("moments") == reader.has("file")) {
+    reader.fail(reader.has("file") ? "file" : "moments", "moments = [...] and file exclude each other",
+                reader.has("file") ? "both" : "neither", "one of the two");
+  }
+  if (reader.has("file")) return read_function_file(reader, read_legendre_file);
+  const auto moments = *reader.find_numbers("moments", {"chi_0 = 1, then -1 to 1, without the factor 2l+1", -1, 1});
+  std::optional<PhaseFunction> function;
+  reader.with_place("moments", [&] {
+    function = PhaseFunction::legendre(moments);
+    const std::string told = check_not_negative(moments);
+    if (!told.empty()) note(reader, "moments", std::span(&told, 1));
+  });
+  return {*function, true};
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_function_file(
+    const ConfigReader& reader, PhaseFunctionFile (*reader_of_file)(const std::filesystem::path&)) {
+  const auto file = existing_file(reader, "file");
+  std::optional<PhaseFunctionFile> found;
+  reader.with_place("file", [&] { found = reader_of_file(file); });
+  note(reader, "file", found->notes);
+  return {found->function, true};
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& reader) {
+  reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um"});
+  const auto file = existing_spectral_file(reader, "file");
+  auto wavelength = reader.find_number("wavelength_um", kPositive, at_);
+  if (!wavelength) wavelength = scene_.wavelength_um;
+  DefinedPhaseFunction defined;
+  defined.measured = true;
+  defined.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
+  reader.with_place(
+      "file", [&] { defined.droplets = std::make_shared<const DropletTable>(read_droplet_table(file, wavelength)); });
+  note(reader, "file", defined.droplets->notes);
+  if (defined.effective_radius_um) {
+    reader.with_place("effective_radius_um", [&] { mixture_for(*defined.droplets, *defined.effective_radius_um); });
+  }
+  return defined;
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_set(const ConfigReader& reader) {
+  reader.check_keys({"type", "file", "index_grid"});
+  auto set = std::make_shared<ScenePhaseSet>();
+  set->file = existing_file(reader, "file");
+  set->index_grid = reader.find_text("index_grid").value_or("phase_index");
+  reader.with_place("file", [&] {
+    PhaseSetFile found = read_phase_set_file(set->file, MomentFactor::excluded);
+    if (!found.note.empty()) note(reader, "file", std::span(&found.note, 1));
+    for (auto& moments : found.moments) set->function.push_back(PhaseFunction::legendre(std::move(moments)));
+  });
+  DefinedPhaseFunction defined;
+  defined.measured = true;
+  defined.set = std::move(set);
+  return defined;
+}
+
+const std::pair<const std::string, SceneReader::DefinedPhaseFunction>& SceneReader::find_phase_function(
+    const ConfigReader& reader) const {
+  const std::string name = reader.text("phase_function");
+  const auto defined = defined_.find(name);
+  if (defined == defined_.end()) {
+    std::string names;
+    for (const auto& [known, function] : defined_) names += (names.empty() ? "" : ", ") + known;
+    reader.fail("phase_function", "no phase function of this name", fmt::format("\"{}\"", name),
+                names + ", or any other with its own [phase_function.NAME]");
+  }
+  return *defined;
+}
+
+int SceneReader::add_phase_function(const std::string& name, const PhaseFunction& function, bool measured) {
+  const auto used = std::find_if(
+      scene_.phase_functions.begin(), scene_.phase_functions.end(),
+      [&](const ScenePhaseFunction& phase) { return phase.name == name && phase.function.key() == function.key(); });
+  if (used != scene_.phase_functions.end()) return static_cast<int>(used - scene_.phase_functions.begin());
+  scene_.phase_functions.push_back({name, function, measured});
+  return static_cast<int>(scene_.phase_functions.size()) - 1;
+}
+
+void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud) {
+  const auto& [name, defined] = find_phase_function(reader);
+  if (defined.droplets == nullptr) {
+    if (cloud.effective_radius_um && doubt_effective_radius(*cloud.effective_radius_um, *cloud.effective_radius_um)) {
+      reader.fail("effective_radius_um", "no radius of droplets", fmt::format("{}", *cloud.effective_radius_um),
+                  fmt::format("{} to {} um", smallest_effective_radius_um, largest_effective_radius_um));
+    }
+    if (cloud.single_scattering_albedo_grid.empty()) {
+      cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
+    }
+    if (defined.set != nullptr) {
+      cloud.phase_set = defined.set;
+      return;
+    }
+    cloud.phase_function = add_phase_function(name, *defined.function, defined.measured);
+    return;
+  }
+  cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", kFraction, at_);
+  const std::string of_function = fmt::format("phase_function.{}.effective_radius_um", name);
+  if (!cloud.effective_radius_grid.empty()) {
+    if (defined.effective_radius_um) {
+      reader.fail("effective_radius_grid", "excludes " + of_function, "both", "one of the two");
+    }
+    cloud.droplets = defined.droplets;
+    return;
+  }
+  if (cloud.effective_radius_um && defined.effective_radius_um &&
+      *cloud.effective_radius_um != *defined.effective_radius_um) {
+    reader.fail("effective_radius_um", "not that of the phase function", fmt::format("{}", *cloud.effective_radius_um),
+                fmt::format("{}, as {} says, or one of the two keys", *defined.effective_radius_um, of_function));
+  }
+  const auto radius = cloud.effective_radius_um ? cloud.effective_radius_um : defined.effective_radius_um;
+  if (!radius) {
+    reader.fail_missing("effective_radius_um",
+                        fmt::format("effective_radius_um or effective_radius_grid, or {}", of_function));
+  }
+  reader.with_place(cloud.effective_radius_um ? "effective_radius_um" : "phase_function", [&] {
+    const DropletOptics optics = droplet_optics(*defined.droplets, *radius);
+    cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
+    cloud.effective_radius_um = radius;
+    if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
+    cloud.phase_function = add_phase_function(name, optics.phase_function, true);
+  });
+}
+
+void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {
+  const auto& [name, defined] = find_phase_function(reader);
+  if (defined.set != nullptr) {
+    reader.fail("phase_function", "a set, which only a cloud's voxels can choose from", fmt::format("\"{}\"", name),
+                "a single phase function");
+  }
+  if (defined.droplets == nullptr) {
+    layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
+    layer.phase_function = add_phase_function(name, *defined.function, defined.measured);
+    return;
+  }
+  if (!defined.effective_radius_um) {
+    reader.fail("phase_function", "a mie table without effective radius", fmt::format("\"{}\"", name),
+                fmt::format("one with phase_function.{}.effective_radius_um", name));
+  }
+  const DropletOptics optics = droplet_optics(*defined.droplets, *defined.effective_radius_um);
+  layer.single_scattering_albedo =
+      reader.find_number("single_scattering_albedo", kFraction, at_).value_or(optics.single_scattering_albedo);
+  layer.phase_function = add_phase_function(name, optics.phase_function, true);
+}
+
+void SceneReader::read_cloud(const ConfigReader& reader) {
+  reader.check_keys({"file", "grid", "quantity", "scale", "voxel_size_m", "up_axis", "effective_radius_um",
+                     "effective_radius_grid", "single_scattering_albedo", "single_scattering_albedo_grid",
+                     "phase_function"});
+  SceneCloud cloud;
+  cloud.file = existing_file(reader, "file");
+  if (reader.has("grid")) cloud.read.grid = reader.text("grid");
+  cloud.quantity = reader.find_choice("quantity", {"extinction", "liquid_water_content"}).value_or("");
+  cloud.read.scale = reader.find_number("scale", kPositive, at_).value_or(1);
+  cloud.read.up_axis = reader.find_choice("up_axis", {"x", "y", "z"}).value_or("z");
+  if (const ConfigNode* size = reader.find("voxel_size_m"); size != nullptr && size->kind == ConfigNode::Kind::array) {
+    cloud.read.voxel_size_m = reader.find_triple("voxel_size_m", kPositive);
+  } else if (const auto edge = reader.find_number("voxel_size_m", kPositive)) {
+    cloud.read.voxel_size_m = {*edge, *edge, *edge};
+  }
+  cloud.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
+  if (reader.has("effective_radius_grid")) {
+    if (cloud.effective_radius_um) {
+      reader.fail("effective_radius_grid", "excludes effective_radius_um", "both", "one of the two");
+    }
+    cloud.effective_radius_grid = reader.text("effective_radius_grid");
+  }
+  if (reader.has("single_scattering_albedo_grid")) {
+    if (reader.has("single_scattering_albedo")) {
+      reader.fail("single_scattering_albedo_grid", "excludes single_scattering_albedo", "both", "one of the two");
+    }
+    cloud.single_scattering_albedo_grid = reader.text("single_scattering_albedo_grid");
+  }
+  read_cloud_optics(reader, cloud);
+  for (const char* key : {"file", "quantity", "effective_radius_um"}) remember(reader, key);
+  scene_.cloud = std::move(cloud);
+}
+
+void SceneReader::read_layer(const ConfigReader& reader) {
+  reader.check_keys({"name", "bottom_m", "top_m", "optical_depth", "optical_depth_wavelength_um",
+                     "single_scattering_albedo", "phase_function"});
+  reader.find_text("name");
+  Layer layer;
+  layer.bottom_m = reader.number("bottom_m", kFinite);
+  layer.top_m = reader.number("top_m", kFinite);
+  if (layer.top_m <= layer.bottom_m) {
+    reader.fail("top_m", "not above bottom_m", fmt::format("{}", layer.top_m), fmt::format("> {}", layer.bottom_m));
+  }
+  layer.optical_depth = reader.number("optical_depth", kNotNegative, at_);
+  read_layer_optics(reader, layer);
+  if (reader.has("optical_depth_wavelength_um")) layer.optical_depth *= rayleigh_ratio(reader, layer);
+  for (const char* key : {"bottom_m", "top_m"}) remember(reader, key);
+  scene_.layers.push_back(layer);
+}
+
+double SceneReader::rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const {
+  const char* const key = "optical_depth_wavelength_um";
+  const double given_um = reader.number(key, kPositive);
+  if (!scene_.wavelength_um) reader.fail(key, "needs [spectrum]", fmt::format("{}", given_um), "no such key");
+  const ScenePhaseFunction& phase = scene_.phase_functions[static_cast<std::size_t>(layer.phase_function)];
+  if (phase.function.key() != PhaseFunction::rayleigh().key())
+    reader.fail(key, "a law that air alone follows", "phase function " + phase.name, "phase_function = \"rayleigh\"");
+  if (reader.find("optical_depth")->kind == ConfigNode::Kind::array)
+    reader.fail(key, "excludes a list of optical depths", "both", "one of the two");
+  return rayleigh_optical_depth(*scene_.wavelength_um) / rayleigh_optical_depth(given_um);
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,93 @@
+// The scene at one of its wavelengths, read table by table: scene.cpp where and in what light things are,
+// scene_optics.cpp what light meets, scene_wishes.cpp how it is solved and what is asked for.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/scene/config_reader.hpp"
+#include "app/scene/phase_function_file.hpp"
+#include "cloudbow/app/scene.hpp"
+
+namespace cloudbow {
+
+class SceneReader {
+ public:
+  SceneReader(const ConfigTree& tree, const std::filesystem::path& path, std::span<const double> wavelengths_um,
+              std::size_t wavelength)
+      : root_(tree.root, ""), at_{wavelength, wavelengths_um.size()} {
+    if (!wavelengths_um.empty()) scene_.wavelength_um = wavelengths_um[wavelength];
+    scene_.path = path;
+    scene_.inputs.push_back(path);
+    scene_.text = tree.text;
+  }
+
+  Scene read();
+
+ private:
+  /// A function, or a mie table from which an effective radius makes one, or a set of functions.
+  struct DefinedPhaseFunction {
+    std::optional<PhaseFunction> function;
+    bool measured = false;
+    std::shared_ptr<const DropletTable> droplets{};
+    std::optional<double> effective_radius_um{};
+    std::shared_ptr<const ScenePhaseSet> set{};
+  };
+
+  std::filesystem::path relative_to_scene(const std::string& file) const;
+  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key);
+  std::filesystem::path existing_file(const ConfigReader& reader, const std::string& key, const std::string& name);
+  /// The file of this wavelength, of a list with one for each or of one for all.
+  std::filesystem::path existing_spectral_file(const ConfigReader& reader, const std::string& key);
+  void remember(const ConfigReader& reader, const std::string& key);
+  /// Keeps what the user must be told of the file or value of a key.
+  void note(const ConfigReader& reader, const std::string& key, std::span<const std::string> notes);
+
+  void read_phase_functions();
+  DefinedPhaseFunction read_phase_function(const ConfigReader& reader);
+  DefinedPhaseFunction read_legendre(const ConfigReader& reader);
+  /// A function alone in a text file, by one of the readers of phase_function_file.hpp.
+  DefinedPhaseFunction read_function_file(const ConfigReader& reader,
+                                          PhaseFunctionFile (*reader_of_file)(const std::filesystem::path&));
+  DefinedPhaseFunction read_mie(const ConfigReader& reader);
+  DefinedPhaseFunction read_set(const ConfigReader& reader);
+  const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const;
+  /// Index in the scene of a function that may already be there.
+  int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
+  /// The cloud's phase function, and what else a mie table tells of its droplets.
+  void read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud);
+  void read_layer_optics(const ConfigReader& reader, Layer& layer);
+  void read_cloud(const ConfigReader& reader);
+  void read_layer(const ConfigReader& reader);
+  /// Of the optical depths at this wavelength and at that for which the layer gives one.
+  double rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const;
+
+  void read_domain(const ConfigReader& reader);
+  /// Counter-clockwise from +x, from whichever of the two keys is there.
+  static std::optional<double> read_azimuth(const ConfigReader& reader);
+  void read_sun(const ConfigReader& reader);
+  void read_surface(const ConfigReader& reader);
+  void read_albedo_map_key(const ConfigReader& reader);
+  void check_whole() const;
+
+  /// Of an image, which results and pictures know it by.
+  std::string read_image_name(const ConfigReader& reader) const;
+  void read_radiance(const ConfigReader& reader);
+  void read_camera(const ConfigReader& reader);
+  void read_solver(const ConfigReader& reader);
+  void read_output(const ConfigReader& reader);
+
+  ConfigReader root_;
+  SpectralPlace at_;
+  Scene scene_;
+  std::map<std::string, DefinedPhaseFunction> defined_;
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,140 @@
+#include "cloudbow/io/boundary_result.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/rehearsal.hpp"
+#include "io/hdf5_handle.hpp"
+
+namespace cloudbow {
+namespace {
+
+using hdf5::attribute_numbers;
+using hdf5::check;
+using hdf5::exists;
+using hdf5::Handle;
+
+std::vector<double> read_coordinate(hid_t file, const char* name) {
+  const Handle dataset = hdf5::open_dataset(file, name);
+  const Handle space(H5Dget_space(dataset), H5Sclose, "read a coordinate");
+  std::vector<double> value(static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), "read a coordinate")));
+  check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), "read a coordinate");
+  return value;
+}
+
+SolveCost read_cost(hid_t file) {
+  const Handle group(H5Gopen2(file, "solver", H5P_DEFAULT), H5Gclose, "open a group");
+  const auto sum = [&group](const char* name) {
+    const std::vector<double> value = attribute_numbers(group, name);
+    return std::accumulate(value.begin(), value.end(), 0.0);
+  };
+  const auto largest = [&group](const char* name) {
+    const std::vector<double> value = attribute_numbers(group, name);
+    return value.empty() ? 0 : *std::max_element(value.begin(), value.end());
+  };
+  SolveCost cost;
+  cost.cpu_seconds = sum("cpu_seconds");
+  cost.wall_seconds = sum("seconds_total");
+  cost.table_seconds = sum("seconds_tables");
+  cost.peak_memory_bytes = largest("peak_memory_bytes");
+  cost.sweeps = static_cast<int>(sum("sweeps"));
+  cost.control_points = static_cast<int>(largest("control_points"));
+  cost.estimated_error = largest("estimated_error");
+  const std::vector<double> converged = attribute_numbers(group, "converged");
+  cost.converged = std::all_of(converged.begin(), converged.end(), [](double one) { return one > 0; });
+  return cost;
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(hdf5::open_file(path)) {}
+
+  BoundaryResult read() const {
+    for (const char* name :
+         {"x", "y", "z_edge", "upwelling_flux", "downwelling_diffuse_flux", "direct_flux", "summary", "solver"}) {
+      if (!exists(file_, name)) fail(fmt::format("it is not a result file of cloudbow run (found no {})", name));
+    }
+    BoundaryResult result{path_, read_coordinate(file_, "x"), read_coordinate(file_, "y"), {}, {}, read_cost(file_)};
+    if (exists(file_, "wavelength")) result.wavelengths_um = read_coordinate(file_, "wavelength");
+
+    const hsize_t levels = check_levels();
+    const hsize_t columns = result.x_m.size() * result.y_m.size();
+    const Handle summary(H5Gopen2(file_, "summary", H5P_DEFAULT), H5Gclose, "open a group");
+    const std::vector<double> reflectance = attribute_numbers(summary, "reflectance");
+    const std::vector<double> transmittance = attribute_numbers(summary, "transmittance");
+    const std::size_t wavelengths = std::max<std::size_t>(result.wavelengths_um.size(), 1);
+    if (reflectance.size() != wavelengths || transmittance.size() != wavelengths) fail("its summary is damaged");
+    const std::vector<hsize_t> shape = {levels, result.y_m.size(), result.x_m.size()};
+    for (std::size_t w = 0; w < wavelengths; ++w) {
+      BoundaryFluxes fluxes{reflectance[w], transmittance[w], {}, {}};
+      const auto plane = [&](const char* name, hsize_t level) {
+        return read_plane(name, result.wavelengths_um.empty() ? std::nullopt : std::optional(w), level, shape);
+      };
+      fluxes.up_at_top = plane("upwelling_flux", levels - 1);
+      fluxes.down_at_bottom = plane("downwelling_diffuse_flux", 0);
+      const std::vector<double> direct = plane("direct_flux", 0);
+      for (std::size_t c = 0; c < columns; ++c) fluxes.down_at_bottom[c] += direct[c];
+      result.fluxes.push_back(std::move(fluxes));
+    }
+    return result;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError(fmt::format("{}: {}", path_, problem)); }
+
+  /// How many levels have fluxes; the first and the last are the domain's.
+  hsize_t check_levels() const {
+    const std::vector<double> edge = read_coordinate(file_, "z_edge");
+    const std::vector<double> level = read_coordinate(file_, exists(file_, "z_flux") ? "z_flux" : "z_edge");
+    const hsize_t count = level.size();
+    // Copies of the same numbers: no tolerance.
+    if (count == 0 || edge.empty() || level.front() > edge.front() || level.back() < edge.back()) {
+      fail(
+          "its fluxes do not reach from the bottom to the top (run with output.flux_levels = \"all\" or "
+          "\"boundaries\")");
+    }
+    return count;
+  }
+
+  std::vector<double> read_plane(const char* name, std::optional<std::size_t> wavelength, hsize_t level,
+                                 std::vector<hsize_t> shape) const {
+    std::vector<hsize_t> start = {level, 0, 0}, count = {1, shape[1], shape[2]};
+    if (wavelength) {
+      start.insert(start.begin(), *wavelength);
+      count.insert(count.begin(), 1);
+    }
+    const Handle dataset = hdf5::open_dataset(file_, name);
+    const Handle space(H5Dget_space(dataset), H5Sclose, "read a flux");
+    const std::vector<hsize_t> found = hdf5::shape_of(dataset);
+    if (found.size() != start.size() || !std::equal(shape.rbegin(), shape.rend(), found.rbegin()))
+      fail(fmt::format("{} is damaged (its shape does not fit the coordinates)", name));
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "read a flux");
+    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose,
+                        "read a flux");
+    std::vector<double> value(shape[1] * shape[2]);
+    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, value.data()), "read a flux");
+    return value;
+  }
+
+  std::string path_;
+  Handle file_;
+};
+
+}  // namespace
+
+BoundaryResult read_boundary_result(const std::filesystem::path& file) {
+  return after_rehearsal(file, {.library = "HDF5"}, [&] {
+    try {
+      return Reader(file).read();
+    } catch (const hdf5::Error& error) {
+      throw InputError(fmt::format("{}: can't be read ({})", file.string(), error.what()));
+    }
+  });
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,97 @@
+#include "io/hdf5_handle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cloudbow::hdf5 {
+
+namespace {
+
+constexpr hssize_t kMostNumbers = 1 << 16;  // in an attribute: as many as wavelengths of a spectrum, and room
+constexpr std::size_t kLongestText = 1 << 20;
+
+Handle open_attribute(hid_t object, const char* name) {
+  return {H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "open an attribute"};
+}
+
+std::size_t number_count(hid_t attribute, const char* name) {
+  const Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
+  const hssize_t count = check(H5Sget_simple_extent_npoints(space), "read an attribute");
+  if (count > kMostNumbers) throw Error(fmt::format("attribute {} has {} values", name, count));
+  return static_cast<std::size_t>(count);
+}
+
+void check_single(hid_t attribute, const char* name, const char* what) {
+  const std::size_t count = number_count(attribute, name);
+  if (count != 1) throw Error(fmt::format("attribute {} has {} values, allowed one {}", name, count, what));
+}
+
+template <class Number>
+Number one_number(hid_t object, const char* name, hid_t type) {
+  const Handle attribute = open_attribute(object, name);
+  check_single(attribute, name, "number");
+  Number value = 0;
+  check(H5Aread(attribute, type, &value), "read an attribute");
+  return value;
+}
+
+}  // namespace
+
+Handle property_list(hid_t type) { return {H5Pcreate(type), H5Pclose, "create a property list"}; }
+
+Handle create_file(const std::filesystem::path& path) {
+  start_library();
+  // netCDF-4 needs the order of creation of links and attributes. Times would make equal results differ.
+  const Handle creation = property_list(H5P_FILE_CREATE);
+  check(H5Pset_link_creation_order(creation, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "track links");
+  check(H5Pset_attr_creation_order(creation, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "track attributes");
+  check(H5Pset_obj_track_times(creation, false), "leave out times");
+  const Handle access = property_list(H5P_FILE_ACCESS);
+  check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "choose the format's version");
+  check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "close strictly");
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, "create a file"};
+}
+
+Handle open_dataset(hid_t location, const char* name) {
+  return {H5Dopen2(location, name, H5P_DEFAULT), H5Dclose, "open a dataset"};
+}
+
+bool exists(hid_t location, const char* name) { return check(H5Lexists(location, name, H5P_DEFAULT), "look") > 0; }
+
+bool has_attribute(hid_t object, const char* name) { return check(H5Aexists(object, name), "look") > 0; }
+
+std::vector<hsize_t> shape_of(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+  std::vector<hsize_t> shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a shape")));
+  if (!shape.empty()) check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
+  return shape;
+}
+
+std::vector<double> attribute_numbers(hid_t object, const char* name) {
+  const Handle attribute = open_attribute(object, name);
+  std::vector<double> value(number_count(attribute, name));
+  if (!value.empty()) check(H5Aread(attribute, H5T_NATIVE_DOUBLE, value.data()), "read an attribute");
+  return value;
+}
+
+double attribute_number(hid_t object, const char* name) { return one_number<double>(object, name, H5T_NATIVE_DOUBLE); }
+
+std::int64_t attribute_integer(hid_t object, const char* name) {
+  return one_number<std::int64_t>(object, name, H5T_NATIVE_INT64);
+}
+
+std::string attribute_text(hid_t object, const char* name) {
+  const Handle attribute = open_attribute(object, name);
+  check_single(attribute, name, "text");
+  const Handle type(H5Aget_type(attribute), H5Tclose, "read a type");
+  const std::size_t bytes = H5Tget_size(type);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || bytes > kLongestText)
+    throw Error(fmt::format("attribute {} is not a text of fixed length", name));
+  std::string text(bytes, '\0');
+  check(H5Aread(attribute, type, text.data()), "read an attribute");
+  text.resize(std::min(text.size(), text.find('\0')));
+  return text;
+}
+
+}  // namespace cloudbow::hdf5

@@ -1,0 +1,213 @@
+#include <fmt/format.h>
+#include <netcdf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/optics/legendre_series.hpp"
+#include "io/droplet_table_readers.hpp"
+#include "io/hdf5_handle.hpp"
+
+namespace cloudbow {
+namespace {
+
+void check(int status, const std::string& what) {
+  if (status == NC_ENOMEM) throw std::bad_alloc();
+  if (status != NC_NOERR)
+    throw InputError(fmt::format("{}: damaged, or not such a table ({})", what, nc_strerror(status)));
+}
+
+class NetcdfFile {
+ public:
+  explicit NetcdfFile(const std::filesystem::path& path) { check(nc_open(path.c_str(), NC_NOWRITE, &id_), "netCDF"); }
+  ~NetcdfFile() { nc_close(id_); }
+  NetcdfFile(const NetcdfFile&) = delete;
+  NetcdfFile& operator=(const NetcdfFile&) = delete;
+
+  bool has(const char* name) const {
+    int variable = 0;
+    return nc_inq_varid(id_, name, &variable) == NC_NOERR;
+  }
+
+  std::vector<std::size_t> shape(const char* name) const {
+    const int variable = find(name);
+    int rank = 0;
+    check(nc_inq_varndims(id_, variable, &rank), name);
+    std::vector<int> dimension(static_cast<std::size_t>(rank));
+    check(nc_inq_vardimid(id_, variable, dimension.data()), name);
+    std::vector<std::size_t> length(dimension.size());
+    for (std::size_t n = 0; n < length.size(); ++n) check(nc_inq_dimlen(id_, dimension[n], &length[n]), name);
+    return length;
+  }
+
+  /// The part start .. start + count of a variable, which must be of the shape given.
+  std::vector<double> read(const char* name, const std::vector<std::size_t>& expected,
+                           const std::vector<std::size_t>& start, const std::vector<std::size_t>& count) const {
+    if (const auto found = shape(name); found != expected) {
+      throw InputError(fmt::format("'{}': wrong shape (found {}, allowed {})", name, text(found), text(expected)));
+    }
+    std::size_t size = 1;
+    for (const std::size_t length : count) {
+      constexpr std::size_t most = std::size_t{1} << 27;
+      if (length > most / std::max<std::size_t>(size, 1)) throw InputError(fmt::format("'{}': too large", name));
+      size *= length;
+    }
+    std::vector<double> value(size);
+    check(nc_get_vara_double(id_, find(name), start.data(), count.data(), value.data()), name);
+    return value;
+  }
+
+  std::vector<double> read_all(const char* name, const std::vector<std::size_t>& expected) const {
+    return read(name, expected, std::vector<std::size_t>(expected.size(), 0), expected);
+  }
+
+  /// Empty where there is none.
+  std::string text_attribute(const char* name, const char* attribute) const {
+    std::size_t length = 0;
+    nc_type type = NC_NAT;
+    if (nc_inq_att(id_, find(name), attribute, &type, &length) != NC_NOERR || type != NC_CHAR || length > 4096)
+      return {};
+    std::string value(length, '\0');
+    check(nc_get_att_text(id_, find(name), attribute, value.data()), name);
+    return value;
+  }
+
+ private:
+  static std::string text(const std::vector<std::size_t>& shape) {
+    std::string words;
+    for (const std::size_t length : shape) words += fmt::format("{}{}", words.empty() ? "" : " x ", length);
+    return words.empty() ? "one number" : words;
+  }
+
+  int find(const char* name) const {
+    int variable = 0;
+    if (nc_inq_varid(id_, name, &variable) != NC_NOERR) {
+      throw InputError(
+          fmt::format("no variable '{}' (allowed: wavelen, reff, ext, ssa, pmom, as libRadtran's mie writes)", name));
+    }
+    return variable;
+  }
+
+  int id_ = 0;
+};
+
+/// [km-1/(g/m3)] as libRadtran (km^-1/(g/m^3)), these pages and others spell it.
+bool is_per_km_and_content(const std::string& units) {
+  std::string plain;
+  for (const char c : units) {
+    if (c != '^' && c != ' ' && c != '*' && c != '{' && c != '}') plain += c;
+  }
+  return plain.starts_with("km-1") || plain.starts_with("1/km") || plain.starts_with("/km") ||
+         plain.starts_with("(km-1)");
+}
+
+using MomentRows = std::vector<std::vector<double>>;
+
+MomentRows without_factor(MomentRows rows) {
+  for (auto& row : rows) {
+    for (std::size_t l = 0; l < row.size(); ++l) row[l] /= static_cast<double>(2 * l + 1);
+  }
+  return rows;
+}
+
+bool any_negative(const MomentRows& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [](const auto& row) { return least_value(row).value < least_allowed(row); });
+}
+
+/// The asymmetry parameters beside the moments say whether these hold the factor 2l+1, unless all are near 0.
+std::optional<bool> includes_factor_by(const std::vector<double>& asymmetry, const MomentRows& rows) {
+  constexpr double slack = 0.02;  // of tables with two decimals
+  double with = 0, without = 0;
+  for (std::size_t n = 0; n < asymmetry.size(); ++n) {
+    with = std::max(with, std::abs(rows[n][1] / 3 - asymmetry[n]));
+    without = std::max(without, std::abs(rows[n][1] - asymmetry[n]));
+  }
+  if (!(std::min(with, without) <= slack)) {
+    throw InputError(
+        fmt::format("'pmom' and 'gg' contradict each other (found moments 1 that differ from the asymmetry parameters "
+                    "by up to {:.3g}, or {:.3g} if they hold the factor 2l+1; allowed {})",
+                    without, with, slack));
+  }
+  if (std::max(with, without) <= slack) return std::nullopt;
+  return with <= without;
+}
+
+/// libRadtran writes moments times 2l+1, and says so in their units; other programs that use the format need not. The
+/// asymmetry parameters beside them decide, else the units, else the moments: no chi_l is above 1, and no phase
+/// function negative. What is left is guessed, and told.
+bool includes_factor(const NetcdfFile& file, const MomentRows& rows, const std::vector<double>& asymmetry,
+                     std::vector<std::string>& notes) {
+  if (const auto included = includes_factor_by(asymmetry, rows)) return *included;
+  if (file.text_attribute("pmom", "units").find("2*l+1") != std::string::npos) return true;
+  const bool any_above_one = std::any_of(rows.begin(), rows.end(), [](const auto& row) {
+    return std::any_of(row.begin(), row.end(), [](double value) { return std::abs(value) > 1.0001; });
+  });
+  if (any_above_one) return true;
+  if (any_negative(rows)) return !any_negative(without_factor(rows));
+  notes.emplace_back(
+      "'pmom' read as moments without the factor 2l+1 (GUESSED: none is above 1; units of 'pmom' that "
+      "say \"including factor 2*l+1\", or 'gg', would decide)");
+  return false;
+}
+
+}  // namespace
+
+DropletTable read_libradtran_table(const std::filesystem::path& path, std::optional<double> wavelength_um) {
+  hdf5::start_library();
+  const NetcdfFile file(path);
+  if (!file.has("reff") && file.has("hum")) {
+    throw InputError("a table by relative humidity (found variable 'hum', allowed 'reff', effective radius)");
+  }
+  const auto only_axis = [&](const char* name) {
+    const auto shape = file.shape(name);
+    if (shape.size() != 1 || shape[0] == 0) throw InputError(fmt::format("'{}': not a list of numbers", name));
+    return shape[0];
+  };
+  const std::size_t waves = only_axis("wavelen"), rows = only_axis("reff");
+  const std::vector<double> wavelength = file.read_all("wavelen", {waves});
+  const std::size_t wave = choose_wavelength(wavelength, wavelength_um);
+
+  DropletTable table;
+  table.wavelength_um = wavelength[wave];
+  table.effective_radius_um = file.read_all("reff", {rows});
+  table.single_scattering_albedo = file.read("ssa", {waves, rows}, {wave, 0}, {1, rows});
+  table.extinction_m2_per_g = file.read("ext", {waves, rows}, {wave, 0}, {1, rows});
+  const std::string units = file.text_attribute("ext", "units");
+  if (!units.empty() && !is_per_km_and_content(units)) {
+    throw InputError(fmt::format("'ext': unknown unit (found '{}', allowed 'km^-1/(g/m^3)')", units));
+  }
+  for (double& extinction : table.extinction_m2_per_g) extinction /= 1000;
+
+  const std::vector<std::size_t> shape = file.shape("pmom");
+  if (shape.size() != 4 || shape[0] != waves || shape[1] != rows || shape[2] == 0 || shape[3] < 2) {
+    throw InputError(
+        fmt::format("'pmom': wrong shape (found {} dimensions, allowed wavelength, radius, matrix element, "
+                    "moment)",
+                    shape.size()));
+  }
+  std::vector<double> count(rows, static_cast<double>(shape[3]));
+  if (file.has("nmom")) count = file.read("nmom", {waves, rows, shape[2]}, {wave, 0, 0}, {1, rows, 1});
+  for (std::size_t n = 0; n < rows; ++n) {
+    // The first matrix element is the phase function. nmom is the number of moments, in some versions the last degree:
+    // one more does no harm, because what is not there is 0 or the fill value.
+    std::vector<double> moments = file.read("pmom", shape, {wave, n, 0, 0}, {1, 1, 1, shape[3]});
+    const double most = std::clamp(count[n] + 1, 2.0, static_cast<double>(shape[3]));
+    moments.resize(static_cast<std::size_t>(most));
+    while (moments.size() > 2 && !(std::abs(moments.back()) > 0 && std::abs(moments.back()) < 1e30)) moments.pop_back();
+    table.moments.push_back(std::move(moments));
+  }
+  std::vector<double> asymmetry;
+  if (file.has("gg")) asymmetry = file.read("gg", {waves, rows}, {wave, 0}, {1, rows});
+  if (includes_factor(file, table.moments, asymmetry, table.notes))
+    table.moments = without_factor(std::move(table.moments));
+  return table;
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,184 @@
+#include "io/netcdf4_file.hpp"
+
+#include <fmt/format.h>
+#include <hdf5_hl.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+
+#include "io/deflated_chunks.hpp"
+
+namespace cloudbow::netcdf4 {
+
+using hdf5::check;
+using hdf5::Handle;
+
+namespace {
+
+constexpr unsigned kCreationOrder = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+constexpr std::size_t kCompressFromBytes = 1 << 16;  // below, chunks cost more than they save
+
+template <typename T>
+hid_t memory_type() {
+  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
+  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+}
+
+template <typename T>
+hid_t file_type() {
+  if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
+  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
+}
+
+Handle dataspace(const std::vector<hsize_t>& shape) {
+  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "create a dataspace"};
+}
+
+void write_array(hid_t object, const std::string& name, hid_t stored, hid_t memory, const void* value, hid_t space) {
+  Handle attribute(H5Acreate2(object, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                   "create an attribute");
+  check(H5Awrite(attribute, memory, value), "write an attribute");
+  attribute.close();
+}
+
+void write_scalar(hid_t object, const std::string& name, hid_t stored, hid_t memory, const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
+  write_array(object, name, stored, memory, value, space);
+}
+
+/// Text of fixed length: what netCDF calls a char attribute, which every reader knows.
+void write_text(hid_t object, const std::string& name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "create a text type");
+  check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), "set a text's length");
+  check(H5Tset_cset(type, H5T_CSET_UTF8), "set a text's encoding");
+  write_scalar(object, name, type, type, text.c_str());
+}
+
+Handle creation_properties() {
+  Handle properties = hdf5::property_list(H5P_DATASET_CREATE);
+  check(H5Pset_attr_creation_order(properties, kCreationOrder), "track attributes");
+  check(H5Pset_obj_track_times(properties, false), "leave out times");
+  return properties;
+}
+
+template <typename T>
+void write(hid_t group, const char* name, const std::vector<std::string>& dimensions, std::span<const T> values,
+           const std::vector<Attribute>& attributes) {
+  std::vector<Handle> scales;
+  std::vector<hsize_t> shape;
+  for (const std::string& dimension : dimensions) {
+    scales.push_back(hdf5::open_dataset(group, dimension.c_str()));
+    const Handle space(H5Dget_space(scales.back()), H5Sclose, "read a dimension");
+    shape.push_back(static_cast<hsize_t>(check(H5Sget_simple_extent_npoints(space), "read a dimension")));
+  }
+  assert(std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>()) == values.size());
+
+  const Handle properties = creation_properties();
+  const bool compressed = values.size_bytes() >= kCompressFromBytes;
+  const std::vector<hsize_t> chunk = compressed ? hdf5::chunk_shape(shape, sizeof(T)) : std::vector<hsize_t>();
+  if (compressed) hdf5::set_deflated_chunks(properties, chunk);
+  if constexpr (std::is_floating_point_v<T>) {
+    const T fill = std::numeric_limits<T>::quiet_NaN();
+    check(H5Pset_fill_value(properties, memory_type<T>(), &fill), "set the fill value");
+  }
+
+  const Handle space = dataspace(shape);
+  Handle dataset(H5Dcreate2(group, name, file_type<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
+                 "create a variable");
+  if (compressed) {
+    static_assert(std::endian::native == std::endian::little, "chunks are written in the file's byte order");
+    hdf5::write_deflated(dataset, shape, chunk, std::as_bytes(values), sizeof(T));
+  } else if (!values.empty()) {
+    check(H5Dwrite(dataset, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a variable");
+  }
+  for (unsigned axis = 0; axis < scales.size(); ++axis) {
+    check(H5DSattach_scale(dataset, scales[axis], axis), "attach a dimension scale");
+    scales[axis].close();
+  }
+  if constexpr (std::is_floating_point_v<T>) {
+    write_attribute(dataset, Attribute{"_FillValue", std::numeric_limits<T>::quiet_NaN()});
+  }
+  write_attributes(dataset, attributes);
+  dataset.close();
+}
+
+}  // namespace
+
+Handle create_group(hid_t parent, const char* name) {
+  const Handle properties = hdf5::property_list(H5P_GROUP_CREATE);
+  check(H5Pset_link_creation_order(properties, kCreationOrder), "track links");
+  check(H5Pset_attr_creation_order(properties, kCreationOrder), "track attributes");
+  check(H5Pset_obj_track_times(properties, false), "leave out times");
+  return {H5Gcreate2(parent, name, H5P_DEFAULT, properties, H5P_DEFAULT), H5Gclose, "create a group"};
+}
+
+void write_attribute(hid_t object, const Attribute& attribute) {
+  std::visit(
+      [&](const auto& value) {
+        using T = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, std::string>) {
+          write_text(object, attribute.name, value);
+        } else if constexpr (requires { typename T::value_type; }) {
+          using Number = typename T::value_type;
+          const Handle space = dataspace({value.size()});
+          write_array(object, attribute.name, file_type<Number>(), memory_type<Number>(), value.data(), space);
+        } else {
+          write_scalar(object, attribute.name, file_type<T>(), memory_type<T>(), &value);
+        }
+      },
+      attribute.value);
+}
+
+void write_attributes(hid_t object, const std::vector<Attribute>& attributes) {
+  for (const Attribute& attribute : attributes) write_attribute(object, attribute);
+}
+
+void write_coordinate(hid_t group, const char* name, std::span<const double> values,
+                      const std::vector<Attribute>& attributes) {
+  const Handle properties = creation_properties();
+  const Handle space = dataspace({values.size()});
+  Handle dataset(H5Dcreate2(group, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
+                 "create a coordinate");
+  check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a coordinate");
+  check(H5DSset_scale(dataset, name), "make a dimension scale");
+  write_attributes(dataset, attributes);
+  dataset.close();
+}
+
+void write_dimension(hid_t group, const char* name, std::size_t size) {
+  // The scale's name and the type by which netCDF-4 knows a dimension without variable (netCDF-4 format specification).
+  // No value is stored.
+  const Handle properties = creation_properties();
+  const Handle space = dataspace({size});
+  Handle dataset(H5Dcreate2(group, name, H5T_IEEE_F32BE, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
+                 "create a dimension");
+  const std::string mark = fmt::format("This is a netCDF dimension but not a netCDF variable. {:9}", size);
+  check(H5DSset_scale(dataset, mark.c_str()), "make a dimension scale");
+  dataset.close();
+}
+
+void write_variable(hid_t group, const char* name, const std::vector<std::string>& dimensions,
+                    std::span<const float> values, const std::vector<Attribute>& attributes) {
+  write(group, name, dimensions, values, attributes);
+}
+
+void write_variable(hid_t group, const char* name, const std::vector<std::string>& dimensions,
+                    std::span<const double> values, const std::vector<Attribute>& attributes) {
+  write(group, name, dimensions, values, attributes);
+}
+
+void write_variable(hid_t group, const char* name, const std::vector<std::string>& dimensions,
+                    std::span<const std::int32_t> values, const std::vector<Attribute>& attributes) {
+  write(group, name, dimensions, values, attributes);
+}
+
+}  // namespace cloudbow::netcdf4

@@ -1,0 +1,570 @@
+#include "cloudbow/io/result_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "cloudbow/core/atomic_file.hpp"
+#include "io/netcdf4_file.hpp"
+
+namespace cloudbow {
+
+namespace {
+
+using netcdf4::Attribute;
+using Attributes = std::vector<Attribute>;
+using Dimensions = std::vector<std::string>;
+
+/// Names as in the CF standard name table (version 83), or none where the table has no name for exactly this quantity.
+struct FluxName {
+  const char* name;
+  const char* long_name;
+  const char* standard_name;
+};
+constexpr FluxName kUpwelling{"upwelling_flux", "upwelling diffuse flux through a horizontal surface",
+                              "upwelling_shortwave_flux_in_air"};
+constexpr FluxName kDownwellingDiffuse{"downwelling_diffuse_flux",
+                                       "downwelling diffuse flux through a horizontal surface, without the direct beam",
+                                       "diffuse_downwelling_shortwave_flux_in_air"};
+constexpr FluxName kDirect{"direct_flux", "unscattered sunlight through a horizontal surface (true extinction)",
+                           "direct_downwelling_shortwave_flux_in_air"};
+
+constexpr const char* kNoDisc = "the sun's disc is left out";
+
+Attributes flux_attributes(const FluxName& flux) {
+  return {{"units", "W m-2"},
+          {"long_name", flux.long_name},
+          {"standard_name", flux.standard_name},
+          {"cell_methods", "area: mean"}};
+}
+
+Attributes horizontal_attributes(const char* long_name, const char* axis, double spacing) {
+  return {{"units", "m"}, {"long_name", long_name}, {"axis", axis}, {"cell_size_m", spacing}};
+}
+
+Attributes vertical_attributes(const char* long_name) {
+  return {{"units", "m"}, {"long_name", long_name}, {"axis", "Z"}, {"positive", "up"}};
+}
+
+Attributes height_attributes(const VoxelPlanes& cloud) {
+  Attributes attributes = vertical_attributes("height of the cell centre");
+  if (cloud.count > 0) {
+    attributes.insert(attributes.end(), {{"cloud_voxel_planes", std::int32_t{cloud.count}},
+                                         {"cloud_bottom_m", cloud.bottom_m},
+                                         {"cloud_voxel_height_m", cloud.height_m}});
+  }
+  return attributes;
+}
+
+std::vector<double> centres(int cells, double min, double spacing) {
+  std::vector<double> centre(static_cast<std::size_t>(cells));
+  for (int i = 0; i < cells; ++i) centre[static_cast<std::size_t>(i)] = min + (i + 0.5) * spacing;
+  return centre;
+}
+
+std::vector<double> midpoints(std::span<const double> edge) {
+  std::vector<double> middle;
+  for (std::size_t k = 0; k + 1 < edge.size(); ++k) middle.push_back(0.5 * (edge[k] + edge[k + 1]));
+  return middle;
+}
+
+std::vector<double> flux_heights(const Solution& solution) {
+  std::vector<double> height;
+  for (const int level : solution.flux_level) height.push_back(solution.box.z_edge_m[static_cast<std::size_t>(level)]);
+  return height;
+}
+
+/// Names of the dimensions of an image.
+struct ImagePlane {
+  std::string y = "y";
+  std::string x = "x";
+};
+
+/// pi I / (mu0 F0).
+std::vector<float> reflectance_factor(std::span<const float> radiance, const std::optional<Sun>& sun) {
+  const double of_white = sun ? -sun->travel.z() * sun->irradiance / std::numbers::pi : 0;
+  std::vector<float> factor;
+  factor.reserve(radiance.size());
+  for (const float value : radiance)
+    factor.push_back(of_white > 0 ? static_cast<float>(value / of_white) : std::numeric_limits<float>::quiet_NaN());
+  return factor;
+}
+
+std::vector<double> components(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
+  return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
+}
+
+/// Writes one solution, or those of several wavelengths on the same grid with a dimension more.
+class ResultWriter {
+ public:
+  ResultWriter(std::span<const Solution> solutions, const ResultInfo& info, std::span<const Solution> by_columns)
+      : solutions_(solutions),
+        first_(solutions.front()),
+        info_(info),
+        by_columns_(by_columns),
+        spectral_(!info.wavelengths_um.empty()) {}
+
+  void write(const std::filesystem::path& path) const {
+    hdf5::Handle file = hdf5::create_file(path);
+    netcdf4::write_attributes(file, {{"Conventions", "CF-1.10"},
+                                     {"title", info_.title},
+                                     {"source", info_.source},
+                                     {"history", info_.history},
+                                     {"scene", info_.scene}});
+    write_fields(file);
+    write_profile(file);
+    write_summary(file);
+    write_solver(file);
+    if (!by_columns_.empty()) write_comparison(file);
+    if (!info_.error_estimates.empty()) write_error_estimate(file);
+    if (info_.plan) write_plan(file);
+    write_images(file);
+    write_camera_images(file);
+    if (first_.radiance_field) write_radiance_field(file);
+    // After a failed write closing may report success and leave zeros in the file: what is still in memory goes out
+    // here, checked.
+    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
+    file.close();
+  }
+
+ private:
+  /// @param values_of what the variable holds of one solution, a vector
+  template <class Values>
+  void write_variable(hid_t group, const std::string& name, Dimensions dimensions, const Values& values_of,
+                      const Attributes& attributes) const {
+    using Vector = std::decay_t<decltype(values_of(first_))>;
+    using Number = const typename Vector::value_type;
+    if (!spectral_) {
+      const auto& values = values_of(first_);
+      netcdf4::write_variable(group, name.c_str(), dimensions, std::span<Number>(values), attributes);
+      return;
+    }
+    Vector all;
+    for (const Solution& solution : solutions_) {
+      const auto& values = values_of(solution);
+      all.insert(all.end(), values.begin(), values.end());
+    }
+    dimensions.insert(dimensions.begin(), "wavelength");
+    netcdf4::write_variable(group, name.c_str(), dimensions, std::span<Number>(all), attributes);
+  }
+
+  /// A number, or one for each wavelength.
+  template <class Number>
+  netcdf4::AttributeValue each(const Number& number_of) const {
+    return each(number_of, solutions_);
+  }
+
+  template <class Number>
+  netcdf4::AttributeValue each(const Number& number_of, std::span<const Solution> solutions) const {
+    using Value = std::decay_t<decltype(number_of(first_))>;
+    if (!spectral_) return number_of(solutions.front());
+    std::vector<Value> all;
+    for (const Solution& solution : solutions) all.push_back(number_of(solution));
+    return all;
+  }
+
+  template <class Number>
+  netcdf4::AttributeValue each(const std::vector<Number>& numbers) const {
+    if (spectral_) return numbers;
+    return numbers.front();
+  }
+
+  void write_wavelength(hid_t group) const {
+    if (!spectral_) return;
+    netcdf4::write_coordinate(
+        group, "wavelength", info_.wavelengths_um,
+        {{"units", "um"}, {"long_name", "wavelength"}, {"standard_name", "radiation_wavelength"}});
+  }
+
+  void write_z_edge(hid_t group) const {
+    netcdf4::write_coordinate(group, "z_edge", first_.box.z_edge_m,
+                              vertical_attributes("height of the horizontal interfaces"));
+  }
+
+  void write_fields(hid_t file) const {
+    const BoxGrid& box = first_.box;
+    write_wavelength(file);
+    netcdf4::write_coordinate(file, "x", centres(box.nx, box.x_min_m, box.dx_m),
+                              horizontal_attributes("cell centre, x", "X", box.dx_m));
+    netcdf4::write_coordinate(file, "y", centres(box.ny, box.y_min_m, box.dy_m),
+                              horizontal_attributes("cell centre, y", "Y", box.dy_m));
+    netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
+    write_z_edge(file);
+
+    const Dimensions flux_dimensions = {flux_level_name(), "y", "x"};
+    if (flux_level_name() == "z_flux") {
+      netcdf4::write_coordinate(file, "z_flux", flux_heights(first_), vertical_attributes("height of the fluxes"));
+    }
+    write_variable(
+        file, kUpwelling.name, flux_dimensions, [](const Solution& s) -> auto& { return s.upwelling_flux; },
+        flux_attributes(kUpwelling));
+    write_variable(
+        file, kDownwellingDiffuse.name, flux_dimensions,
+        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; }, flux_attributes(kDownwellingDiffuse));
+    write_variable(
+        file, kDirect.name, flux_dimensions, [](const Solution& s) -> auto& { return s.direct_flux; },
+        flux_attributes(kDirect));
+
+    const Dimensions cell_dimensions = {"z", "y", "x"};
+    if (!first_.absorbed_power.empty()) {
+      write_variable(file, "absorbed_power", cell_dimensions,
+                     [](const Solution& s) -> auto& { return s.absorbed_power; },
+                     {{"units", "W m-3"},
+                      {"long_name", "solar power absorbed per volume"},
+                      {"cell_methods", "area: mean z: mean"}});
+    }
+    if (!first_.actinic_flux.empty()) {
+      write_variable(file, "actinic_flux", cell_dimensions, [](const Solution& s) -> auto& { return s.actinic_flux; },
+                     {{"units", "W m-2"},
+                      {"long_name", "actinic flux: 4 pi times the mean radiance, direct beam included"},
+                      {"cell_methods", "area: mean z: mean"}});
+    }
+  }
+
+  std::string flux_level_name() const {
+    return first_.flux_level.size() == first_.box.z_edge_m.size() ? "z_edge" : "z_flux";
+  }
+
+  /// Both solutions have the levels that write_fields() wrote.
+  void write_comparison(hid_t file) const {
+    const auto write_difference = [&](const FluxName& flux, std::vector<float> Solution::*field) {
+      write_variable(file, fmt::format("difference_{}", flux.name), {flux_level_name(), "y", "x"},
+                     [this, field](const Solution& s) {
+                       std::vector<float> difference = s.*field;
+                       const std::vector<float>& columns = by_columns_[static_cast<std::size_t>(&s - &first_)].*field;
+                       std::transform(difference.begin(), difference.end(), columns.begin(), difference.begin(),
+                                      std::minus<>());
+                       return difference;
+                     },
+                     {{"units", "W m-2"},
+                      {"long_name", fmt::format("{}: this solution minus independent columns", flux.long_name)},
+                      {"cell_methods", "area: mean"}});
+    };
+    write_difference(kUpwelling, &Solution::upwelling_flux);
+    write_difference(kDownwellingDiffuse, &Solution::downwelling_diffuse_flux);
+    write_difference(kDirect, &Solution::direct_flux);
+
+    hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
+    const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
+    netcdf4::write_attributes(group,
+                              {{"reflectance", of([](const Solution& s) { return s.ledger.reflectance; })},
+                               {"transmittance", of([](const Solution& s) { return s.ledger.transmittance; })},
+                               {"absorptance", of([](const Solution& s) { return s.ledger.absorptance; })},
+                               {"energy_residual", of([](const Solution& s) { return s.ledger.residual; })},
+                               {"converged", of([](const Solution& s) { return std::int32_t{s.report.converged}; })},
+                               {"sweeps", of([](const Solution& s) { return std::int32_t{s.report.sweeps}; })},
+                               {"estimated_error", of([](const Solution& s) { return s.report.estimated_error; })},
+                               {"seconds_total", of([](const Solution& s) { return s.report.seconds_total; })},
+                               {"cpu_seconds", of([](const Solution& s) { return s.report.cpu_seconds; })}});
+    group.close();
+  }
+
+  void write_error_estimate(hid_t file) const {
+    const auto of = [this](const auto& number_of) {
+      if (!spectral_) return netcdf4::AttributeValue(number_of(info_.error_estimates.front()));
+      std::vector<double> all;
+      for (const ErrorEstimate& estimate : info_.error_estimates) all.push_back(number_of(estimate));
+      return netcdf4::AttributeValue(all);
+    };
+    hdf5::Handle group = netcdf4::create_group(file, "error_estimate");
+    netcdf4::write_attributes(
+        group,
+        {{"units", "1"},
+         {"comment",
+          "domain: of reflectance and transmittance, fraction of incident; columns: up at the highest and down at "
+          "the lowest level, RMS over the columns / mean; columns_between: up or down, at the worst of the other "
+          "levels; 0 "
+          "without any"}});
+    struct Named {
+      const char* name;
+      ErrorParts ErrorEstimate::*parts;
+      double ByFlux::*distance;
+    };
+    for (const Named& flux : {Named{"domain", &ErrorEstimate::domain, &ByFlux::domain},
+                              Named{"columns_up", &ErrorEstimate::up, &ByFlux::up},
+                              Named{"columns_down", &ErrorEstimate::down, &ByFlux::down}}) {
+      const auto part = [&](double ErrorParts::*which) {
+        return of([&](const ErrorEstimate& estimate) { return estimate.*flux.parts.*which; });
+      };
+      const std::string name = flux.name;
+      netcdf4::write_attributes(
+          group, {{name, of([&](const ErrorEstimate& estimate) { return (estimate.*flux.parts).total(); })},
+                  {name + "_angular", part(&ErrorParts::angular)},
+                  {name + "_spatial", part(&ErrorParts::spatial)},
+                  {name + "_iteration", part(&ErrorParts::iteration)},
+                  {name + "_angular_distance",
+                   of([&](const ErrorEstimate& estimate) { return estimate.angular_distance.*flux.distance; })},
+                  {name + "_spatial_distance",
+                   of([&](const ErrorEstimate& estimate) { return estimate.spatial_distance.*flux.distance; })},
+                  {name + "_probe_distance",
+                   of([&](const ErrorEstimate& estimate) { return estimate.probe_distance.*flux.distance; })}});
+    }
+    netcdf4::write_attributes(group,
+                              {{"columns", of([](const ErrorEstimate& estimate) { return estimate.columns(); })},
+                               {"columns_between", of([](const ErrorEstimate& e) { return e.between_ends; })},
+                               {"cpu_seconds", of([](const ErrorEstimate& estimate) { return estimate.cpu_seconds; })},
+                               {"calibrated_for", info_.error_estimates.front().calibrated_for}});
+    group.close();
+    write_error_field(file, "upwelling_flux_error", "up at the highest level", &ErrorEstimate::upwelling_flux_error);
+    write_error_field(file, "downwelling_flux_error", "down (direct and diffuse) at the lowest level",
+                      &ErrorEstimate::downwelling_flux_error);
+  }
+
+  /// Where it was asked for.
+  void write_error_field(hid_t file, const char* name, const char* which,
+                         std::vector<float> ErrorEstimate::*field) const {
+    if ((info_.error_estimates.front().*field).empty()) return;
+    write_variable(file, name, {"y", "x"},
+                   [&](const Solution& s) -> auto& {
+                     return info_.error_estimates[static_cast<std::size_t>(&s - &first_)].*field;
+                   },
+                   {{"units", "W m-2"},
+                    {"long_name", fmt::format("estimated error of the flux {}", which)},
+                    {"cell_methods", "area: mean"}});
+  }
+
+  void write_plan(hid_t file) const {
+    const RunPlan& plan = *info_.plan;
+    hdf5::Handle group = netcdf4::create_group(file, "plan");
+    if (plan.target_error) netcdf4::write_attributes(group, {{"target_error", *plan.target_error}, {"of", plan.of}});
+    if (plan.budget_seconds) netcdf4::write_attributes(group, {{"budget_seconds", *plan.budget_seconds}});
+    netcdf4::write_attributes(group, {{"accuracy", plan.accuracy},
+                                      {"levels_solved", plan.levels_solved},
+                                      {"predicted_error", plan.predicted_error},
+                                      {"predicted_seconds", plan.predicted_seconds},
+                                      {"seconds", plan.seconds},
+                                      {"predicted_memory_bytes", plan.predicted_memory_bytes},
+                                      {"seconds_in_all", plan.seconds_in_all},
+                                      {"met", std::int32_t{plan.met}}});
+    group.close();
+  }
+
+  /// Of an image whose radiance stands in `radiance_of` a solution; only where there is a sun.
+  template <class Radiance>
+  void write_reflectance_factor(hid_t file, const std::string& name, const ImagePlane& plane,
+                                const Radiance& radiance_of) const {
+    if (std::none_of(solutions_.begin(), solutions_.end(), [](const Solution& s) { return s.sun.has_value(); })) return;
+    write_variable(
+        file, "reflectance_factor_" + name, {plane.y, plane.x},
+        [&](const Solution& s) { return reflectance_factor(radiance_of(s), s.sun); },
+        {{"units", "1"},
+         {"long_name",
+          "reflectance factor pi I / (mu0 F0): diffuse radiance over that of a level, white, Lambertian surface in the "
+          "sun above the atmosphere"},
+         {"comment", kNoDisc}});
+  }
+
+  ImagePlane write_view_plane(hid_t file, const View& view) const {
+    if (view.width == 0) return {};
+    const BoxGrid& box = first_.box;
+    const ImagePlane plane{"y_" + view.name, "x_" + view.name};
+    const double dx = box.nx * box.dx_m / view.width, dy = box.ny * box.dy_m / view.height;
+    netcdf4::write_coordinate(file, plane.x.c_str(), centres(view.width, box.x_min_m, dx),
+                              horizontal_attributes("pixel centre, x", "X", dx));
+    netcdf4::write_coordinate(file, plane.y.c_str(), centres(view.height, box.y_min_m, dy),
+                              horizontal_attributes("pixel centre, y", "Y", dy));
+    return plane;
+  }
+
+  void write_images(hid_t file) const {
+    constexpr double degree = std::numbers::pi / 180;
+    for (std::size_t n = 0; n < first_.images.size(); ++n) {
+      const View& view = first_.images[n].view;
+      const ImagePlane plane = write_view_plane(file, view);
+      const auto radiance_of = [n](const Solution& s) -> auto& { return s.images[n].radiance; };
+      write_variable(file, "radiance_" + view.name, {plane.y, plane.x}, radiance_of,
+                     {{"units", "W m-2 sr-1"},
+                      {"long_name",
+                       fmt::format("diffuse radiance at the {} of the domain, mean over the {} where the line of sight "
+                                   "crosses it",
+                                   view.travel.z() > 0 ? "top" : "bottom", view.width == 0 ? "column" : "pixel")},
+                      {"cell_methods", "area: mean"},
+                      {"comment", kNoDisc},
+                      {"sensor_zenith_deg", std::acos(std::clamp(view.travel.z(), -1., 1.)) / degree},
+                      {"sensor_azimuth_deg", std::atan2(view.travel.y(), view.travel.x()) / degree}});
+      write_reflectance_factor(file, view.name, plane, radiance_of);
+    }
+  }
+
+  void write_camera_images(hid_t file) const {
+    constexpr double degree = std::numbers::pi / 180;
+    for (std::size_t n = 0; n < first_.camera_images.size(); ++n) {
+      const Camera& camera = first_.camera_images[n].camera;
+      const ImagePlane plane{"row_" + camera.name, "column_" + camera.name};
+      // Descending, so that what plots by coordinates has the first row on top.
+      netcdf4::write_coordinate(file, plane.y.c_str(), centres(camera.height, camera.height, -1),
+                                {{"units", "1"}, {"long_name", "pixel centre, height above the image's bottom edge"}});
+      netcdf4::write_coordinate(file, plane.x.c_str(), centres(camera.width, 0, 1),
+                                {{"units", "1"}, {"long_name", "pixel centre, columns from the image's left edge"}});
+      const auto radiance_of = [n](const Solution& s) -> auto& { return s.camera_images[n].radiance; };
+      write_variable(file, "camera_" + camera.name, {plane.y, plane.x}, radiance_of,
+                     {{"units", "W m-2 sr-1"},
+                      {"long_name", "diffuse radiance that a camera sees, mean over the pixel"},
+                      {"comment", kNoDisc},
+                      {"projection", projection_name(camera.projection)},
+                      {"position_m", components(camera.position_m)},
+                      {"forward", components(camera.forward)},
+                      {"right", components(camera.right)},
+                      {"up", components(camera.up)},
+                      {"field_of_view_deg", camera.field_of_view / degree}});
+      write_reflectance_factor(file, camera.name, plane, radiance_of);
+    }
+  }
+
+  /// xarray opens a group without its parents, so the group brings its own coordinates.
+  void write_profile(hid_t file) const {
+    hdf5::Handle group = netcdf4::create_group(file, "profile");
+    write_wavelength(group);
+    write_z_edge(group);
+    write_variable(
+        group, kUpwelling.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_upwelling_flux; },
+        flux_attributes(kUpwelling));
+    write_variable(
+        group, kDownwellingDiffuse.name, {"z_edge"},
+        [](const Solution& s) -> auto& { return s.profile_downwelling_diffuse_flux; },
+        flux_attributes(kDownwellingDiffuse));
+    write_variable(
+        group, kDirect.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_direct_flux; },
+        flux_attributes(kDirect));
+    group.close();
+  }
+
+  void write_summary(hid_t file) const {
+    hdf5::Handle group = netcdf4::create_group(file, "summary");
+    const auto of = [this](double EnergyLedger::*term) {
+      return each([term](const Solution& s) { return s.ledger.*term; });
+    };
+    netcdf4::write_attributes(group, {{"reflectance", of(&EnergyLedger::reflectance)},
+                                      {"transmittance", of(&EnergyLedger::transmittance)},
+                                      {"transmittance_direct", of(&EnergyLedger::transmittance_direct)},
+                                      {"absorptance", of(&EnergyLedger::absorptance)},
+                                      {"surface_absorptance", of(&EnergyLedger::surface_absorptance)},
+                                      {"side_gain", of(&EnergyLedger::side_gain)},
+                                      {"side_loss", of(&EnergyLedger::side_loss)},
+                                      {"energy_residual", of(&EnergyLedger::residual)}});
+    group.close();
+  }
+
+  void write_solver(hid_t file) const {
+    hdf5::Handle group = netcdf4::create_group(file, "solver");
+    const auto real = [this](double SolverReport::*term) {
+      return each([term](const Solution& s) { return s.report.*term; });
+    };
+    const auto whole = [this](int SolverReport::*term) {
+      return each([term](const Solution& s) { return std::int32_t{s.report.*term}; });
+    };
+    const auto size = [this](std::size_t SolverReport::*term) {
+      return each([term](const Solution& s) { return static_cast<std::int64_t>(s.report.*term); });
+    };
+    using R = SolverReport;
+    netcdf4::write_attributes(group,
+                              {{"converged", each([](const Solution& s) { return std::int32_t{s.report.converged}; })},
+                               {"sweeps", whole(&R::sweeps)},
+                               {"estimated_error", real(&R::estimated_error)},
+                               {"gather_rescaling", real(&R::gather_rescaling)},
+                               {"control_points", whole(&R::control_points)},
+                               {"directions", first_.report.directions},
+                               {"radiance_storage", first_.report.radiance_storage},
+                               {"mode", first_.report.mode},
+                               {"left_out_axes", first_.report.left_out_axes},
+                               {"added_levels", whole(&R::added_levels)},
+                               {"active_voxels", size(&R::active_voxels)},
+                               {"threads", whole(&R::threads)},
+                               {"seconds_total", real(&R::seconds_total)},
+                               {"seconds_tables", real(&R::seconds_tables)},
+                               {"seconds_beam", real(&R::seconds_beam)},
+                               {"seconds_sweeps", real(&R::seconds_sweeps)},
+                               {"seconds_scattering", real(&R::seconds_scattering)},
+                               {"seconds_acceleration", real(&R::seconds_acceleration)},
+                               {"seconds_gather", real(&R::seconds_gather)},
+                               {"cpu_seconds", real(&R::cpu_seconds)},
+                               {"peak_memory_bytes", size(&R::peak_memory_bytes)},
+                               {"fit_closure", real(&R::fit_closure)},
+                               {"fit_max_error", real(&R::fit_max_error)},
+                               {"fit_fallbacks", whole(&R::fit_fallbacks)},
+                               {"surface_largest_albedo", real(&R::surface_largest_albedo)},
+                               {"surface_largest_correction", real(&R::surface_largest_correction)}});
+    if (!info_.phase_classes.empty()) {
+      netcdf4::write_attributes(
+          group, {{"phase_classes", each(info_.phase_classes)}, {"phase_class_error", each(info_.phase_class_error)}});
+    }
+    group.close();
+  }
+
+  void write_radiance_field(hid_t file) const {
+    const RadianceField& field = *first_.radiance_field;
+    hdf5::Handle group = netcdf4::create_group(file, "radiance_field");
+    netcdf4::write_attributes(
+        group, {{"frame", "axes of the domain: x, y horizontal, z up"},
+                {"interpolation",
+                 "the radiance along a direction of travel is the mean of the radiances at the corners of "
+                 "the triangle that holds it, weighted by the areas of the spherical triangles that it forms with the "
+                 "sides opposite to the corners"}});
+    write_wavelength(group);
+    netcdf4::write_dimension(group, "control_point", field.direction.size());
+    netcdf4::write_dimension(group, "active_voxel", field.voxel.size());
+    netcdf4::write_dimension(group, "face", field.triangle.size());
+    netcdf4::write_dimension(group, "corner", 3);
+    netcdf4::write_dimension(group, "axis", 3);
+
+    std::vector<double> direction;
+    for (const Direction& d : field.direction) direction.insert(direction.end(), {d.x(), d.y(), d.z()});
+    netcdf4::write_variable(
+        group, "direction", {"control_point", "axis"}, std::span<const double>(direction),
+        {{"units", "1"}, {"long_name", "unit vector in which light travels, at each control point"}});
+    netcdf4::write_variable(
+        group, "triangle", {"face", "corner"}, flattened(field.triangle),
+        {{"units", "1"},
+         {"long_name",
+          "control points at the corners of each triangle of the sphere, counter-clockwise seen from "
+          "outside, from 0"}});
+    netcdf4::write_variable(group, "voxel", {"active_voxel", "axis"}, flattened(field.voxel),
+                            {{"units", "1"}, {"long_name", "cell indices i, j, k along x, y, z, from 0"}});
+    write_variable(
+        group, "radiance", {"active_voxel", "control_point"},
+        [](const Solution& s) -> auto& { return s.radiance_field->radiance; },
+        {{"units", "W m-2 sr-1"},
+         {"long_name", "voxel mean of the diffuse radiance of the delta-scaled problem, direct beam excluded"}});
+    group.close();
+  }
+
+  std::span<const Solution> solutions_;
+  const Solution& first_;
+  const ResultInfo& info_;
+  std::span<const Solution> by_columns_;
+  bool spectral_;
+};
+
+}  // namespace
+
+void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info) {
+  write_result(file, std::span(&solution, 1), info);
+}
+
+void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info,
+                  std::span<const Solution> by_columns) {
+  assert(by_columns.empty() || by_columns.size() == solutions.size());
+  assert(!solutions.empty() && solutions.front().box.nz() >= 1);
+  assert(info.error_estimates.empty() || info.error_estimates.size() == solutions.size());
+  assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
+  AtomicFile target(file);
+  try {
+    ResultWriter(solutions, info, by_columns).write(target.temporary());
+  } catch (const hdf5::Error& error) {
+    throw_unwritable(file, error.what());
+  }
+  target.commit();
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,20 @@
+// Colour tables, computed: equal steps of value are equal steps of lightness L* (CIE 1976), as the eye sees them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cloudbow/io/png_file.hpp"
+
+namespace cloudbow {
+
+/// A part of what the display can do, 0 to 1 in linear light, as the byte of an sRGB picture (IEC 61966-2-1); clamped.
+std::uint8_t srgb_byte(double linear);
+
+/// `size` sRGB colours from dark to light. "grey": L* 0 to 100 without colour; "blue-yellow": L* 20 to 92, from blue
+/// over green to yellow.
+/// @throws InputError for another name.
+std::vector<Rgb> make_colormap(const std::string& name, int size);
+
+}  // namespace cloudbow

@@ -1,0 +1,130 @@
+#include "transport/acceleration/coarsening.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cloudbow {
+namespace {
+
+// Transport optical depth of a coarse cell, mean over the cells by their extinction, beyond which light that stays
+// within it would not be corrected.
+constexpr double thickest = 1.5;
+
+// Levels in twos where both are of one thickness: the coarse level of each.
+std::vector<int> paired_levels(const BoxGrid& box) {
+  std::vector<int> coarse(box.nz());
+  int next = 0;
+  for (int k = 0; k < box.nz(); ++next) {
+    coarse[k] = next;
+    const bool paired =
+        k + 1 < box.nz() && std::abs(box.thickness_m(k + 1) - box.thickness_m(k)) <= 1e-6 * box.thickness_m(k);
+    if (paired) coarse[k + 1] = next;
+    k += paired ? 2 : 1;
+  }
+  return coarse;
+}
+
+}  // namespace
+
+template <class Real>
+std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
+  const Cells<Real>& cells = *system.cells;
+  const BoxGrid& box = system.box;
+  if (!cells.varied) return std::nullopt;
+  const int by_x = box.nx % 2 == 0 ? 2 : 1;
+  const int by_y = box.ny % 2 == 0 ? 2 : 1;
+  const std::vector<int> level = paired_levels(box);
+
+  Coarsening<Real> coarse;
+  BoxGrid& to = coarse.grid.box;
+  to = box;
+  to.nx /= by_x;
+  to.ny /= by_y;
+  to.dx_m *= by_x;
+  to.dy_m *= by_y;
+  to.z_edge_m = {box.z_edge_m.front()};
+  for (int k = 0; k < box.nz(); ++k) {
+    if (k + 1 == box.nz() || level[k + 1] != level[k]) to.z_edge_m.push_back(box.z_edge_m[k + 1]);
+  }
+  if (by_x * by_y == 1 && to.nz() == box.nz()) return std::nullopt;
+
+  const auto dense = dense_indices(cells.rows);
+  const std::size_t n = cells.size();
+  std::vector<std::uint32_t> place(n);
+  std::vector<double> volume(n);  // in parts of the coarse cell's
+  double depth = 0;
+  double extinction_sum = 0;
+  for (std::size_t c = 0; c < n; ++c) {
+    const int i = static_cast<int>(dense[c] % box.nx) / by_x;
+    const int j = static_cast<int>(dense[c] / box.nx % box.ny) / by_y;
+    const int k = static_cast<int>(dense[c] / box.columns());
+    place[c] = static_cast<std::uint32_t>((static_cast<std::size_t>(level[k]) * to.ny + j) * to.nx + i);
+    volume[c] = box.thickness_m(k) / to.thickness_m(level[k]) / (by_x * by_y);
+    double transport = static_cast<double>(cells.extinction[c]);
+    for (std::size_t p = 0; p < cells.scattered.size(); ++p)
+      transport -= static_cast<double>(cells.scattered[p][c] * cells.extinction[c]) * system.truncated_asymmetry[p];
+    const double extinction = static_cast<double>(cells.extinction[c]);
+    depth += extinction * transport * std::max({to.dx_m, to.dy_m, to.thickness_m(level[k])});
+    extinction_sum += extinction;
+  }
+
+  if (depth > thickest * extinction_sum) return std::nullopt;
+
+  // Sums over each coarse place, then those places that hold anything, in order.
+  const std::size_t places = to.columns() * static_cast<std::size_t>(to.nz());
+  const std::size_t functions = cells.scattered.size();
+  std::vector<double> extinction(places, 0.), absorption(places, 0.);
+  std::vector<std::vector<double>> scattering(functions, std::vector<double>(places, 0.));
+  std::vector<char> held(places, 0);
+  for (std::size_t c = 0; c < n; ++c) {
+    const double here = static_cast<double>(cells.extinction[c]) * volume[c];
+    held[place[c]] = 1;
+    extinction[place[c]] += here;
+    absorption[place[c]] += system.absorption[c] * volume[c];
+    for (std::size_t p = 0; p < functions; ++p)
+      scattering[p][place[c]] += static_cast<double>(cells.scattered[p][c]) * here;
+  }
+  coarse.grid.scattering.resize(functions);
+  coarse.grid.layer_absorption.assign(to.nz(), 0.);
+  coarse.grid.layer_scattering.assign(functions, coarse.grid.layer_absorption);
+  std::vector<std::uint32_t> cell_at(places, 0);
+  for (std::size_t row = 0; row < places / to.nx; ++row) {
+    coarse.grid.row_begin.push_back(static_cast<std::uint32_t>(coarse.grid.spans.size()));
+    bool in_span = false;
+    for (int i = 0; i < to.nx; ++i) {
+      const std::size_t at = row * to.nx + i;
+      const bool active = held[at] != 0;
+      if (active) {
+        cell_at[at] = static_cast<std::uint32_t>(coarse.grid.absorption.size());
+        if (!in_span) coarse.grid.spans.push_back({i, 0, cell_at[at]});
+        ++coarse.grid.spans.back().n;
+        coarse.grid.absorption.push_back(static_cast<float>(absorption[at]));
+        for (std::size_t p = 0; p < functions; ++p)
+          coarse.grid.scattering[p].push_back(static_cast<float>(scattering[p][at]));
+      }
+      in_span = active;
+    }
+  }
+  coarse.grid.row_begin.push_back(static_cast<std::uint32_t>(coarse.grid.spans.size()));
+
+  coarse.coarse_cell.resize(n);
+  coarse.quarters.resize(n);
+  coarse.share.resize(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    coarse.coarse_cell[c] = cell_at[place[c]];
+    const int k = static_cast<int>(dense[c] / box.columns());
+    const auto side = [](bool halved, bool upper) { return static_cast<std::int8_t>(halved ? (upper ? 1 : -1) : 0); };
+    const bool above = k > 0 && level[k - 1] == level[k];
+    const bool below = k + 1 < box.nz() && level[k + 1] == level[k];
+    coarse.quarters[c] = {side(by_x == 2, dense[c] % box.nx % 2 == 1),
+                          side(by_y == 2, dense[c] / box.nx % box.ny % 2 == 1), side(above || below, above)};
+    const double all = extinction[place[c]];
+    coarse.share[c] = all > 0 ? static_cast<Real>(static_cast<double>(cells.extinction[c]) * volume[c] / all) : Real(0);
+  }
+  return coarse;
+}
+
+template std::optional<Coarsening<float>> coarsen<float>(const TransportSystem<float>&);
+template std::optional<Coarsening<double>> coarsen<double>(const TransportSystem<double>&);
+
+}  // namespace cloudbow

@@ -1,0 +1,50 @@
+// Correction of the iterate by the same transport problem with few directions (transport synthetic acceleration),
+// itself sped up by diffusion where the medium is thick (docs/theory.md, "Acceleration").
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "transport/acceleration/coarsening.hpp"
+
+namespace cloudbow {
+
+template <class Real>
+class LowOrderCorrection {
+ public:
+  explicit LowOrderCorrection(const TransportSystem<Real>& system);
+  ~LowOrderCorrection();
+  LowOrderCorrection(LowOrderCorrection&&) noexcept;
+  LowOrderCorrection& operator=(LowOrderCorrection&&) noexcept;
+
+  /// The moments [low_moments][n] of the light that the system's own beam leaves: a first guess.
+  void guess(std::span<Real> moments);
+  /// What is missing after a sweep that changed the moments by `change`: moments of the light that this change leads
+  /// to. Both [low_moments][n].
+  void correct(std::span<const Real> change, std::span<Real> correction);
+
+  int sweeps() const { return sweeps_; }  ///< with few directions, so far
+  bool uses_diffusion() const;
+
+ private:
+  class Diffusion;
+  template <class Source>
+  void emit(int moment, const Source& source);
+  void iterate();
+  void solve(std::span<Real> moments);
+
+  std::optional<Coarsening<Real>> coarse_;  // without: the problem's own cells
+  TransportSystem<Real> low_;
+  AngularField<Real> radiance_;
+  std::vector<Real> moments_;  // [low_moments][cells of low_]
+  SweepWorkspace<Real> work_;
+  std::vector<DenseMatrix<Real>> scattered_moments_;  // [p] low_moments x low_moments
+  std::vector<Real> beam_moments_;                    // [beam][low_moments]
+  const TransportSystem<Real>* full_;
+  std::unique_ptr<Diffusion> diffusion_;
+  int sweeps_ = 0;
+};
+
+}  // namespace cloudbow

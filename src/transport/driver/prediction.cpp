@@ -1,0 +1,276 @@
+// What a solve will cost, before anything is allocated.
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/solver.hpp"
+#include "cloudbow/transport/uniform_axes.hpp"
+#include "transport/driver/path_load.hpp"
+#include "transport/driver/precision.hpp"
+#include "transport/grid/threads.hpp"
+#include "transport/observers/camera_view.hpp"
+#include "transport/observers/gather.hpp"
+#include "transport/observers/sight_line.hpp"
+#include "transport/reduction/thick_levels.hpp"
+#include "transport/system/transport_system.hpp"
+
+namespace cloudbow {
+
+namespace {
+
+// What is solved, where axes are left out.
+std::optional<std::pair<Problem, SolverOptions>> without_uniform_axes(const Problem& problem,
+                                                                      const SolverOptions& options) {
+  if (!options.leave_out_uniform_axes) return std::nullopt;
+  const UniformAxes uniform = uniform_axes(problem);
+  if (!uniform.any()) return std::nullopt;
+  SolverOptions less = options;
+  less.leave_out_uniform_axes = false;
+  return std::pair(without_axes(problem, uniform), less);
+}
+
+// What is solved, where levels are cut.
+std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& problem, const SolverOptions& options) {
+  const CutLevels cut = cut_thick_levels(problem, options);
+  if (cut.added(problem.grid.box) == 0) return std::nullopt;
+  return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
+}
+
+// With as many threads as the solve will have.
+SolverOptions with_threads(const Problem& problem, const SolverOptions& options) {
+  SolverOptions with = options;
+  const int threads = threads_for(problem, options);
+  with.threads = threads > 0 ? threads : omp_get_max_threads();
+  return with;
+}
+
+// The same views in smaller images, which tell what they see as well.
+std::vector<Camera> coarser(std::vector<Camera> cameras, int enough) {
+  for (Camera& camera : cameras) {
+    const double scale = std::min(1., static_cast<double>(enough) / std::max(camera.width, camera.height));
+    camera.width = static_cast<int>(std::ceil(scale * camera.width));
+    camera.height = static_cast<int>(std::ceil(scale * camera.height));
+  }
+  return cameras;
+}
+
+// Towards which the source is made for images.
+std::size_t directions_seen(const SolverOptions& options, std::size_t cells) {
+  const std::size_t of_cameras =
+      options.cameras.empty() ? 0 : sight_points(coarser(options.cameras, 256), cells).travel.size();
+  return options.views.size() + of_cameras;
+}
+
+// Of the direct beams: each of its rays crosses every row of its level in each segment.
+double beam_seconds(const Problem& problem, const SolverOptions& options, double cells) {
+  constexpr int beams = 4;  // the iteration's, the true one, and what the gather has between
+  constexpr double seconds_a_run = 30e-9;
+  constexpr double seconds_to_make_a_segment = 30e-9;
+  const BoxGrid& box = problem.grid.box;
+  const double runs_a_level = cells / box.nz() / std::min(lanes, box.nx);
+  return beams * options.beam_rays * beam_segments(problem, options) *
+         (runs_a_level * seconds_a_run + seconds_to_make_a_segment);
+}
+
+// Optical depth per metre of the domain, on average.
+double mean_extinction(const OpticalGrid& grid) {
+  double sum = std::accumulate(grid.absorption.begin(), grid.absorption.end(), 0.);
+  for (const auto& scattering : grid.scattering) sum = std::accumulate(scattering.begin(), scattering.end(), sum);
+  return sum / (static_cast<double>(grid.box.columns()) * grid.box.nz());
+}
+
+// Cells along a line of sight until it leaves or sees no further; in clouds with gaps it sees farther than by their
+// mean.
+double cells_crossed(const BoxGrid& box, double extinction, const Eigen::Vector3d& eye, const Direction& line) {
+  constexpr double deepest = 20;
+  double enter = 0, leave = std::numeric_limits<double>::infinity();
+  sight::clip(eye.z(), line.z(), box.z_edge_m.front(), box.z_edge_m.back(), enter, leave);
+  if (!box.periodic) {
+    sight::clip(eye.x(), line.x(), box.x_min_m, box.x_min_m + box.nx * box.dx_m, enter, leave);
+    sight::clip(eye.y(), line.y(), box.y_min_m, box.y_min_m + box.ny * box.dy_m, enter, leave);
+  }
+  const double across = std::abs(line.x()) / box.dx_m + std::abs(line.y()) / box.dy_m;
+  const double most = sight::most_domains * std::max(box.nx, box.ny) / std::max(across, 1e-30);
+  const double length = std::min({leave - enter, deepest / extinction, most});
+  const double height = box.z_edge_m.back() - box.z_edge_m.front();
+  return std::max(0., length) * (across + std::abs(line.z()) * box.nz() / height);
+}
+
+// Of lines of sight through pixels.
+double pixel_seconds(const Problem& problem, const SolverOptions& options) {
+  constexpr double seconds_a_line = .4e-6;
+  constexpr double seconds_a_cell = 8e-9;
+  constexpr double seconds_a_cell_with_matter = 30e-9;
+  const BoxGrid& box = problem.grid.box;
+  const double extinction = mean_extinction(problem.grid);
+  const double filled =
+      static_cast<double>(problem.grid.active_cells()) / (static_cast<double>(box.columns()) * box.nz());
+  const double of_cell = seconds_a_cell + filled * seconds_a_cell_with_matter;
+  double seconds = 0;
+  for (const Camera& camera : options.cameras) {
+    const Camera sample = coarser({camera}, 16).front();
+    double lines = 0, cells = 0;
+    for (int row = 0; row < sample.height; ++row) {
+      for (int column = 0; column < sample.width; ++column) {
+        for_lines_of_sight(sample, row, column, [&](const Direction& line) {
+          ++lines;
+          cells += cells_crossed(box, extinction, camera.position_m, line);
+        });
+      }
+    }
+    const double each = static_cast<double>(camera.width) * camera.height / (sample.width * sample.height);
+    seconds += each * (lines * seconds_a_line + cells * of_cell);
+  }
+  for (const View& view : options.views) {
+    const double plane = view.travel.z() > 0 ? box.z_edge_m.back() : box.z_edge_m.front();
+    const Eigen::Vector3d eye(box.x_min_m + box.nx * box.dx_m / 2, box.y_min_m + box.ny * box.dy_m / 2, plane);
+    const double lines = static_cast<double>(view.width) * view.height * options.beam_rays;
+    seconds += lines * (seconds_a_line + of_cell * cells_crossed(box, extinction, eye, -view.travel));
+  }
+  return seconds;
+}
+
+// Of the source towards the eyes: scattered twice from all ordinates, and marched.
+double seen_seconds(const SolverOptions& options, double cells, int ordinates) {
+  constexpr double seconds_a_product = .1e-9;
+  constexpr double seconds_to_march = 12e-9;
+  return cells * static_cast<double>(directions_seen(options, static_cast<std::size_t>(cells))) *
+         (2 * ordinates * seconds_a_product + seconds_to_march);
+}
+
+// Of a table of reflection, from functions of two directions.
+double surface_seconds(const Problem& problem, int ordinates) {
+  constexpr double seconds_to_sample = .04;
+  constexpr double seconds_an_ordinate = .35e-3;
+  return problem.surface.brdf ? seconds_to_sample + ordinates * seconds_an_ordinate : 0;
+}
+
+// Flux levels between bottom and top.
+std::vector<int> inner_levels(const BoxGrid& box, const SolverOptions& options) {
+  std::vector<int> levels = flux_levels(box, options);
+  std::erase_if(levels, [&box](int level) { return level == 0 || level == box.nz(); });
+  return levels;
+}
+
+}  // namespace
+
+std::size_t predict_memory(const Problem& problem, const SolverOptions& asked) {
+  if (const auto less = without_uniform_axes(problem, asked)) {
+    const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
+    const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
+    // Fluxes and absorption of the whole, and on their way into the file.
+    return predict_memory(less->first, less->second) + grid + 8 * cells * sizeof(float);
+  }
+  if (const auto fine = in_cut_levels(problem, asked)) {
+    const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
+    return predict_memory(fine->first, fine->second) + grid;
+  }
+  const SolverOptions options = with_threads(problem, asked);
+  // Libraries; reading a cloud takes another one.
+  constexpr std::size_t libraries = 20'000'000;
+  constexpr std::size_t reading = 33'000'000;
+  check_paths(problem, options);
+  const auto threads = static_cast<std::size_t>(options.threads);
+  const auto of_patterns = static_cast<std::size_t>(path_load(problem, options).bytes(static_cast<int>(threads)));
+  if (solved_without_azimuths(problem, options)) {
+    constexpr std::size_t program_of_columns = 17'500'000;
+    return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) + of_patterns +
+           columns_memory(problem, options, runs_in_double(problem, options));
+  }
+  const BoxGrid& box = problem.grid.box;
+  const std::size_t dense = box.columns() * static_cast<std::size_t>(box.nz());
+  const std::size_t active = options.actinic ? dense : problem.grid.active_cells();
+  const std::size_t real = runs_in_double(problem, options) ? sizeof(double) : sizeof(float);
+  const std::size_t phases = problem.phase.size();
+  const auto ordinates = static_cast<std::size_t>(make_ordinate_set(options.directions).size());
+  const auto points = static_cast<std::size_t>(options.control_points);
+  // A cell of the grid; with its neighbours, its place along x and its share of the chunks; with its beam.
+  const std::size_t grid = 4 * (1 + phases);
+  const std::size_t cell = real * (5 + phases) + 24 + 4 + 10;
+  const std::size_t system = real * (1 + phases) + 8;
+  const bool packed = options.half_precision_radiance && real == sizeof(float);
+  const std::size_t stored = packed ? sizeof(std::uint16_t) : real;
+  // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients, a
+  // direction's work arrays on each thread; the low-order problem has a sixth of the cells where they are many.
+  const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
+  const bool many = active >= 2000 && box.columns() > 1 && !options.independent_columns;
+  const std::size_t iteration = stored * ordinates + real * (4 * 9 + 8 * 4 + 7 + (packed ? 5 : 4) * threads) +
+                                (many ? low_cell / 6 + real + 7 : low_cell);
+  // Source at the points in the place of the radiance; first orders of scattering, gradients.
+  const std::size_t gather = stored * std::max(ordinates, points) + real * (9 + 2 * phases + 4 * threads + 8);
+  const std::size_t radiance_field = options.radiance_field ? points * 4 + 12 : 0;
+  // Fluxes, beams and bookkeeping of the box.
+  constexpr std::size_t place = 48;
+  const std::size_t program = libraries + (box.columns() > 1 ? reading : 0);
+  // Scattering matrices of each phase function, as fitted, rounded and folded.
+  const std::size_t tables = 3 * sizeof(double) * phases * ordinates * (points + ordinates);
+  std::size_t pixels = 0;
+  for (const Camera& camera : options.cameras) pixels += static_cast<std::size_t>(camera.width) * camera.height;
+  for (const View& view : options.views) {
+    pixels += view.width > 0 ? static_cast<std::size_t>(view.width) * view.height : box.columns();
+  }
+  // Their source is made beside the radiance at the ordinates and a second array, and stays for images, which follow
+  // gradients and a copy of what lines read.
+  const std::size_t seen = directions_seen(options, active);
+  const std::size_t making_seen = seen > 0 ? stored * ordinates + real * (2 * seen + 2) : 0;
+  const std::size_t showing = seen > 0 ? real * (seen + 12) : 0;
+  // Radiance of the ground at the control points of its reflection, as the gather and as images see it; what arrives
+  // there along the ordinates, and what leaves.
+  constexpr std::size_t points_of_surface = 642;
+  const std::size_t surface = problem.surface.brdf ? real * (2 * points_of_surface + 2 * ordinates) : 0;
+  // The table of reflection is made, and let go, before the iteration.
+  const std::size_t making_surface = problem.surface.brdf ? 27'000'000 : 0;
+  const std::size_t levels_between = level_gather_bytes(box, inner_levels(box, options), options.gather_directions);
+  const std::size_t held = grid + cell + system + radiance_field;
+  const std::size_t working = std::max({active * std::max(iteration, making_seen), active * gather + levels_between,
+                                        active * (gather + showing) + pixels * sizeof(float), making_surface});
+  const std::size_t solving = tables + of_patterns + active * held + working + box.columns() * surface;
+  // Images on their way into the file.
+  const std::size_t writing = active * (grid + radiance_field) + pixels * 3 * sizeof(float);
+  return program + dense * place + std::max(solving, writing);
+}
+
+double predict_seconds(const Problem& problem, const SolverOptions& asked) {
+  if (const auto less = without_uniform_axes(problem, asked)) return predict_seconds(less->first, less->second);
+  if (const auto fine = in_cut_levels(problem, asked)) return predict_seconds(fine->first, fine->second);
+  const SolverOptions options = with_threads(problem, asked);
+  if (solved_without_azimuths(problem, options))
+    return columns_seconds(problem, options, runs_in_double(problem, options));
+  // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest
+  // segments; elsewhere segments grow with the slant of the ordinates.
+  constexpr double seconds_a_segment = 2.5e-9;
+  constexpr double seconds_a_pair = 12e-9;         // of cell and ordinate: march, scattering, moments and correction
+  constexpr double seconds_a_gather_pair = 12e-9;  // of cell and gather direction
+  constexpr double seconds_to_start = .1;
+  constexpr int usual_sweeps = 11;
+  const OrdinateSet ordinates = make_ordinate_set(options.directions);
+  const BoxGrid& box = problem.grid.box;
+  const double dz = (box.z_edge_m.back() - box.z_edge_m.front()) / box.nz();
+  const bool shortest_way = box.periodic && box.nx > 1 && box.ny > 1 && !options.independent_columns;
+  double segments = 0;
+  for (const Direction& d : ordinates.direction) {
+    const double along_z = 1 + (std::abs(d.x()) * dz / box.dx_m + std::abs(d.y()) * dz / box.dy_m) / std::abs(d.z());
+    segments += shortest_way ? std::min(along_z, 2.) : along_z;
+  }
+  const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz())
+                                                           : problem.grid.active_cells());
+  const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair);
+  // Down, with a quarter more about the sun, and up; between bottom and top as many, their light in bands.
+  const bool one_column = box.periodic && box.columns() == 1;
+  const double gather = one_column || options.independent_columns
+                            ? 0
+                            : cells * options.gather_directions * seconds_a_gather_pair *
+                                  (2.25 + (inner_levels(box, options).empty() ? 0 : 3));
+  // Cells that are higher than wide are crossed in more segments: on average one a face.
+  const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
+  return (sweep * usual_sweeps + gather * (1 + tall) + beam_seconds(problem, options, cells) +
+          pixel_seconds(problem, options) + seen_seconds(options, cells, ordinates.size())) /
+             options.threads +
+         surface_seconds(problem, ordinates.size()) + seconds_to_start;
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,225 @@
+#include "cloudbow/transport/solver.hpp"
+
+#include <fmt/format.h>
+#include <omp.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <string>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/core/thread_scope.hpp"
+#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/thick_cells.hpp"
+#include "cloudbow/transport/uniform_axes.hpp"
+#include "transport/driver/path_load.hpp"
+#include "transport/driver/precision.hpp"
+#include "transport/grid/threads.hpp"
+#include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/cell_fields.hpp"
+#include "transport/observers/flux_fields.hpp"
+#include "transport/observers/images.hpp"
+#include "transport/problem/finite.hpp"
+#include "transport/reduction/thick_levels.hpp"
+
+namespace cloudbow {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// Of this program alone: what getrusage counts begins with the process that started it.
+std::size_t peak_memory_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::size_t kibibytes = 0;
+    if (word == "VmHWM:" && status >> kibibytes) return kibibytes * 1024;
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+bool one_column(const BoxGrid& box) { return box.periodic && box.columns() == 1; }
+
+std::string mode_of(const BoxGrid& box, const SolverOptions& options) {
+  if (one_column(box)) return "1d";
+  if (options.independent_columns) return options.beam_crosses_columns ? "independent-diffuse" : "independent-columns";
+  return box.periodic && (box.nx == 1 || box.ny == 1) ? "2d" : "3d";
+}
+
+template <class Real>
+Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+                  Checkpoints* checkpoints) {
+  const auto start = Clock::now();
+  const double cpu_start = cpu_seconds();
+  Solution solution;
+  solution.box = problem.grid.box;
+  solution.sun = problem.sun;
+  SolverReport& report = solution.report;
+  const auto tell = [&](const char* phase, double fraction) {
+    if (progress) progress({phase, report.sweeps, report.estimated_error, solution.ledger.residual, fraction});
+  };
+
+  tell("tables", 0);
+  auto phase_start = Clock::now();
+  const std::optional<Direction> sun = problem.sun ? std::optional<Direction>(problem.sun->travel) : std::nullopt;
+  const Discretisation discretisation = discretise(problem.phase, sun, options);
+  report.seconds_tables = seconds_since(phase_start);
+
+  tell("beam", 0);
+  phase_start = Clock::now();
+  TransportSystem<Real> system = make_system<Real>(problem, discretisation, options);
+  std::optional<Surroundings> surroundings;
+  const bool lit_from_outside = problem.sky_radiance > 0 ||
+                                std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
+                                            [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
+  if (!problem.grid.box.periodic && !options.independent_columns && lit_from_outside) {
+    surroundings.emplace(problem, discretisation, options);
+    for (const Direction& d : system.ordinates.direction) {
+      const auto by_height = surroundings->radiance(d);
+      system.side_radiance.emplace_back(by_height.begin(), by_height.end());
+      if (d.z() < 0) std::reverse(system.side_radiance.back().begin(), system.side_radiance.back().end());
+    }
+  }
+  report.seconds_beam = seconds_since(phase_start);
+
+  IterationResult<Real> solved = iterate_source<Real>(
+      system, {options.tolerance, options.energy_tolerance, options.max_sweeps, options.half_precision_radiance},
+      [&](int sweep, double error, double residual) {
+        if (progress) progress({"sweep", sweep, error, residual, 0});
+      },
+      checkpoints);
+  solution.ledger = solved.ledger;
+  report.converged = solved.report.converged;
+  report.sweeps = solved.report.sweeps;
+  report.estimated_error = solved.report.estimated_error;
+  report.seconds_sweeps = solved.report.seconds_sweeps;
+  report.seconds_scattering = solved.report.seconds_scattering;
+  report.seconds_acceleration = solved.report.seconds_acceleration;
+  report.radiance_storage = solved.radiance.packed()        ? "float16"
+                            : sizeof(Real) == sizeof(float) ? "float32"
+                                                            : "float64";
+
+  phase_start = Clock::now();
+  const Surroundings* const outside = surroundings ? &*surroundings : nullptr;
+  // Columns that exchange no light have their fluxes from the iteration.
+  const bool by_ordinates = !solved.fluxes.column_up.empty();
+  const Images<Real> images(problem, discretisation, options, system, solved, outside);
+  std::optional<DirectionalSource<Real>> source;
+  if (!by_ordinates || options.radiance_field)
+    source.emplace(scattered_source(discretisation, system, std::move(solved.radiance)));
+  fill_flux_fields(problem, discretisation, options, system, solved, by_ordinates ? nullptr : &*source, outside,
+                   progress, solution);
+  images.fill(solved, solution);
+  fill_cell_fields(problem, options, system, solved, solution);
+  if (options.radiance_field) {
+    solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, *source, outside);
+  }
+  report.seconds_gather = seconds_since(phase_start);
+
+  report.control_points = options.control_points;
+  report.directions = discretisation.ordinates.name;
+  report.mode = mode_of(problem.grid.box, options);
+  report.active_voxels = problem.grid.active_cells();
+  report.threads = omp_get_max_threads();
+  for (const auto& table : discretisation.table) {
+    report.fit_closure = std::max(report.fit_closure, table.report.closure);
+    report.fit_max_error = std::max(report.fit_max_error, table.report.max_error);
+    report.fit_fallbacks += table.report.fallbacks;
+  }
+  report.surface_largest_albedo = system.ground.largest_albedo();
+  if (const auto& reflection = system.ground.table())
+    report.surface_largest_correction = reflection->largest_correction;
+  report.seconds_total = seconds_since(start);
+  report.cpu_seconds = cpu_seconds() - cpu_start;
+  report.peak_memory_bytes = peak_memory_bytes();
+  return solution;
+}
+
+Solution solve_without_azimuths(const Problem& problem, const SolverOptions& options,
+                                const ProgressCallback& progress) {
+  const auto start = Clock::now();
+  const double cpu_start = cpu_seconds();
+  Solution solution = runs_in_double(problem, options) ? solve_columns<double>(problem, options, progress)
+                                                       : solve_columns<float>(problem, options, progress);
+  SolverReport& report = solution.report;
+  report.mode = mode_of(problem.grid.box, options);
+  report.active_voxels = problem.grid.active_cells();
+  report.threads = omp_get_max_threads();
+  report.seconds_total = report.seconds_sweeps = seconds_since(start);
+  report.cpu_seconds = cpu_seconds() - cpu_start;
+  report.peak_memory_bytes = peak_memory_bytes();
+  return solution;
+}
+
+void check_light(const Problem& problem) {
+  const auto check = [](const char* what, double value) {
+    if (value == 0 || (value >= least_light && value <= most_light)) return;
+    throw InputError(
+        fmt::format("{}: out of range (found {}, allowed 0, or {:g} to {:g})", what, value, least_light, most_light));
+  };
+  if (problem.sun) check("irradiance of the sun", problem.sun->irradiance);
+  check("radiance of the sky", problem.sky_radiance);
+}
+
+// Axes along which nothing varies are left out, and thick levels cut, by solving another problem.
+Solution solve_in_parts(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+                        Checkpoints* checkpoints) {
+  if (const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
+      uniform.any()) {
+    SolverOptions less = options;
+    less.leave_out_uniform_axes = false;
+    const Problem small = without_axes(problem, uniform);
+    less.double_precision = options.double_precision || one_column(small.grid.box);  // costs nothing there
+    Solution solution = solve_in_parts(small, less, progress, checkpoints);
+    spread(problem, uniform, solution);
+    solution.report.left_out_axes = uniform.x && uniform.y ? "x, y" : uniform.x ? "x" : "y";
+    return solution;
+  }
+  const CutLevels cut = cut_thick_levels(problem, options);
+  if (const int added = cut.added(problem.grid.box); added > 0) {
+    Solution solution =
+        solve_in_parts(with_cut_levels(problem, cut), with_cut_levels(options, cut), progress, checkpoints);
+    join_levels(problem, cut, solution);
+    solution.report.added_levels = added;
+    return solution;
+  }
+  const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
+  const ThreadScope threads(threads_for(problem, options));
+  check_paths(problem, options);
+  if (solved_without_azimuths(problem, options)) return solve_without_azimuths(problem, options, progress);
+  check_cell_thickness(problem);
+  if (options.actinic && problem.grid.active_cells() < cells) {
+    Problem full = problem;
+    full.grid = with_empty_cells(problem.grid);
+    return runs_in_double(full, options) ? solve_as<double>(full, options, progress, checkpoints)
+                                         : solve_as<float>(full, options, progress, checkpoints);
+  }
+  return runs_in_double(problem, options) ? solve_as<double>(problem, options, progress, checkpoints)
+                                          : solve_as<float>(problem, options, progress, checkpoints);
+}
+
+}  // namespace
+
+Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+               Checkpoints* checkpoints) {
+  check_light(problem);
+  Solution solution = solve_in_parts(problem, options, progress, checkpoints);
+  check_finite(solution);
+  return solution;
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,87 @@
+// Values by direction and cell: the large array of a solve. On request it is kept as half-precision numbers (IEEE 754
+// binary16), which kernels read and write by blocks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "transport/grid/lanes.hpp"
+
+namespace cloudbow {
+
+/// Half-precision numbers [n] times `unit`, and back. Beyond 65504 units the largest number stands; below 2^-25 units
+/// zero.
+void load_halves(const std::uint16_t* from, std::size_t n, float unit, float* to);
+/// Numbers are rounded up or down, in as many places as keeps their mean: like numbers that were all rounded to the
+/// nearest would make or take energy. Whether a number is rounded up depends on it and its place alone, so an iteration
+/// that stores converges. @param place of the first.
+void store_halves(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to);
+
+/// One row of a field, [cells].
+template <class Real>
+struct FieldRow {
+  const Real* plain = nullptr;
+  const std::uint16_t* packed = nullptr;  ///< instead
+  Real unit = 1;
+
+  /// The values [first, first + n), copied to `room` [n] where they are packed.
+  const Real* read(std::size_t first, std::size_t n, Real* room) const {
+    if (packed == nullptr) return plain + first;
+    if constexpr (sizeof(Real) == sizeof(float)) load_halves(packed + first, n, unit, room);
+    return room;
+  }
+};
+
+/// D values a cell, one row an ordinate. Holds source or voxel-mean radiance, each in the other's place. Plain rows,
+/// value(d, c) at row(d)[c], can be read and written lane_padding beyond their end, and to the end of a tile of cells.
+template <class Real>
+struct AngularField {
+  int rows = 0;
+  std::size_t cells = 0;
+  std::vector<std::vector<Real>> data;             ///< [rows][at least cells + lane_padding], or empty and
+  std::vector<std::vector<std::uint16_t>> halves;  ///< [rows][as above], numbers of units; never with Real = double
+  Real unit = 1;                                   ///< that of the halves, a power of two
+
+  AngularField() = default;
+  AngularField(int row_count, std::size_t cell_count, std::optional<Real> unit_of_halves = std::nullopt)
+      : cells(cell_count), unit(unit_of_halves.value_or(1)) {
+    if (unit_of_halves) halves.resize(1);
+    set_rows(row_count);
+  }
+
+  bool packed() const { return !halves.empty(); }
+  /// Of plain fields alone.
+  Real* row(int d) { return data[d].data(); }
+  const Real* row(int d) const { return data[d].data(); }
+  FieldRow<Real> stored_row(int d) const {
+    return packed() ? FieldRow<Real>{nullptr, halves[d].data(), unit} : FieldRow<Real>{data[d].data(), nullptr, 1};
+  }
+  /// Of packed fields alone: puts `from` [n] at row d, from cell `first` on.
+  void store(int d, std::size_t first, std::size_t n, const Real* from) {
+    if constexpr (sizeof(Real) == sizeof(float)) {
+      const std::uint32_t place = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(d) * place_step;
+      store_halves(from, n, unit, place, halves[d].data() + first);
+    }
+  }
+  /// Rows are dropped or added, zero.
+  void set_rows(int count) {
+    rows = count;
+    const auto set = [&](auto& of) {
+      of.resize(count);
+      for (auto& row : of) row.resize(padded(cells));
+    };
+    if (packed()) {
+      set(halves);
+    } else {
+      set(data);
+    }
+  }
+
+  static constexpr std::uint32_t place_step = 0x85EBCA6B;  // rows are rounded apart from each other
+  static constexpr std::size_t tile = 64;
+  static std::size_t padded(std::size_t cell_count) { return (cell_count + tile - 1) / tile * tile + lane_padding; }
+};
+
+}  // namespace cloudbow

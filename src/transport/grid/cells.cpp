@@ -1,0 +1,259 @@
+#include "transport/grid/cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace cloudbow {
+
+std::size_t ActiveRows::largest_level() const {
+  std::uint32_t largest = 0;
+  for (int k = 0; k < nz; ++k) largest = std::max(largest, level_cell[k + 1] - level_cell[k]);
+  return largest;
+}
+
+namespace {
+
+void append_chunks(Sheets& sheets, std::uint32_t first_cell, int first_column, int row, int n) {
+  for (int i = 0; i < n; i += lanes) {
+    sheets.chunks.push_back(
+        {first_cell + static_cast<std::uint32_t>(i), first_column + i, row, std::min(lanes, n - i)});
+  }
+}
+
+}  // namespace
+
+ActiveRows active_rows(const OpticalGrid& grid) {
+  ActiveRows active;
+  active.nx = grid.box.nx;
+  active.ny = grid.box.ny;
+  active.nz = grid.box.nz();
+  active.spans = grid.spans;
+  active.level_row.push_back(0);
+  active.level_cell.push_back(0);
+  active.levels.count = active.nz;
+  active.levels.rows = active.ny;
+  active.levels.columns = active.nx;
+  std::uint32_t cells = 0;
+  for (int k = 0; k < active.nz; ++k) {
+    for (int j = 0; j < active.ny; ++j) {
+      active.levels.begin.push_back(static_cast<std::uint32_t>(active.levels.chunks.size()));
+      const std::size_t row = static_cast<std::size_t>(k) * active.ny + j;
+      const std::uint32_t first = grid.row_begin[row];
+      const std::uint32_t last = grid.row_begin[row + 1];
+      if (first == last) continue;
+      active.rows.push_back({j, first, last});
+      for (std::uint32_t s = first; s < last; ++s) {
+        const RowSpan& span = grid.spans[s];
+        append_chunks(active.levels, span.offset, span.i, j, span.n);
+        cells += static_cast<std::uint32_t>(span.n);
+      }
+    }
+    active.levels.begin.push_back(static_cast<std::uint32_t>(active.levels.chunks.size()));
+    active.level_row.push_back(static_cast<std::uint32_t>(active.rows.size()));
+    active.level_cell.push_back(cells);
+  }
+  return active;
+}
+
+std::vector<std::uint32_t> dense_indices(const ActiveRows& rows) {
+  std::vector<std::uint32_t> index(rows.size());
+  for (int k = 0; k < rows.nz; ++k) {
+    for (std::uint32_t r = rows.level_row[k]; r < rows.level_row[k + 1]; ++r) {
+      const ActiveRow& row = rows.rows[r];
+      for (std::uint32_t s = row.first_span; s < row.last_span; ++s) {
+        const RowSpan& span = rows.spans[s];
+        const std::size_t first = (static_cast<std::size_t>(k) * rows.ny + row.j) * rows.nx + span.i;
+        for (std::int32_t i = 0; i < span.n; ++i) index[span.offset + i] = static_cast<std::uint32_t>(first + i);
+      }
+    }
+  }
+  return index;
+}
+
+namespace {
+
+constexpr std::uint32_t no_cell = 0xFFFFFFFF;
+
+// Index of the active cell at each place of the box, no_cell where there is none.
+std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
+  std::vector<std::uint32_t> cell(static_cast<std::size_t>(rows.nx) * rows.ny * rows.nz, no_cell);
+  const auto dense = dense_indices(rows);
+  for (std::size_t c = 0; c < dense.size(); ++c) cell[dense[c]] = static_cast<std::uint32_t>(c);
+  return cell;
+}
+
+// The run of levels of one thickness that holds most cells, without empty levels at its ends.
+LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
+  LevelRange best{0, 0};
+  std::uint32_t most = 0;
+  const auto empty = [&](int k) { return rows.level_cell[k + 1] == rows.level_cell[k]; };
+  for (int first = 0, last; first < box.nz(); first = last) {
+    const double thickness = box.thickness_m(first);
+    last = first + 1;
+    while (last < box.nz() && std::abs(box.thickness_m(last) - thickness) <= 1e-6 * thickness) ++last;
+    const std::uint32_t cells = rows.level_cell[last] - rows.level_cell[first];
+    if (cells > most) {
+      most = cells;
+      best = {first, last};
+    }
+  }
+  while (best.first < best.last && empty(best.first)) ++best.first;
+  while (best.first < best.last && empty(best.last - 1)) --best.last;
+  return best;
+}
+
+template <class Real>
+bool varies_along(const Cells<Real>& cells, std::size_t axis) {
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const std::uint32_t next = cells.high[axis][c];
+    if (next == c || cells.extinction[next] != cells.extinction[c]) return true;
+    for (const auto& scattered : cells.scattered) {
+      if (scattered[next] != scattered[c]) return true;
+    }
+  }
+  return false;
+}
+
+Sheets sheets_along_y(const ActiveRows& rows) {
+  Sheets sheets;
+  sheets.count = rows.ny;
+  sheets.rows = rows.nz;
+  sheets.columns = rows.nx;
+  for (int j = 0; j < rows.ny; ++j) {
+    for (int k = 0; k < rows.nz; ++k) {
+      sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+      for (Chunk chunk : rows.levels.of(k, j, j + 1)) {
+        chunk.row = k;
+        sheets.chunks.push_back(chunk);
+      }
+    }
+    sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+  }
+  sheets.chunks.resize(sheets.chunks.size() + Sheets::padding);
+  return sheets;
+}
+
+// Sheets along x, and the cells level by level in the order i, j.
+std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& rows) {
+  std::vector<std::uint32_t> turned(rows.size());
+  std::vector<std::uint32_t> begin(static_cast<std::size_t>(rows.nz) * rows.nx + 1, 0);  // [k][i]
+  std::vector<std::int32_t> row_of(rows.size());                                         // j of each turned cell
+  for (int k = 0; k < rows.nz; ++k) {
+    std::uint32_t* const of_level = begin.data() + static_cast<std::size_t>(k) * rows.nx;
+    for (const Chunk& chunk : rows.levels.of(k)) {
+      for (int i = 0; i < chunk.n; ++i) ++of_level[chunk.column + i + 1];
+    }
+    for (int i = 0; i < rows.nx; ++i) of_level[i + 1] += of_level[i];
+    std::vector<std::uint32_t> next(of_level, of_level + rows.nx);
+    for (const Chunk& chunk : rows.levels.of(k)) {
+      for (int i = 0; i < chunk.n; ++i) {
+        const std::uint32_t place = next[chunk.column + i]++;
+        turned[place] = chunk.cell + static_cast<std::uint32_t>(i);
+        row_of[place] = chunk.row;
+      }
+    }
+  }
+  Sheets sheets;
+  sheets.count = rows.nx;
+  sheets.rows = rows.nz;
+  sheets.columns = rows.ny;
+  for (int i = 0; i < rows.nx; ++i) {
+    for (int k = 0; k < rows.nz; ++k) {
+      sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+      const std::size_t at = static_cast<std::size_t>(k) * rows.nx + i;
+      for (std::uint32_t first = begin[at]; first < begin[at + 1];) {
+        std::uint32_t last = first + 1;
+        while (last < begin[at + 1] && row_of[last] == row_of[last - 1] + 1) ++last;
+        append_chunks(sheets, first, row_of[first], k, static_cast<int>(last - first));
+        first = last;
+      }
+    }
+    sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+  }
+  sheets.chunks.resize(sheets.chunks.size() + Sheets::padding);
+  return {std::move(sheets), std::move(turned)};
+}
+
+}  // namespace
+
+template <class Real>
+Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical,
+                       std::size_t worth_shortcuts) {
+  Cells<Real> cells;
+  cells.rows = active_rows(grid);
+  const std::size_t n = grid.active_cells();
+  cells.extinction.assign(n + lane_padding, Real(0));
+  cells.scattered.assign(grid.scattering.size(), std::vector<Real>(n));
+  for (std::size_t c = 0; c < n; ++c) {
+    double extinction = grid.absorption[c];
+    for (std::size_t p = 0; p < grid.scattering.size(); ++p)
+      extinction += (1 - forward_fraction[p]) * grid.scattering[p][c];
+    cells.extinction[c] = static_cast<Real>(extinction);
+    for (std::size_t p = 0; p < grid.scattering.size(); ++p) {
+      const double scattered = (1 - forward_fraction[p]) * grid.scattering[p][c];
+      cells.scattered[p][c] = extinction > 0 ? static_cast<Real>(scattered / extinction) : Real(0);
+    }
+  }
+
+  const BoxGrid& box = grid.box;
+  const auto place = cell_at_place(cells.rows);
+  const auto dense = dense_indices(cells.rows);
+  for (int axis = 0; axis < 3; ++axis) {
+    cells.low[axis].resize(n);
+    cells.high[axis].resize(n);
+    cells.scale[axis].resize(n);
+  }
+  const std::array<int, 3> count{box.nx, box.ny, box.nz()};
+  for (std::size_t c = 0; c < n; ++c) {
+    const std::array<int, 3> at{static_cast<int>(dense[c] % box.nx), static_cast<int>(dense[c] / box.nx % box.ny),
+                                static_cast<int>(dense[c] / (static_cast<std::size_t>(box.nx) * box.ny))};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto neighbour = [&](int step) -> std::uint32_t {
+        std::array<int, 3> to = at;
+        to[axis] += step;
+        if (axis < 2 && (vertical || count[axis] == 1)) return no_cell;
+        if (to[axis] < 0 || to[axis] >= count[axis]) {
+          if (axis == 2 || !box.periodic) return no_cell;
+          to[axis] = (to[axis] + count[axis]) % count[axis];
+        }
+        const std::uint32_t cell = place[(static_cast<std::size_t>(to[2]) * box.ny + to[1]) * box.nx + to[0]];
+        // A cell of empty air, active because its light is asked for, is no part of the cloud.
+        return cell != no_cell && cells.extinction[cell] == 0 ? no_cell : cell;
+      };
+      const std::uint32_t low = neighbour(-1);
+      const std::uint32_t high = neighbour(+1);
+      // Distance between the two places the difference is taken over, in this cell's own size.
+      double distance = 0;
+      const auto centre_distance = [&](int step) {
+        if (axis < 2) return 1.;
+        return .5 * (box.thickness_m(at[2]) + box.thickness_m(at[2] + step)) / box.thickness_m(at[2]);
+      };
+      if (low != no_cell) distance += centre_distance(-1);
+      if (high != no_cell) distance += centre_distance(+1);
+      // A cloud's side is lit or dark as a whole; extrapolating the gradient behind it overshoots. Top and base keep a
+      // one-sided slope.
+      if (axis < 2 && (low == no_cell || high == no_cell)) distance = 0;
+      cells.low[axis][c] = low == no_cell ? static_cast<std::uint32_t>(c) : low;
+      cells.high[axis][c] = high == no_cell ? static_cast<std::uint32_t>(c) : high;
+      cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
+    }
+  }
+  const auto constant_along = [&](int axis) { return count[axis] > 1 && !varies_along(cells, axis); };
+  cells.varied = n >= worth_shortcuts && !vertical && box.columns() > 1 && !constant_along(0) && !constant_along(1);
+  if (cells.varied && box.periodic && box.nx > 1 && box.ny > 1) {
+    cells.even_levels = longest_even_run(box, cells.rows);
+    cells.turned[1].sheets = sheets_along_y(cells.rows);
+    auto& along_x = cells.turned[0];
+    std::tie(along_x.sheets, along_x.cell) = sheets_along_x(cells.rows);
+    along_x.extinction.assign(n + lane_padding, Real(0));
+    for (std::size_t c = 0; c < n; ++c) along_x.extinction[c] = cells.extinction[along_x.cell[c]];
+  }
+  return cells;
+}
+
+template Cells<float> make_cells<float>(const OpticalGrid&, std::span<const double>, bool, std::size_t);
+template Cells<double> make_cells<double>(const OpticalGrid&, std::span<const double>, bool, std::size_t);
+
+}  // namespace cloudbow

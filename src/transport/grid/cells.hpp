@@ -1,0 +1,119 @@
+// The active cells as the kernels see them: delta-M scaled coefficients in contiguous arrays, rows that hold any, and
+// each cell's neighbours.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cloudbow/medium/optical_grid.hpp"
+#include "transport/grid/lanes.hpp"
+
+namespace cloudbow {
+
+/// Up to `lanes` neighbouring cells of one row: what a kernel crosses at a time.
+struct Chunk {
+  std::uint32_t cell;   ///< index of the first
+  std::int32_t column;  ///< of the first
+  std::int32_t row;
+  std::int32_t n;
+};
+
+/// Cells as a march along one axis meets them: sheet after sheet across that axis, row after row.
+struct Sheets {
+  int count = 0;
+  int rows = 0;
+  int columns = 0;
+  std::vector<std::uint32_t> begin;  ///< [count][rows + 1] first chunk of each row, and the end of the sheet's
+  std::vector<Chunk> chunks;         ///< with `padding` more behind them, for marches that look ahead
+  static constexpr int padding = 8;
+
+  std::span<const Chunk> of(int sheet) const { return of(sheet, 0, rows); }
+  std::span<const Chunk> of(int sheet, int first_row, int last_row) const {
+    const std::uint32_t* const row = begin.data() + static_cast<std::size_t>(sheet) * (rows + 1);
+    return {chunks.data() + row[first_row], chunks.data() + row[last_row]};
+  }
+};
+
+/// Levels [first, last).
+struct LevelRange {
+  int first;
+  int last;
+};
+
+/// A row of a level that holds active cells: spans [first, last).
+struct ActiveRow {
+  std::int32_t j;
+  std::uint32_t first_span;
+  std::uint32_t last_span;
+};
+
+struct ActiveRows {
+  int nx = 1;
+  int ny = 1;
+  int nz = 1;
+  std::vector<std::uint32_t> level_row;  ///< [nz + 1] rows of level k are rows[level_row[k] .. level_row[k+1])
+  std::vector<ActiveRow> rows;
+  std::vector<RowSpan> spans;
+  std::vector<std::uint32_t> level_cell;  ///< [nz + 1] cells of level k are [level_cell[k], level_cell[k+1])
+  Sheets levels;                          ///< along z
+
+  std::size_t size() const { return level_cell.back(); }
+  std::size_t largest_level() const;
+};
+
+ActiveRows active_rows(const OpticalGrid& grid);
+
+/// The cells as a march along x or y meets them: sheets along that axis, rows by level, columns along the other.
+template <class Real>
+struct TurnedCells {
+  Sheets sheets;
+  /// Along x, where cells have an order of their own: [n] index of each among the cells, and [n + lane_padding] their
+  /// extinction.
+  std::vector<std::uint32_t> cell;
+  std::vector<Real> extinction;
+};
+
+/// Cells of one problem in the precision Real, forward peaks truncated.
+template <class Real>
+struct Cells {
+  ActiveRows rows;
+  /// Many cells that change along x and along y, as far as there are any: fields for which the sweep takes its
+  /// shortcuts (march along x and y, one gradient for an octant), which a field without change along an axis would show
+  /// as such a change.
+  bool varied = false;
+  /// Levels of one thickness that can be marched along x and y as well, and the cells for it; without: empty.
+  LevelRange even_levels{0, 0};
+  std::array<TurnedCells<Real>, 2> turned;
+  std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
+  std::vector<std::vector<Real>>
+      scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
+  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a
+  /// neighbour is missing above or below, the cell itself stands in and the difference is one-sided; beside, the slope
+  /// is zero.
+  std::array<std::vector<std::uint32_t>, 3> low;
+  std::array<std::vector<std::uint32_t>, 3> high;
+  std::array<std::vector<Real>, 3> scale;
+
+  std::size_t size() const { return rows.size(); }
+};
+
+/// What a march reads of the cells, in the order of its axes: the pattern's x and y, and the axis it goes along.
+template <class Real>
+struct CellView {
+  const Real* extinction;
+  std::array<const Real*, 3> gradient;  ///< relative, of the source
+};
+
+/// @param forward_fraction [p] f of each phase function.
+/// @param vertical no differences along x and y (independent columns).
+/// @param worth_shortcuts fewer cells than this are never `varied`: they are solved soon enough without.
+template <class Real>
+Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical,
+                       std::size_t worth_shortcuts = 2000);
+
+/// Indices (k*ny + j)*nx + i of the active cells.
+std::vector<std::uint32_t> dense_indices(const ActiveRows& rows);
+
+}  // namespace cloudbow

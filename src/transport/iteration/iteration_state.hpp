@@ -1,0 +1,41 @@
+// What source iteration carries from one sweep to the next, and its way out of the process and back.
+#pragma once
+
+#include <vector>
+
+#include "cloudbow/transport/checkpoints.hpp"
+#include "transport/acceleration/anderson.hpp"
+#include "transport/iteration/source_iteration.hpp"
+
+namespace cloudbow {
+
+template <class Real>
+struct IterationState {
+  explicit IterationState(int mixing_depth) : mixer(mixing_depth) {}
+
+  IterationResult<Real> result;
+  std::vector<Real> x;        ///< [low_moments][n] moments that scatter in the next sweep
+  std::vector<Real> change;   ///< [low_moments][n] what is added to the radiance's own moments for that; empty: nothing
+  std::vector<double> steps;  ///< relative size of each accelerated change so far
+  AndersonMixer<Real> mixer;
+  bool dark = true;          ///< there is no radiance yet
+  bool nearly_done = false;  ///< the next sweep records
+  bool done = false;         ///< the result is complete
+};
+
+template <class Real>
+StateKey state_key(const TransportSystem<Real>& system, const IterationState<Real>& state);
+
+/// Between two sweeps, or after the last.
+template <class Real>
+void save_state(const TransportSystem<Real>& system, IterationState<Real>& state, Checkpoints& checkpoints);
+
+/// Takes up what the checkpoints hold: a state of the same problem, or the radiance of another one as a first guess.
+/// A state that is done, but not within these options, is such a guess too.
+/// @param state as before the first sweep; its radiance has its size.
+/// @returns false, and does nothing, where they hold nothing.
+template <class Real>
+bool restore_state(const TransportSystem<Real>& system, const IterationOptions& options, IterationState<Real>& state,
+                   Checkpoints& checkpoints);
+
+}  // namespace cloudbow

@@ -1,0 +1,50 @@
+// Source iteration: scatter, sweep, accelerate, until the estimated true error and the energy ledger are within
+// tolerance (docs/theory.md, "Iteration").
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cloudbow/transport/checkpoints.hpp"
+#include "cloudbow/transport/solution.hpp"
+#include "transport/system/sweep.hpp"
+
+namespace cloudbow {
+
+struct IterationOptions {
+  double tolerance = 1e-4;
+  double energy_tolerance = 1e-5;
+  int max_sweeps = 200;
+  bool half_precision_radiance = false;  ///< keeps the radiance so; nothing in double
+};
+
+struct IterationReport {
+  bool converged = false;
+  int sweeps = 0;
+  double estimated_error = 0;
+  double seconds_sweeps = 0;
+  double seconds_scattering = 0;
+  double seconds_acceleration = 0;
+};
+
+template <class Real>
+struct IterationResult {
+  AngularField<Real> radiance;  ///< voxel-mean diffuse radiance at the ordinates
+  std::vector<Real> moments;    ///< [low_moments][n] of it
+  SweepFluxes<Real> fluxes;
+  EnergyLedger ledger;  ///< transmittance_direct left for the caller
+  IterationReport report;
+};
+
+using IterationCallback = std::function<void(int sweep, double estimated_error, double energy_residual)>;
+
+/// @param checkpoints where the iteration begins and leaves its state: where they say that it is due, and at its end;
+/// or null.
+template <class Real>
+IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
+                                     const IterationCallback& progress, Checkpoints* checkpoints = nullptr);
+
+}  // namespace cloudbow

@@ -1,0 +1,79 @@
+#include "transport/observers/cell_fields.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/radiance_march.hpp"
+
+namespace cloudbow {
+
+template <class Real>
+void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system,
+                      const IterationResult<Real>& solved, Solution& solution) {
+  const auto dense = dense_indices(system.cells->rows);
+  const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
+  if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
+  if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t c = 0; c < dense.size(); ++c) {
+    const double actinic =
+        static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam_irradiance[c]) : 0.);
+    if (options.absorption) solution.absorbed_power[dense[c]] = static_cast<float>(system.absorption[c] * actinic);
+    if (options.actinic) solution.actinic_flux[dense[c]] = static_cast<float>(actinic);
+  }
+}
+
+template <class Real>
+RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
+                                  const SolverOptions& options, const TransportSystem<Real>& system,
+                                  const IterationResult<Real>& solved, DirectionalSource<Real>& source,
+                                  const Surroundings* surroundings) {
+  std::optional<DirectBeam<Real>> beam;
+  if (problem.sun) beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options);
+  set_first_order(problem, discretisation, system, beam ? &*beam : nullptr, source);
+  const ControlPoints points(options.control_points, control_point_frame_rotation());
+  RadianceField field;
+  field.direction.assign(points.directions().begin(), points.directions().end());
+  field.triangle.assign(points.triangles().begin(), points.triangles().end());
+  const std::size_t n = system.cells->size();
+  const std::size_t m = field.direction.size();
+  const std::size_t columns = system.box.columns();
+  for (const std::uint32_t c : dense_indices(system.cells->rows)) {
+    field.voxel.push_back({static_cast<std::int32_t>(c % system.box.nx),
+                           static_cast<std::int32_t>(c / system.box.nx % system.box.ny),
+                           static_cast<std::int32_t>(c / columns)});
+  }
+  field.radiance.resize(n * m);
+  const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
+  ParallelErrors errors;
+#pragma omp parallel
+  {
+    RadianceMarch<Real> along;
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t d = 0; d < m; ++d) {
+      errors.run([&] {
+        const Direction& travel = field.direction[d];
+        std::vector<Real> sent(n);
+        source.query(travel, sent.data());
+        const std::span<const Real> radiance = along.mean_radiance(problem, system, ground, surroundings, travel, sent);
+        for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
+      });
+    }
+  }
+  errors.rethrow();
+  return field;
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                              \
+  template void fill_cell_fields<Real>(const Problem&, const SolverOptions&, const TransportSystem<Real>&,      \
+                                       const IterationResult<Real>&, Solution&);                                \
+  template RadianceField make_radiance_field<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
+                                                   const TransportSystem<Real>&, const IterationResult<Real>&,  \
+                                                   DirectionalSource<Real>&, const Surroundings*)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

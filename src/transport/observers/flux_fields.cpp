@@ -1,0 +1,307 @@
+#include "transport/observers/flux_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "cloudbow/core/not_negative.hpp"
+#include "transport/iteration/source_iteration.hpp"
+
+namespace cloudbow {
+namespace {
+
+double mean(const std::vector<double>& field) {
+  double sum = 0;
+  for (const double f : field) sum += f;
+  return sum / static_cast<double>(field.size());
+}
+
+// Fluxes of one interface, column by column.
+struct LevelFlux {
+  std::vector<double> up;
+  std::vector<double> down;     // diffuse beside what the iteration's direct beam carries
+  std::vector<double> carried;  // of that, what is not direct
+};
+
+template <class Real>
+class FluxFields {
+ public:
+  FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+             const TransportSystem<Real>& system, const IterationResult<Real>& solved, DirectionalSource<Real>* source,
+             const Surroundings* surroundings, const ProgressCallback& progress)
+      : problem_(problem),
+        options_(options),
+        system_(system),
+        solved_(solved),
+        progress_(progress),
+        source_(source),
+        columns_(system.box.columns()) {
+    const bool by_ordinates = source == nullptr;
+    if (problem.sun) {
+      const bool peaked = !by_ordinates && std::any_of(discretisation.peak.begin(), discretisation.peak.end(),
+                                                       [](const ForwardPeak& peak) { return peak.share() > 0; });
+      true_beam_ =
+          beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options, false);
+      carried_beam_ = beam_with<Real>(problem, system.cells->rows, discretisation.beam_fraction(), options, false);
+      if (peaked) set_peak(discretisation);
+    }
+    if (!by_ordinates) {
+      set_first_order_beside_peak(problem, discretisation, system, *source_);
+      if (surroundings != nullptr)
+        side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance_beside_peak(travel); };
+    }
+  }
+
+  void fill(Solution& solution) {
+    fill_profiles(solution);
+    solution.flux_level = flux_levels(system_.box, options_);
+    if (source_) {
+      gather_ends(solution);
+    }
+    for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
+      field->reserve(columns_ * solution.flux_level.size());
+    }
+    if (source_) gather_inner(solution);
+    for (const int edge : solution.flux_level) {
+      LevelFlux flux;
+      if (problem_.sun) {
+        flux.carried = slice(carried_beam_->level_flux, edge);
+        for (std::size_t c = 0; c < columns_; ++c) flux.carried[c] -= true_beam_->level_flux[edge * columns_ + c];
+      }
+      if (!source_) {
+        flux.up = slice(solved_.fluxes.column_up, edge);
+        flux.down = slice(solved_.fluxes.column_down, edge);
+      } else {
+        set_plane(edge, solution, flux);
+      }
+      append(solution, edge, flux);
+    }
+  }
+
+ private:
+  std::optional<Direction> sun_direction() const {
+    if (!problem_.sun) return std::nullopt;
+    return problem_.sun->travel;
+  }
+
+  // Light that the iteration's direct beam carries and the sharp one does not has been scattered within the forward
+  // peak: once, as it is taken here, after which it goes as far as the iteration's beam.
+  void set_peak(const Discretisation& discretisation) {
+    sharp_beam_ = beam_with<Real>(problem_, system_.cells->rows, discretisation.gather_fraction(), options_);
+    carried_extinction_ = scaled_extinction<Real>(problem_.grid, discretisation.beam_fraction());
+    carried_extinction_.resize(carried_extinction_.size() + lane_padding);
+    peak_source_.emplace(DirectionalSource<Real>{discretisation.points, {}, problem_.sun->travel, {}});
+    std::vector<double> scattering;
+    for (std::size_t p = 0; p < problem_.phase.size(); ++p) {
+      const ForwardPeak& peak = discretisation.peak[p];
+      scattering.push_back(std::accumulate(problem_.grid.scattering[p].begin(), problem_.grid.scattering[p].end(), 0.));
+      if (peak.share() == 0) continue;
+      add_single_scattering<Real>(
+          peak_source_->first_order, [peak](double cos_angle) { return peak.peak(cos_angle); },
+          problem_.grid.scattering[p], 1., carried_extinction_, sharp_beam_->irradiance);
+    }
+    if (peak_source_->first_order.empty()) return;
+    const int count = std::max(std::min(128, options_.gather_directions), options_.gather_directions / 4);
+    peak_directions_ = peak_directions(peak_angles(discretisation.peak, scattering, count), problem_.sun->travel);
+  }
+
+  GatherScene<Real> peak_scene() const {
+    return {system_.box, *system_.cells, &*peak_source_, {}, 0., nullptr, carried_extinction_, true};
+  }
+
+  // The beam's light that is not direct, at a plane, from `peak` as gathered; `flux` holds that on the sun's own line.
+  void add_peak(std::vector<double> peak, int edge, std::vector<double>& flux) const {
+    const std::vector<double> sharp = slice(sharp_beam_->level_flux, edge);
+    const std::vector<double> direct = slice(true_beam_->level_flux, edge);
+    rescale(peak, mean(flux) + mean(direct) - mean(sharp));
+    for (std::size_t c = 0; c < columns_; ++c) flux[c] = peak[c] + sharp[c] - direct[c];
+  }
+
+  GatherScene<Real> gather_scene() const {
+    return {system_.box, *system_.cells, source_, side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
+  }
+
+  void report_progress(double fraction) const {
+    if (progress_)
+      progress_({"gather", solved_.report.sweeps, solved_.report.estimated_error, solved_.ledger.residual, fraction});
+  }
+
+  template <class Value>
+  std::vector<double> slice(const std::vector<Value>& levels, int edge) const {
+    const auto first = levels.begin() + static_cast<std::ptrdiff_t>(edge * columns_);
+    return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(columns_));
+  }
+
+  double profile_up(int edge) const { return solved_.fluxes.profile_up[edge]; }
+  double profile_down(int edge) const { return solved_.fluxes.profile_down[edge]; }
+
+  // Scales a gathered field to the mean that the conservative iteration found; returns the factor.
+  static double rescale(std::vector<double>& field, double wanted) {
+    const double found = mean(field);
+    const double factor = found > 0 && wanted > 0 ? wanted / found : 1;
+    for (double& f : field) f *= factor;
+    return factor;
+  }
+
+  void note_factor(Solution& solution, double factor) const {
+    if (std::abs(factor - 1) > std::abs(solution.report.gather_rescaling - 1))
+      solution.report.gather_rescaling = factor;
+  }
+
+  void gather_ends(Solution& solution) {
+    report_progress(0);
+    bottom_down_ = gather_flux<Real>(gather_scene(), 0, false,
+                                     gather_directions(options_.gather_directions, false, sun_direction()));
+    note_factor(solution, rescale(bottom_down_, profile_down(0)));
+    std::vector<double> direct;
+    if (problem_.sun) {
+      direct = slice(true_beam_->level_flux, 0);
+      bottom_carried_ = slice(carried_beam_->level_flux, 0);
+      for (std::size_t c = 0; c < columns_; ++c) bottom_carried_[c] -= direct[c];
+      if (!peak_directions_.empty())
+        add_peak(gather_flux<Real>(peak_scene(), 0, false, peak_directions_), 0, bottom_carried_);
+      for (std::size_t c = 0; c < columns_; ++c) direct[c] += bottom_carried_[c];
+    }
+    ground_ = system_.ground.radiance(solved_.fluxes.surface_arriving, bottom_down_, direct, system_.ordinates);
+    const double factor = rescale(ground_->flux, profile_up(0));
+    for (auto& row : ground_->at_points.data) {
+      for (Real& radiance : row) radiance *= static_cast<Real>(factor);
+    }
+    note_factor(solution, factor);
+    report_progress(.25);
+    top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,
+                                gather_directions(options_.gather_directions, true, std::nullopt));
+    const double by_ordinates = profile_up(system_.box.nz());
+    if (system_.box.periodic) {
+      note_factor(solution, rescale(top_up_, by_ordinates));
+    } else {
+      // Through sides and top together ordinates let out the right amount of light; how it is shared out between these
+      // the many directions here know better.
+      const double more = mean(top_up_) - by_ordinates;
+      solution.profile_upwelling_flux.back() += more;
+      solution.ledger.reflectance += more / system_.power_in;
+      solution.ledger.side_loss -= more / system_.power_in;
+    }
+    report_progress(.5);
+  }
+
+  // Between bottom and top.
+  void gather_inner(const Solution& solution) {
+    for (const int edge : solution.flux_level) {
+      if (edge > 0 && edge < system_.box.nz()) inner_edges_.push_back(edge);
+    }
+    if (inner_edges_.empty()) return;
+    const auto gather = [this](const GatherScene<Real>& scene, bool upward,
+                               const std::vector<GatherDirection>& directions) {
+      return gather_level_fluxes<Real>(scene, inner_edges_, upward, directions);
+    };
+    const int count = options_.gather_directions;
+    inner_down_ = gather(gather_scene(), false, gather_directions(count, false, sun_direction()));
+    report_progress(.7);
+    inner_up_ = gather(gather_scene(), true, gather_directions(count, true, std::nullopt));
+    report_progress(.9);
+    if (!peak_directions_.empty()) inner_peak_ = gather(peak_scene(), false, peak_directions_);
+  }
+
+  void set_plane(int edge, Solution& solution, LevelFlux& flux) const {
+    const int top = system_.box.nz();
+    if (edge == 0) {
+      flux.down = bottom_down_;
+      if (problem_.sun) flux.carried = bottom_carried_;
+      flux.up = ground_->flux;
+    } else if (edge == top) {
+      flux.up = top_up_;
+      flux.down.assign(columns_, std::numbers::pi * problem_.sky_radiance);
+    } else {
+      const auto inner =
+          static_cast<int>(std::lower_bound(inner_edges_.begin(), inner_edges_.end(), edge) - inner_edges_.begin());
+      flux.up = slice(inner_up_, inner);
+      flux.down = slice(inner_down_, inner);
+      note_factor(solution, rescale(flux.up, profile_up(edge)));
+      note_factor(solution, rescale(flux.down, profile_down(edge)));
+      if (!inner_peak_.empty()) add_peak(slice(inner_peak_, inner), edge, flux.carried);
+    }
+  }
+
+  void append(Solution& solution, int edge, const LevelFlux& flux) const {
+    for (std::size_t c = 0; c < columns_; ++c) {
+      double direct = 0;
+      // Where hardly any light comes, what the iteration has left to correct may be less than nothing.
+      double diffuse = not_negative(flux.down[c]);
+      if (problem_.sun) {
+        direct = true_beam_->level_flux[edge * columns_ + c];
+        diffuse = not_negative(diffuse + flux.carried[c]);
+      }
+      solution.upwelling_flux.push_back(static_cast<float>(not_negative(flux.up[c])));
+      solution.downwelling_diffuse_flux.push_back(static_cast<float>(diffuse));
+      solution.direct_flux.push_back(static_cast<float>(direct));
+    }
+  }
+
+  void fill_profiles(Solution& solution) const {
+    const int levels = system_.box.nz() + 1;
+    solution.profile_upwelling_flux = solved_.fluxes.profile_up;
+    solution.profile_downwelling_diffuse_flux = solved_.fluxes.profile_down;
+    for (auto* profile : {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux}) {
+      for (double& flux : *profile) flux = not_negative(flux);
+    }
+    solution.profile_direct_flux.assign(levels, 0.);
+    if (!problem_.sun) return;
+    for (int e = 0; e < levels; ++e) {
+      const double direct = mean(slice(true_beam_->level_flux, e));
+      solution.profile_direct_flux[e] = direct;
+      solution.profile_downwelling_diffuse_flux[e] += system_.beam_profile[e] - direct;
+    }
+    solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power_in;
+  }
+
+  const Problem& problem_;
+  const SolverOptions& options_;
+  const TransportSystem<Real>& system_;
+  const IterationResult<Real>& solved_;
+  const ProgressCallback& progress_;
+  DirectionalSource<Real>* source_;
+  std::size_t columns_;
+  SideRadiance side_radiance_;
+  std::optional<DirectBeam<Real>> true_beam_;     // true extinction: what is reported as direct
+  std::optional<DirectBeam<Real>> carried_beam_;  // what the iteration counts as direct
+  std::vector<Real> carried_extinction_;          // of that
+  std::optional<DirectionalSource<Real>> peak_source_;
+  std::vector<GatherDirection> peak_directions_;  // none: no peak
+  std::optional<DirectBeam<Real>> sharp_beam_;    // what still counts as direct beside these
+  std::vector<double> bottom_carried_;
+  std::optional<GroundRadiance<Real>> ground_;
+  std::vector<double> bottom_down_;
+  std::vector<double> top_up_;
+  std::vector<int> inner_edges_;                           // of flux levels those between bottom and top
+  std::vector<float> inner_up_, inner_down_, inner_peak_;  // [inner_edges_][columns]
+};
+
+}  // namespace
+
+std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
+  if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
+  if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
+  std::vector<int> all(box.nz() + 1);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+template <class Real>
+void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+                      DirectionalSource<Real>* source, const Surroundings* surroundings,
+                      const ProgressCallback& progress, Solution& solution) {
+  FluxFields<Real>(problem, discretisation, options, system, solved, source, surroundings, progress).fill(solution);
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                               \
+  template void fill_flux_fields<Real>(                                                          \
+      const Problem&, const Discretisation&, const SolverOptions&, const TransportSystem<Real>&, \
+      const IterationResult<Real>&, DirectionalSource<Real>*, const Surroundings*, const ProgressCallback&, Solution&)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

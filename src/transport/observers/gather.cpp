@@ -1,0 +1,174 @@
+#include "transport/observers/gather.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/observers/backward_march.hpp"
+#include "transport/observers/gather_classes.hpp"
+#include "transport/observers/plane_blur.hpp"
+#include "transport/observers/source_gradients.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double golden = .6180339887498949;
+// Nothing arrives through a plane from below it, and grazing rays cross endless cells.
+constexpr double grazing = 1e-4;
+constexpr double sun_asymmetry = .85;   // how the extra directions crowd about the sun
+constexpr double band_growth = 1.6;     // each distance band ends this many times as far as the last
+constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
+// Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
+constexpr std::size_t groups = 8;
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+
+double fraction(double x) { return x - std::floor(x); }
+
+double henyey_greenstein_density(double cosine) {
+  const double g = sun_asymmetry;
+  return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5) / (4 * std::numbers::pi);
+}
+
+std::vector<Band> distance_bands(const BoxGrid& box, const ActiveRows& rows, const PathPattern& pattern) {
+  std::vector<Band> bands;
+  double distance = 0;
+  for (int first = 0; first < pattern.levels();) {
+    const int last =
+        first == 0 ? 1 : std::min(pattern.levels(), std::max(static_cast<int>(band_growth * first), first + 1));
+    double thickness = 0;
+    bool empty = true;
+    for (int step = first; step < last; ++step) {
+      const int k = pattern.level(step);
+      thickness += box.thickness_m(k);
+      empty = empty && rows.level_cell[k] == rows.level_cell[k + 1];
+    }
+    bands.push_back({first, last, distance + thickness / 2, empty});
+    distance += thickness;
+    first = last;
+  }
+  return bands;
+}
+
+}  // namespace
+
+std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel) {
+  std::vector<GatherDirection> set;
+  const double side = upward ? 1 : -1;
+  for (int i = 0; i < count; ++i) {
+    const double mu = std::sqrt((i + .5) / count);
+    const double azimuth = 2 * std::numbers::pi * fraction(golden * i);
+    const double sine = std::sqrt(1 - mu * mu);
+    set.push_back({{sine * std::cos(azimuth), sine * std::sin(azimuth), side * mu}, std::numbers::pi / (count * mu)});
+  }
+  if (!sun_travel) return set;
+  const int extra = count / 4;
+  const Direction a = sun_travel->unitOrthogonal();
+  const Direction b = sun_travel->cross(a);
+  const double g = sun_asymmetry;
+  for (int i = 0; i < extra; ++i) {
+    const double q = (1 - g * g) / (1 - g + 2 * g * (i + .5) / extra);
+    const double cosine = (1 + g * g - q * q) / (2 * g);
+    const double sine = std::sqrt(std::max(0., 1 - cosine * cosine));
+    const double azimuth = 2 * std::numbers::pi * fraction(golden * i + .37);
+    const Direction travel = cosine * *sun_travel + sine * (std::cos(azimuth) * a + std::sin(azimuth) * b);
+    if (travel.z() * side > grazing) set.push_back({travel, 0.});
+  }
+  for (GatherDirection& d : set) {
+    d.weight = 1 / (count * std::abs(d.travel.z()) / std::numbers::pi +
+                    extra * henyey_greenstein_density(d.travel.dot(*sun_travel)));
+  }
+  return set;
+}
+
+std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, const Direction& sun_travel) {
+  std::vector<GatherDirection> set;
+  const Direction a = sun_travel.unitOrthogonal();
+  const Direction b = sun_travel.cross(a);
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double cosine = angles[i].cos_angle;
+    const double sine = std::sqrt(std::max(0., 1 - cosine * cosine));
+    const double azimuth = 2 * std::numbers::pi * fraction(golden * static_cast<double>(i));
+    const Direction travel = cosine * sun_travel + sine * (std::cos(azimuth) * a + std::sin(azimuth) * b);
+    if (travel.z() < -grazing) set.push_back({travel, 1 / (static_cast<double>(angles.size()) * angles[i].density)});
+  }
+  return set;
+}
+
+template <class Real>
+std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
+                                const std::vector<GatherDirection>& directions) {
+  const BoxGrid& box = scene.box;
+  const std::size_t columns = box.columns();
+  const LevelRange levels = upward ? LevelRange{0, edge} : LevelRange{edge, box.nz()};
+  std::vector<GatherDirection> sorted = directions;
+  const std::vector<SpreadClass> classes = spread_classes(sorted);
+  const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
+  const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
+
+  // Downward, a few directions about the sun's carry too much of the light to be put anywhere but at the centre.
+  const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);
+
+  std::vector<double> flux(columns, 0.);
+  std::vector<Gathered<Real>> sums(groups);
+  SourceGradients<Real> gradients(scene);
+  std::size_t prepared = 0;
+  for (const SpreadClass& alike : classes) {
+    if (alike.last > prepared) {
+      prepared = std::min(sorted.size(), std::max(alike.last, alike.first + worth_a_gradient));
+      gradients.prepare({sorted.data() + alike.first, prepared - alike.first});
+    }
+    ParallelErrors errors;
+#pragma omp parallel
+    {
+      GatherWorkspace<Real> work;
+      LinearSource<Real> own;
+#pragma omp for schedule(dynamic, 1)
+      for (std::size_t g = 0; g < groups; ++g) {
+        errors.run([&] {
+          sums[g].clear(bands.size(), columns);
+          for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
+            const Direction& travel = sorted[q].travel;
+            const LaunchPlace start = launch_place(q, filling);
+            march_back(scene, make_path_pattern(box, -travel, start.x, start.y, false, levels), bands, travel,
+                       scene.source->along(travel), static_cast<Real>(power(sorted[q])), gradients.along(travel, own),
+                       work, sums[g]);
+          }
+        });
+      }
+#pragma omp for schedule(dynamic, 1)
+      for (std::size_t b = 0; b < bands.size(); ++b) {
+        errors.run([&] {
+          if (bands[b].empty) return;
+          std::vector<Real>& band = sums[0].of_band[b];
+          for (std::size_t g = 1; g < groups; ++g) {
+            const Real* __restrict const more = sums[g].of_band[b].data();
+            for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
+          }
+          band.resize(columns);
+          blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
+        });
+      }
+#pragma omp single
+      errors.run([&] {
+        for (std::size_t b = 0; b < bands.size(); ++b) {
+          if (bands[b].empty) continue;
+          for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);
+        }
+        for (const Gathered<Real>& sum : sums) {
+          for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sum.beyond[c]);
+        }
+      });
+    }
+    errors.rethrow();
+  }
+  return flux;
+}
+
+template std::vector<double> gather_flux<float>(const GatherScene<float>&, int, bool,
+                                                const std::vector<GatherDirection>&);
+template std::vector<double> gather_flux<double>(const GatherScene<double>&, int, bool,
+                                                 const std::vector<GatherDirection>&);
+
+}  // namespace cloudbow

@@ -1,0 +1,65 @@
+// The last gather: fluxes through horizontal planes from many directions of the converged source, without ray effects
+// (docs/theory.md, "Last gather").
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cloudbow/optics/forward_peak.hpp"
+#include "cloudbow/transport/solution.hpp"
+#include "transport/rays/march.hpp"
+#include "transport/scattering/directional_source.hpp"
+#include "transport/system/ground.hpp"
+
+namespace cloudbow {
+
+struct GatherDirection {
+  Direction travel;
+  double weight;  ///< sr
+};
+
+/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, count/4 more that crowd about its direction
+/// as HG(.85) does. Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance
+/// heuristic: Veach 1997).
+std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel);
+
+/// Downward directions about the sun's, one for each of the angles; their weights are one over the density of these.
+std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, const Direction& sun_travel);
+
+/// Radiance that comes in through open sides along a direction, at each interface by height [nz+1]; an empty vector:
+/// none.
+using SideRadiance = std::function<std::vector<double>(const Direction&)>;
+
+template <class Real>
+struct GatherScene {
+  const BoxGrid& box;
+  const Cells<Real>& cells;
+  const DirectionalSource<Real>* source;  ///< needed for fluxes
+  SideRadiance side_radiance;             ///< asked only where the box is open; may be empty
+  double sky_radiance = 0;
+  const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
+  std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
+
+  bool fill_columns = false;  ///< rays start in another place of their columns for each direction
+
+  const Real* extinction() const { return own_extinction.empty() ? cells.extinction.data() : own_extinction.data(); }
+};
+
+/// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from
+/// the plane; what distant cells send is smoothed over the spread of the beams that stand for it (distance bands).
+template <class Real>
+std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
+                                const std::vector<GatherDirection>& directions);
+
+/// Diffuse fluxes [edges][columns] through the interfaces z_edge[edges], of those between bottom and top, ascending:
+/// one forward march for all of them, its light in distance bands that are smoothed as those of gather_flux.
+template <class Real>
+std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
+                                       const std::vector<GatherDirection>& directions);
+
+/// The most memory that gather_level_fluxes takes in float for its sums, with this many directions.
+std::size_t level_gather_bytes(const BoxGrid& box, std::span<const int> edges, int directions);
+
+}  // namespace cloudbow

@@ -1,0 +1,52 @@
+#include "transport/observers/gather_classes.hpp"
+
+#include <algorithm>
+
+namespace cloudbow {
+namespace {
+
+constexpr double class_growth = 1.4;  // directions of one class differ in spread by at most this factor
+constexpr int most_classes = 16;
+
+double fraction(double x) { return x - std::floor(x); }
+
+// Distance over which the beam of one direction spreads, per unit height.
+double beam_spread(const GatherDirection& direction) {
+  const double mu2 = direction.travel.z() * direction.travel.z();
+  return std::sqrt(.5 * direction.weight * (1 / (mu2 * mu2) + 1 / mu2));
+}
+
+}  // namespace
+
+std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions) {
+  double least = beam_spread(directions.front());
+  for (const auto& d : directions) least = std::min(least, beam_spread(d));
+  const auto class_of = [&](const GatherDirection& d) {
+    return std::min(most_classes - 1,
+                    static_cast<int>(std::log(beam_spread(d) / least * (1 + 1e-12)) / std::log(class_growth)));
+  };
+  std::stable_sort(directions.begin(), directions.end(),
+                   [&](const auto& a, const auto& b) { return class_of(a) < class_of(b); });
+  std::vector<SpreadClass> classes;
+  for (std::size_t first = 0; first < directions.size();) {
+    std::size_t last = first;
+    double spread_sum = 0;
+    double weight_sum = 0;
+    for (; last < directions.size() && class_of(directions[last]) == class_of(directions[first]); ++last) {
+      const double spread = beam_spread(directions[last]);
+      spread_sum += power(directions[last]) * spread * spread;
+      weight_sum += power(directions[last]);
+    }
+    classes.push_back({first, last, std::sqrt(spread_sum / weight_sum)});
+    first = last;
+  }
+  return classes;
+}
+
+LaunchPlace launch_place(std::size_t direction, bool filling) {
+  const double q = static_cast<double>(direction);
+  if (!filling) return {.5, .5};
+  return {fraction(.5 + .7548776662466927 * q), fraction(.5 + .5698402909980532 * q)};
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,32 @@
+// What instruments see: parallel views and cameras, from the converged radiance to their images.
+#pragma once
+
+#include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/camera_view.hpp"
+#include "transport/observers/view.hpp"
+
+namespace cloudbow {
+
+/// Source towards all directions that are looked along, made while the radiance at the ordinates is there; then, once
+/// the fluxes that light the ground are known, the images.
+template <class Real>
+class Images {
+ public:
+  /// @param surroundings what open sides show; may be null. References must last as long as this.
+  Images(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+         const TransportSystem<Real>& system, const IterationResult<Real>& solved, const Surroundings* surroundings);
+
+  /// Fills the images of the solution, whose fluxes at the ground, where it has them, light the surface.
+  void fill(const IterationResult<Real>& solved, Solution& solution) const;
+
+ private:
+  const Problem& problem_;
+  const SolverOptions& options_;
+  const TransportSystem<Real>& system_;
+  const Surroundings* surroundings_;
+  std::optional<SightPoints> sight_;  // of the cameras, where there are any
+  std::vector<SeenBeam<Real>> beams_;
+  AngularField<Real> source_;  // views, all orders of scattering; cameras' points, orders >= 2
+};
+
+}  // namespace cloudbow

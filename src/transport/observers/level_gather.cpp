@@ -1,0 +1,391 @@
+// Fluxes between bottom and top: one forward march for each direction, its light in bands of the distance it has come.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/observers/gather.hpp"
+#include "transport/observers/gather_classes.hpp"
+#include "transport/observers/plane_blur.hpp"
+#include "transport/observers/source_gradients.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double band_growth = 3;  // a band of several levels ends at most this many times as far as it begins
+// Directions are shared out over these many sums, whatever the number of threads, so that sums have one order.
+constexpr std::size_t most_groups = 4;
+constexpr double most_sum_bytes = 1.5e8;      // of all groups, unless one alone takes more
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+// Gaussian width as a fraction of the beam's spread: less than in gather_flux, because rays start in other places for
+// each direction, which smooths as well.
+constexpr double blur_per_spread = .2;
+constexpr int boundary_slot = 0;  // what comes from beyond the box
+
+// What the rays of every direction carry and book in one level of the march. A slot is an array of rays.
+struct LevelPlan {
+  int fresh = -1;                           // slot of what the level's cells send; -1: it has none
+  std::vector<int> carried;                 // slots whose light crosses the level
+  std::vector<std::pair<int, int>> merges;  // {from, into} slots, after the level
+  struct Booking {
+    int slot;
+    double distance_m;  // of height, from where the light was sent
+  };
+  int level = -1;                 // index among the wanted interfaces; -1: that after this level is not wanted
+  std::vector<Booking> bookings;  // for each slot but that of the boundary
+};
+
+struct MarchPlan {
+  int slots = 1;
+  std::vector<LevelPlan> steps;
+};
+
+// Bands are as in gather_flux: levels one by one next to an interface, more of them at a time further away. As the
+// march moves on, bands merge as soon as the distance to them allows.
+//
+// @param level_cell [nz + 1] cells before each level.
+MarchPlan march_plan(const BoxGrid& box, std::span<const std::uint32_t> level_cell, bool upward,
+                     std::span<const int> edges) {
+  struct Carried {
+    int slot;
+    double begin_m, end_m;  // height marched where its first and after its last level
+  };
+  MarchPlan plan;
+  std::vector<Carried> bands;  // the most distant first
+  std::vector<int> vacant;
+  double marched_m = 0;
+  const int steps = upward ? edges.back() : box.nz() - edges.front();
+  for (int step = 0; step < steps; ++step) {
+    const int k = upward ? step : box.nz() - 1 - step;
+    LevelPlan level;
+    level.carried.push_back(boundary_slot);
+    for (const Carried& band : bands) level.carried.push_back(band.slot);
+    const double begin_m = marched_m;
+    marched_m += box.thickness_m(k);
+    if (level_cell[k + 1] > level_cell[k]) {
+      if (vacant.empty()) vacant.push_back(plan.slots++);
+      level.fresh = vacant.back();
+      vacant.pop_back();
+      bands.push_back({level.fresh, begin_m, marched_m});
+    }
+    for (std::size_t b = 0; b + 1 < bands.size();) {
+      const double near_m = marched_m - bands[b + 1].end_m, far_m = marched_m - bands[b].begin_m;
+      if (far_m > band_growth * near_m * (1 + 1e-9)) {
+        ++b;
+        continue;
+      }
+      level.merges.emplace_back(bands[b + 1].slot, bands[b].slot);
+      vacant.push_back(bands[b + 1].slot);
+      bands[b].end_m = bands[b + 1].end_m;
+      bands.erase(bands.begin() + static_cast<std::ptrdiff_t>(b) + 1);
+    }
+    const auto wanted = std::find(edges.begin(), edges.end(), upward ? k + 1 : k);
+    if (wanted != edges.end()) {
+      level.level = static_cast<int>(wanted - edges.begin());
+      for (const Carried& band : bands)
+        level.bookings.push_back({band.slot, marched_m - .5 * (band.begin_m + band.end_m)});
+    }
+    plan.steps.push_back(std::move(level));
+  }
+  return plan;
+}
+
+// Planes of sums: for each wanted interface one of what is not blurred and one for each width of blur that occurs
+// there. Widths are rounded to powers of 2 above the least that is seen.
+class SumPlanes {
+ public:
+  SumPlanes(const MarchPlan& plan, const BoxGrid& box, std::size_t levels, std::span<const SpreadClass> classes)
+      : least_m_(least_blur_m(box)),
+        widest_(number(std::max(box.nx * box.dx_m, box.ny * box.dy_m), least_m_)),
+        plane_(levels, std::vector<int>(static_cast<std::size_t>(widest_) + 1, -1)) {
+    for (std::size_t level = 0; level < levels; ++level) plane_[level][0] = add(static_cast<int>(level), 0);
+    for (const SpreadClass& alike : classes) {
+      for (const LevelPlan& step : plan.steps) {
+        for (const auto& booking : step.bookings) {
+          const int width = rounded(alike.spread, booking.distance_m);
+          int& plane = plane_[static_cast<std::size_t>(step.level)][static_cast<std::size_t>(width)];
+          if (plane < 0) plane = add(step.level, width);
+        }
+      }
+    }
+  }
+
+  std::size_t size() const { return level_.size(); }
+  int level(std::size_t plane) const { return level_[plane]; }
+  double width_m(std::size_t plane) const { return width_[plane] == 0 ? 0 : std::ldexp(least_m_, width_[plane] - 1); }
+  /// Of light in a direction of this spread.
+  int plane(int level, double spread, double distance_m) const {
+    return plane_[static_cast<std::size_t>(level)][static_cast<std::size_t>(rounded(spread, distance_m))];
+  }
+
+ private:
+  int add(int level, int width) {
+    level_.push_back(level);
+    width_.push_back(width);
+    return static_cast<int>(level_.size()) - 1;
+  }
+  // From 1 for the least width on; 0: below it.
+  static int number(double width_m, double least_m) {
+    if (!(width_m >= least_m)) return 0;
+    return 1 + static_cast<int>(std::lround(std::log2(width_m / least_m)));
+  }
+  int rounded(double spread, double distance_m) const {
+    return std::min(number(blur_per_spread * spread * distance_m, least_m_), widest_);
+  }
+
+  double least_m_;
+  int widest_;                           // as wide as the box: wider blurs are the same
+  std::vector<std::vector<int>> plane_;  // [level][rounded width]; -1: does not occur
+  std::vector<int> level_, width_;       // [planes]
+};
+
+// By the box alone, so that a level has the same bits whichever others are asked for.
+std::size_t groups_for(const BoxGrid& box) {
+  constexpr double usual_planes = 10;  // of a level
+  const double group = usual_planes * box.nz() * static_cast<double>(box.columns() * sizeof(float));
+  return std::clamp(static_cast<std::size_t>(most_sum_bytes / group), std::size_t{1}, most_groups);
+}
+
+// What one group of directions works with, and its sums.
+template <class Real>
+struct Workspace {
+  std::vector<std::vector<Real>> rays;  // [slots][columns + lane_padding]
+  std::vector<Real*> carried;           // slots whose light crosses a level
+  struct Entry {
+    const Real* rays;
+    Real* plane;
+  };
+  std::vector<Entry> entries;  // of what is booked at an interface
+  std::vector<Real> sent, ground;
+  LinearSource<Real> own;
+  std::vector<Real> sums;  // [planes][columns]
+
+  void prepare(int slots, std::size_t columns, std::size_t cells, std::size_t size) {
+    rays.assign(static_cast<std::size_t>(slots), std::vector<Real>(columns + lane_padding));
+    sent.resize(cells + lane_padding);
+    sums.assign(size, Real(0));
+  }
+};
+
+template <class Real>
+class LevelGather {
+ public:
+  LevelGather(const GatherScene<Real>& scene, bool upward, std::span<const int> edges)
+      : scene_(scene),
+        box_(scene.box),
+        rows_(scene.cells.rows),
+        upward_(upward),
+        columns_(scene.box.columns()),
+        levels_(edges.size()),
+        plan_(march_plan(scene.box, scene.cells.rows.level_cell, upward, edges)) {}
+
+  std::vector<float> flux(std::vector<GatherDirection> directions) {
+    const std::vector<SpreadClass> classes = spread_classes(directions);
+    const SumPlanes planes(plan_, box_, levels_, classes);
+    const std::size_t size = planes.size() * columns_;
+    const std::size_t groups = groups_for(box_);
+    std::vector<Workspace<Real>> work(groups);
+    SourceGradients<Real> gradients(scene_);
+    std::size_t prepared = 0;
+    for (const SpreadClass& alike : classes) {
+      if (alike.last > prepared) {
+        prepared = std::min(directions.size(), std::max(alike.last, alike.first + worth_a_gradient));
+        gradients.prepare({directions.data() + alike.first, prepared - alike.first});
+      }
+      ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 1)
+      for (std::size_t g = 0; g < groups; ++g) {
+        errors.run([&] {
+          if (alike.first == 0) work[g].prepare(plan_.slots, columns_, rows_.largest_level(), size);
+          for (std::size_t q = alike.first + g; q < alike.last; q += groups)
+            march(directions[q], q, alike.spread, planes, gradients, work[g]);
+        });
+      }
+      errors.rethrow();
+    }
+    return blurred(planes, work);
+  }
+
+ private:
+  std::vector<float> blurred(const SumPlanes& planes, std::vector<Workspace<Real>>& work) const {
+    ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      errors.run([&] {
+        const auto begin = work[0].sums.begin() + static_cast<std::ptrdiff_t>(p * columns_);
+        std::vector<Real> sum(begin, begin + static_cast<std::ptrdiff_t>(columns_));
+        for (std::size_t g = 1; g < work.size(); ++g) {
+          const Real* __restrict const more = work[g].sums.data() + p * columns_;
+          for (std::size_t c = 0; c < columns_; ++c) sum[c] += more[c];
+        }
+        blur_plane(sum, box_, planes.width_m(p));
+        std::copy(sum.begin(), sum.end(), begin);
+      });
+    }
+    errors.rethrow();
+    std::vector<float> flux(levels_ * columns_, 0.F);
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      const Real* __restrict const sum = work[0].sums.data() + p * columns_;
+      float* __restrict const to = flux.data() + static_cast<std::size_t>(planes.level(p)) * columns_;
+      for (std::size_t c = 0; c < columns_; ++c) to[c] += static_cast<float>(sum[c]);
+    }
+    return flux;
+  }
+
+  // Rays of one direction through all levels up to the last that is wanted.
+  void march(const GatherDirection& direction, std::size_t place, double spread, const SumPlanes& planes,
+             const SourceGradients<Real>& gradients, Workspace<Real>& work) const {
+    const Direction& travel = direction.travel;
+    const LaunchPlace start = launch_place(place, true);
+    const int count = static_cast<int>(plan_.steps.size());
+    const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
+    const PathPattern pattern = make_path_pattern(box_, travel, start.x, start.y, false, range);
+    const SourceAlong<Real> source = scene_.source->along(travel, power(direction));
+    const CellView<Real> cells = gradients.along(travel, work.own);
+    const Real weight = static_cast<Real>(power(direction));
+    std::vector<double> side;
+    if (!box_.periodic && scene_.side_radiance) side = scene_.side_radiance(travel);
+    const bool lit_from_beyond = enter_box(travel, weight, work) || !side.empty();
+    for (int step = 0; step < count; ++step) {
+      const LevelPlan& plan = plan_.steps[step];
+      const int level = pattern.level(step);
+      work.carried.clear();
+      for (const int slot : plan.carried) {
+        if (slot != boundary_slot || lit_from_beyond) work.carried.push_back(work.rays[slot].data());
+      }
+      Real* fresh = nullptr;
+      if (plan.fresh >= 0) {
+        std::fill(work.rays[plan.fresh].begin(), work.rays[plan.fresh].end(), Real(0));
+        fresh = work.rays[plan.fresh].data();
+        const std::size_t first = rows_.level_cell[level];
+        source.fill(first, rows_.level_cell[level + 1] - first, work.sent.data());
+      }
+      const auto outside = [&](double at) {
+        if (side.empty()) return Real(0);
+        const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
+        return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]);
+      };
+      cross(pattern, step, cells, work.sent.data(), work.carried, fresh, work.rays[boundary_slot].data(), outside);
+      for (const auto& [from, into] : plan.merges) {
+        const Real* __restrict const more = work.rays[from].data();
+        Real* __restrict const sum = work.rays[into].data();
+        for (std::size_t m = 0; m < columns_; ++m) sum[m] += more[m];
+      }
+      if (plan.level < 0) continue;
+      work.entries.clear();
+      const auto plane_at = [&](int plane) { return work.sums.data() + static_cast<std::size_t>(plane) * columns_; };
+      if (lit_from_beyond) work.entries.push_back({work.rays[boundary_slot].data(), plane_at(plan.level)});
+      for (const auto& booking : plan.bookings) {
+        work.entries.push_back(
+            {work.rays[booking.slot].data(), plane_at(planes.plane(plan.level, spread, booking.distance_m))});
+      }
+      book(pattern, step, work.entries);
+    }
+  }
+
+  // Whether any light enters.
+  bool enter_box(const Direction& travel, Real weight, Workspace<Real>& work) const {
+    std::vector<Real>& rays = work.rays[boundary_slot];
+    if (upward_) {
+      const Real* const leaving = scene_.ground->along(travel, work.ground);
+      for (std::size_t c = 0; c < columns_; ++c) rays[c] = weight * leaving[c];
+    } else {
+      std::fill(rays.begin(), rays.end(), weight * static_cast<Real>(scene_.sky_radiance));
+    }
+    return std::any_of(rays.begin(), rays.end(), [](Real radiance) { return radiance != 0; });
+  }
+
+  // All rays cross one level: what they carry fades as exp(-t) = 1 - t phi1, what the cells send (docs/theory.md,
+  // "March along a ray") is added to `fresh`.
+  template <class Outside>
+  void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, const Real* sent,
+             std::span<Real* const> carried, Real* fresh, Real* from_beyond, const Outside& outside) const {
+    const int level = pattern.level(step);
+    const std::size_t first_cell = rows_.level_cell[level];
+    const double chord = pattern.chord_m[step];
+    const auto begin = [&](const Segment& segment) {
+      return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+        Real* __restrict const sum = fresh + ray;
+        const Real* __restrict const s = sent + (cell - first_cell);
+        const Real* __restrict const sigma = cells.extinction + cell;
+        const Real* __restrict const gx = cells.gradient[0] + cell;
+        const Real* __restrict const gy = cells.gradient[1] + cell;
+        const Real* __restrict const gz = cells.gradient[2] + cell;
+        std::array<Real, lanes> faded;
+        for_lanes<Real>(count, [&, sum, s, sigma, gx, gy, gz](int i, bool active) {
+          const Real t = std::min(sigma[i] * g.length, static_cast<Real>(largest_optical_path));
+          const auto phi = exponential_functions(t);
+          const Real entry = 1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i];
+          const Real exit = 1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i];
+          const Real seen = active ? t : Real(0);
+          faded[i] = seen * phi.phi1;
+          sum[i] += seen * (s[i] * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry) - phi.phi1 * sum[i]);
+        });
+        for (Real* const slot : carried) {
+          Real* __restrict const light = slot + ray;
+          for_lanes<Real>(count,
+                          [&, light](int i, bool active) { light[i] -= active ? faded[i] * light[i] : Real(0); });
+        }
+      };
+    };
+    const auto enter = [&](const Segment& segment, double at) {
+      if (box_.periodic) return;
+      for_rays_through_side(segment, box_.nx, box_.ny, [&](std::size_t ray) {
+        for (Real* const slot : carried) slot[ray] = 0;
+        if (fresh != nullptr) fresh[ray] = 0;
+        from_beyond[ray] = outside(at);
+      });
+    };
+    cross_level(pattern, step, level, rows_, begin, enter);
+  }
+
+  // Light counts for the column that its ray is in after the step.
+  void book(const PathPattern& pattern, int step, std::span<const typename Workspace<Real>::Entry> entries) const {
+    for_shifted_rows(pattern.shift_x(step + 1), pattern.shift_y(step + 1), box_.nx, box_.ny,
+                     [&](std::size_t column, std::size_t ray, int n) {
+                       for (const auto& entry : entries) {
+                         Real* __restrict const to = entry.plane + column;
+                         const Real* __restrict const from = entry.rays + ray;
+#pragma omp simd
+                         for (int i = 0; i < n; ++i) to[i] += from[i];
+                       }
+                     });
+  }
+
+  const GatherScene<Real>& scene_;
+  const BoxGrid& box_;
+  const ActiveRows& rows_;
+  bool upward_;
+  std::size_t columns_;
+  std::size_t levels_;
+  MarchPlan plan_;
+};
+
+}  // namespace
+
+std::size_t level_gather_bytes(const BoxGrid& box, std::span<const int> edges, int directions) {
+  if (edges.empty()) return 0;
+  std::vector<std::uint32_t> level_cell(static_cast<std::size_t>(box.nz()) + 1);  // none is empty
+  std::iota(level_cell.begin(), level_cell.end(), 0U);
+  auto set = gather_directions(directions, true, std::nullopt);
+  const SumPlanes planes(march_plan(box, level_cell, true, edges), box, edges.size(), spread_classes(set));
+  const std::size_t bytes = planes.size() * box.columns() * sizeof(float);
+  return bytes * groups_for(box) + edges.size() * box.columns() * sizeof(float);
+}
+
+template <class Real>
+std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
+                                       const std::vector<GatherDirection>& directions) {
+  return LevelGather<Real>(scene, upward, edges).flux(directions);
+}
+
+template std::vector<float> gather_level_fluxes<float>(const GatherScene<float>&, std::span<const int>, bool,
+                                                       const std::vector<GatherDirection>&);
+template std::vector<float> gather_level_fluxes<double>(const GatherScene<double>&, std::span<const int>, bool,
+                                                        const std::vector<GatherDirection>&);
+
+}  // namespace cloudbow

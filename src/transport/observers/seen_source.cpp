@@ -1,0 +1,153 @@
+#include "transport/observers/seen_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/radiance_march.hpp"
+
+namespace cloudbow {
+
+template <class Real>
+std::vector<SeenBeam<Real>> seen_beams(const Problem& problem, const Discretisation& discretisation,
+                                       const SolverOptions& options, const TransportSystem<Real>& system) {
+  std::vector<SeenBeam<Real>> beams;
+  if (!problem.sun) return beams;
+  // What the iteration's beam has beyond unscattered light went through the peak.
+  const DirectBeam<Real> unscattered =
+      beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
+  std::vector<float> place(system.beam_irradiance.size());
+  for (std::size_t c = 0; c < place.size(); ++c) {
+    const double carried = static_cast<double>(system.beam_irradiance[c]);
+    const double never = static_cast<double>(unscattered.irradiance[c]);
+    place[c] =
+        static_cast<float>(BeamPhase::place(carried > 0 ? std::log(carried / std::max(never, 1e-30 * carried)) : 0));
+  }
+  for (std::size_t p = 0; p < problem.phase.size(); ++p) {
+    std::vector<SingleScattering<Real>> first;
+    add_single_scattering<Real>(first, problem.phase[p], problem.grid.scattering[p], 1., system.cells->extinction,
+                                system.beam_irradiance);
+    if (!first.empty())
+      beams.push_back({BeamPhase(problem.phase[p], discretisation.beam[p]), std::move(first.front().intensity), place});
+  }
+  return beams;
+}
+
+namespace {
+
+// Source towards directions from radiance at the ordinates, by one phase function each, whose mean over the sphere
+// is 1.
+template <class Real>
+AngularField<Real> scattered_by(const std::vector<PhaseFunction>& phase, const std::vector<double>& share,
+                                const OrdinateSet& ordinates, const Cells<Real>& cells,
+                                const AngularField<Real>& radiance, std::span<const Direction> travel) {
+  std::vector<DenseMatrix<Real>> towards;
+  for (std::size_t p = 0; p < phase.size(); ++p) {
+    DenseMatrix<Real>& matrix = towards.emplace_back(travel.size(), ordinates.size());
+    for (std::size_t i = 0; i < travel.size(); ++i) {
+      for (int d = 0; d < ordinates.size(); ++d) {
+        matrix(static_cast<Eigen::Index>(i), d) = static_cast<Real>(
+            share[p] * phase[p](travel[i].dot(ordinates.direction[d])) * ordinates.weight[d] / (4 * std::numbers::pi));
+      }
+    }
+  }
+  return scatter_towards<Real>(radiance, towards, cells);
+}
+
+// A line along the horizon never ends; the radiance just above or below it stands for it.
+Direction off_the_horizon(const Direction& travel) {
+  constexpr double least = .02;
+  if (std::abs(travel.z()) >= least) return travel;
+  const double stretch = std::sqrt((1 - least * least) / (1 - travel.z() * travel.z()));
+  return {stretch * travel.x(), stretch * travel.y(), travel.z() < 0 ? -least : least};
+}
+
+}  // namespace
+
+template <class Real>
+AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisation& discretisation,
+                                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+                                      const Surroundings* surroundings, std::span<const Direction> travel) {
+  const OrdinateSet& ordinates = discretisation.ordinates;
+  const Cells<Real>& cells = *system.cells;
+  const std::size_t phases = problem.phase.size();
+  std::vector<PhaseFunction> truncated, resolved;
+  std::vector<double> whole(phases, 1.), share;
+  for (std::size_t p = 0; p < phases; ++p) {
+    truncated.push_back(discretisation.diffuse[p].truncated);
+    resolved.push_back(discretisation.gather[p].truncated);
+    share.push_back((1 - discretisation.gather[p].forward_fraction) / (1 - discretisation.diffuse[p].forward_fraction));
+  }
+  // The radiance along the directions, as the iteration has it: from the source that transport sees.
+  AngularField<Real> radiance = scattered_by(truncated, whole, ordinates, cells, solved.radiance, travel);
+  std::vector<SingleScattering<Real>> first_order;
+  for (std::size_t p = 0; p < phases && problem.sun; ++p) {
+    const DeltaM& beam = discretisation.beam[p];
+    add_single_scattering<Real>(first_order, beam.truncated, problem.grid.scattering[p], 1 - beam.forward_fraction,
+                                cells.extinction, system.beam_irradiance);
+  }
+  const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
+  ParallelErrors errors;
+#pragma omp parallel
+  {
+    RadianceMarch<Real> march;
+    std::vector<Real> sent;
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t i = 0; i < travel.size(); ++i) {
+      errors.run([&] {
+        Real* const row = radiance.row(static_cast<int>(i));
+        sent.assign(row, row + cells.size());
+        for (const SingleScattering<Real>& beam : first_order) {
+          const Real phase = static_cast<Real>(beam.phase(travel[i].dot(problem.sun->travel)));
+          for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += phase * beam.intensity[c];
+        }
+        const auto along = march.mean_radiance(problem, system, ground, surroundings, off_the_horizon(travel[i]), sent);
+        std::copy(along.begin(), along.end(), row);
+      });
+    }
+  }
+  errors.rethrow();
+
+  AngularField<Real> source = scattered_by(resolved, share, ordinates, cells, solved.radiance, travel);
+  for (std::size_t i = 0; i < travel.size(); ++i) {
+    for (std::size_t p = 0; p < phases; ++p) {
+      double quadrature = 0;
+      for (int d = 0; d < ordinates.size(); ++d)
+        quadrature += ordinates.weight[d] * resolved[p](travel[i].dot(ordinates.direction[d])) / (4 * std::numbers::pi);
+      const Real forward = static_cast<Real>(1 - share[p] * quadrature);
+      const Real* __restrict const scattered = cells.scattered[p].data();
+      const Real* __restrict const along = radiance.row(static_cast<int>(i));
+      Real* __restrict const to = source.row(static_cast<int>(i));
+      for (std::size_t c = 0; c < cells.size(); ++c) to[c] += forward * scattered[c] * along[c];
+    }
+    Real* const row = source.row(static_cast<int>(i));
+    std::transform(row, row + cells.size(), row, [](Real s) { return not_negative(s); });
+  }
+  return source;
+}
+
+template <class Real>
+void add_first_order(const SeenBeam<Real>& beam, double cos_angle, std::span<Real> source) {
+  const std::vector<double> value = beam.phase.at(cos_angle);
+  for (std::size_t c = 0; c < source.size(); ++c) {
+    const int node = std::min(static_cast<int>(beam.place[c]), BeamPhase::nodes - 2);
+    const double share = static_cast<double>(beam.place[c]) - node;
+    source[c] += static_cast<Real>((1 - share) * value[node] + share * value[node + 1]) * beam.intensity[c];
+  }
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
+  template std::vector<SeenBeam<Real>> seen_beams<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
+                                                        const TransportSystem<Real>&);                               \
+  template AngularField<Real> higher_orders_seen<Real>(const Problem&, const Discretisation&,                        \
+                                                       const TransportSystem<Real>&, const IterationResult<Real>&,   \
+                                                       const Surroundings*, std::span<const Direction>);             \
+  template void add_first_order<Real>(const SeenBeam<Real>&, double, std::span<Real>)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

@@ -1,0 +1,46 @@
+// The source towards the directions that are looked along: light scattered once by the phase function itself, higher
+// orders straight from the radiance at the ordinates (docs/theory.md, "Radiance").
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "cloudbow/optics/beam_phase.hpp"
+#include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/surroundings.hpp"
+#include "transport/system/transport_system.hpp"
+
+namespace cloudbow {
+
+/// The direct beam as it is seen: how much one phase function scatters, and through how much of its peak the light
+/// went.
+template <class Real>
+struct SeenBeam {
+  BeamPhase phase;
+  std::vector<Real> intensity;  ///< [n] as SingleScattering's
+  std::vector<float> place;     ///< [n] BeamPhase::place of the peak's optical depth
+};
+
+/// Of a problem without sun: empty.
+template <class Real>
+std::vector<SeenBeam<Real>> seen_beams(const Problem& problem, const Discretisation& discretisation,
+                                       const SolverOptions& options, const TransportSystem<Real>& system);
+
+/// Orders of scattering >= 2: one row for each direction of travel.
+///
+/// The radiance I_d at the ordinates scatters by the phase function itself, not by its truncated form, which at the
+/// angles where little light goes is far off. The forward peak, too narrow for the ordinates, is taken out: with I_v
+/// the radiance along the direction itself (marched once) and f what transport counts as unscattered,
+///     S = w/(4 pi) (sum_d w_d P(v . d) (I_d - I_v) + 4 pi (1 - f) I_v) / (1 - w f).
+/// @param solved whose radiance is that at the ordinates, orders of scattering >= 1.
+/// @param surroundings what open sides show; may be null.
+template <class Real>
+AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisation& discretisation,
+                                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+                                      const Surroundings* surroundings, std::span<const Direction> travel);
+
+/// Adds the first order of scattering into one direction.
+template <class Real>
+void add_first_order(const SeenBeam<Real>& beam, double cos_angle, std::span<Real> source);
+
+}  // namespace cloudbow

@@ -1,0 +1,43 @@
+#include "transport/observers/surroundings.hpp"
+
+#include "transport/iteration/source_iteration.hpp"
+#include "transport/rays/march.hpp"
+
+namespace cloudbow {
+
+Surroundings::Surroundings(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options)
+    : problem_{layers_only(problem.grid), problem.phase, problem.sun, problem.sky_radiance, {}} {
+  SolverOptions column = options;
+  column.independent_columns = false;
+  system_ = make_system<double>(problem_, discretisation, column);
+  IterationResult<double> solved =
+      iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
+  std::optional<DirectBeam<double>> beam;
+  if (problem_.sun) beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), column);
+  source_.emplace(scattered_source(discretisation, system_, std::move(solved.radiance)));
+  beside_peak_ = source_;
+  set_first_order(problem_, discretisation, system_, beam ? &*beam : nullptr, *source_);
+  set_first_order_beside_peak(problem_, discretisation, system_, *beside_peak_);
+}
+
+std::vector<double> Surroundings::radiance(const Direction& travel) const { return march_in(*source_, travel); }
+
+std::vector<double> Surroundings::radiance_beside_peak(const Direction& travel) const {
+  return march_in(*beside_peak_, travel);
+}
+
+std::vector<double> Surroundings::march_in(const DirectionalSource<double>& from, const Direction& travel) const {
+  const PathPattern pattern = make_path_pattern(system_.box, travel, .5, .5, true, {0, system_.box.nz()});
+  std::vector<double> at_edge(system_.box.nz() + 1, 0.);
+  LinearSource<double> source;
+  source.resize(system_.cells->size());
+  from.query(travel, source.value.data());
+  source.make_gradient(*system_.cells);
+  std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
+  march<double, false>(
+      pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), nullptr,
+      [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
+  return at_edge;
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,29 @@
+// What an open side shows: the layers by themselves over a black surface, solved as one column.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "transport/system/transport_system.hpp"
+
+namespace cloudbow {
+
+class Surroundings {
+ public:
+  Surroundings(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options);
+
+  /// Diffuse radiance along a direction at each interface, by height.
+  std::vector<double> radiance(const Direction& travel) const;
+  /// The same without what the direct beam of the iteration carries (set_first_order_beside_peak).
+  std::vector<double> radiance_beside_peak(const Direction& travel) const;
+
+ private:
+  std::vector<double> march_in(const DirectionalSource<double>& from, const Direction& travel) const;
+
+  Problem problem_;
+  TransportSystem<double> system_;
+  std::optional<DirectionalSource<double>> source_;
+  std::optional<DirectionalSource<double>> beside_peak_;
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,112 @@
+#include "transport/observers/view.hpp"
+
+#include <cmath>
+
+#include "cloudbow/core/not_negative.hpp"
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/observers/backward_march.hpp"
+#include "transport/observers/sight_line.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Means over pixels of a grid of the view's own, each line of sight through the cells exactly.
+template <class Real>
+void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* source, int rays,
+                 std::vector<float>& radiance) {
+  const BoxGrid& box = scene.box;
+  radiance.resize(static_cast<std::size_t>(view.width) * view.height);
+  const double across = (scene.x_max_m - box.x_min_m) / view.width;
+  const double along = (scene.y_max_m - box.y_min_m) / view.height;
+  const double plane = view.travel.z() > 0 ? box.z_edge_m.back() : box.z_edge_m.front();
+  ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (int row = 0; row < view.height; ++row) {
+    errors.run([&] {
+      for (int column = 0; column < view.width; ++column) {
+        double sum = 0;
+        for (int r = 0; r < rays * rays; ++r) {
+          const Eigen::Vector3d eye(box.x_min_m + (column + (r % rays + .5) / rays) * across,
+                                    box.y_min_m + (row + (r / rays + .5) / rays) * along, plane);
+          sum += seen_along<Real>(scene, eye, -view.travel,
+                                  [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
+        }
+        radiance[static_cast<std::size_t>(row) * view.width + column] =
+            static_cast<float>(not_negative(sum / (rays * rays)));
+      }
+    });
+  }
+  errors.rethrow();
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
+                                          const TransportSystem<Real>& system, const AngularField<Real>& source,
+                                          const GroundRadiance<Real>& ground, const SideRadiance& side) {
+  const BoxGrid& box = system.box;
+  const GatherScene<Real> scene{box, *system.cells, nullptr, side, problem.sky_radiance, &ground};
+  const LevelRange levels{0, box.nz()};
+  const std::vector<Band> all{{0, box.nz(), 0., false}};
+  const bool one_column = box.periodic && box.columns() == 1;
+  const int rays = one_column ? 1 : static_cast<int>(std::lround(std::sqrt(options.beam_rays)));  // an axis
+
+  std::vector<RadianceImage> images;
+  for (std::size_t v = 0; v < options.views.size(); ++v) {
+    const View& view = options.views[v];
+    const Real* const row = source.row(static_cast<int>(v));
+    SourceAlong<Real> along{};
+    along.first_order.push_back({Real(1), row});
+    LinearSource<Real> linear;
+    linear.resize(system.cells->size());
+    std::copy_n(row, system.cells->size(), linear.value.begin());
+    linear.make_gradient(*system.cells);
+    if (view.width > 0) {
+      const SightScene<Real> exact(box, *system.cells,
+                                   {linear.gradient[0].data(), linear.gradient[1].data(), linear.gradient[2].data()},
+                                   ground, problem.sky_radiance, side);
+      images.push_back({view, {}});
+      fill_pixels(exact, view, row, rays, images.back().radiance);
+      continue;
+    }
+    std::vector<std::vector<double>> of_ray(static_cast<std::size_t>(rays) * rays);
+    ParallelErrors errors;
+#pragma omp parallel
+    {
+      GatherWorkspace<Real> work;
+      Gathered<Real> seen;
+#pragma omp for schedule(dynamic, 1)
+      for (int r = 0; r < rays * rays; ++r) {
+        errors.run([&] {
+          const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays,
+                                                        (r / rays + .5) / rays, system.vertical, levels);
+          seen.clear(all.size(), box.columns());
+          march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
+          of_ray[r].resize(box.columns());
+          for (std::size_t c = 0; c < box.columns(); ++c)
+            of_ray[r][c] = static_cast<double>(seen.of_band[0][c]) + static_cast<double>(seen.beyond[c]);
+        });
+      }
+    }
+    errors.rethrow();
+    RadianceImage image{view, std::vector<float>(box.columns())};
+    for (std::size_t c = 0; c < box.columns(); ++c) {
+      double sum = 0;
+      for (const auto& radiance : of_ray) sum += radiance[c];
+      image.radiance[c] = static_cast<float>(not_negative(sum / static_cast<double>(of_ray.size())));
+    }
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
+  template std::vector<RadianceImage> view_radiances<Real>(const Problem&, const SolverOptions&,                    \
+                                                           const TransportSystem<Real>&, const AngularField<Real>&, \
+                                                           const GroundRadiance<Real>&, const SideRadiance&)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

@@ -1,0 +1,19 @@
+// Radiance along parallel lines of sight: what an instrument far above (or below) the scene sees.
+#pragma once
+
+#include "cloudbow/transport/solution.hpp"
+#include "transport/observers/gather.hpp"
+#include "transport/system/transport_system.hpp"
+
+namespace cloudbow {
+
+/// Images of options.views, in their order. The formal solution along each line of sight (docs/theory.md, "Radiance").
+/// @param source along the views' directions, in its first rows.
+/// @param ground as instruments see it.
+/// @param side what open sides show; may be empty.
+template <class Real>
+std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
+                                          const TransportSystem<Real>& system, const AngularField<Real>& source,
+                                          const GroundRadiance<Real>& ground, const SideRadiance& side);
+
+}  // namespace cloudbow

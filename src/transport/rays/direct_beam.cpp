@@ -1,0 +1,161 @@
+#include "transport/rays/direct_beam.hpp"
+
+#include <cmath>
+
+#include "cloudbow/core/parallel_errors.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Rays are shared out over this many accumulators whatever the number of threads, so that sums have one order.
+constexpr int groups = 4;
+
+// (1 - e^-t)/t: mean over the path of what enters as 1. Below one half (1 - e)/t loses digits in float; the series to
+// t^7 does not.
+template <class Real>
+[[gnu::always_inline]] inline Real mean_transmission(Real t) {
+  Real series = Real(1) - t * Real(1. / 8);
+  for (int k = 7; k >= 2; --k) series = Real(1) - t * series * (Real(1) / static_cast<Real>(k));
+  const Real thick = (Real(1) - transmission(t)) / (t + std::numeric_limits<Real>::min());
+  return t < Real(.5) ? series : thick;
+}
+
+template <class Real>
+struct Accumulator {
+  std::vector<Real> irradiance;
+  std::vector<double> level_flux;
+  double gain = 0;
+  double loss = 0;
+};
+
+}  // namespace
+
+template <class Real>
+DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::span<const Real> extinction,
+                             std::span<const double> layer_extinction, const Sun& sun, const BeamOptions& options) {
+  const double mu0 = -sun.travel.z();
+  const int across = static_cast<int>(std::lround(std::sqrt(options.rays)));
+  const bool still_x = options.vertical || (box.periodic && box.nx == 1);
+  const bool still_y = options.vertical || (box.periodic && box.ny == 1);
+  const int rays_x = still_x ? 1 : across;
+  const int rays_y = still_y ? 1 : across;
+  const int rays = rays_x * rays_y;
+  const double width = 1. / across;
+  const Real irradiance_of_ray = static_cast<Real>(sun.irradiance / rays);
+  const std::size_t columns = box.columns();
+
+  // Optical path from the top down to each interface, in marching order, of the layers alone.
+  std::vector<double> layer_path(box.nz() + 1, 0.);
+  for (int step = 0; step < box.nz(); ++step) {
+    const int k = box.nz() - 1 - step;
+    layer_path[step + 1] = layer_path[step] + layer_extinction[k] * box.thickness_m(k) / mu0;
+  }
+
+  std::vector<Real> padded(extinction.begin(), extinction.end());
+  padded.resize(extinction.size() + lane_padding);
+  std::vector<Accumulator<Real>> sums(std::min(groups, rays));
+  ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t g = 0; g < sums.size(); ++g) {
+    errors.run([&] {
+      Accumulator<Real>& sum = sums[g];
+      sum.irradiance.assign(options.irradiance ? rows.size() + lane_padding : 0, Real(0));
+      sum.level_flux.assign(columns * (box.nz() + 1), 0.);
+      // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
+      std::vector<Real> path(columns + lane_padding);
+      std::vector<Real> light(columns);
+      for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
+        // The nudge keeps rays off the faces when the sun stands on an axis.
+        const PathPattern pattern =
+            make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
+                              options.vertical, {0, box.nz()});
+        std::fill(path.begin(), path.end(), Real(0));
+        double landed = 0;  // at the interface recorded last
+        const auto record = [&](int step) {
+          landed = 0;
+          double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
+          spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
+                            [&](std::size_t column, std::size_t from, int n, double weight) {
+                              double* __restrict const to = flux + column;
+                              const double share = mu0 * sun.irradiance / rays * weight;
+                              for (int i = 0; i < n; ++i) to[i] += share * static_cast<double>(light[from + i]);
+                              if (box.periodic) return;
+                              for (int i = 0; i < n; ++i) landed += weight * static_cast<double>(light[from + i]);
+                            });
+        };
+        std::fill(light.begin(), light.end(), Real(1));
+        record(0);
+        for (int step = 0; step < box.nz(); ++step) {
+          const int level = pattern.level(step);
+          const Real chord = static_cast<Real>(pattern.chord_m[step]);
+          const auto light_up = [&](const Segment& segment) {
+            const Real length = chord * static_cast<Real>(segment.fraction);
+            const Real share = static_cast<Real>(segment.fraction) * irradiance_of_ray;
+            return [&, length, share](std::size_t m, std::size_t cell, int count) {
+              Real* __restrict const before = path.data() + m;
+              const Real* __restrict const sigma = padded.data() + cell;
+              Real* __restrict const mean = sum.irradiance.data() + cell;
+              for_lanes<Real>(count, [=](int i, bool active) {
+                const Real t = active ? sigma[i] * length : Real(0);
+                const Real entering = active ? share : Real(0);
+                mean[i] += entering * mean_transmission(t) * transmission(before[i]);
+                before[i] += t;
+              });
+            };
+          };
+          const auto dim = [&](const Segment& segment) {
+            return [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell,
+                                                                             int count) {
+              Real* __restrict const before = path.data() + m;
+              const Real* __restrict const sigma = padded.data() + cell;
+              for_lanes<Real>(count, [=](int i, bool active) { before[i] += active ? sigma[i] * length : Real(0); });
+            };
+          };
+          const auto enter = [&](const Segment& segment, double at) {
+            if (box.periodic) return;
+            const Real outside = static_cast<Real>((1 - at) * layer_path[step] + at * layer_path[step + 1]);
+            for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
+              sum.loss += static_cast<double>(transmission(path[m]));
+              sum.gain += static_cast<double>(transmission(outside));
+              path[m] = outside;
+            });
+          };
+          if (options.irradiance) {
+            cross_level(pattern, step, level, rows, light_up, enter);
+          } else {
+            cross_level(pattern, step, level, rows, dim, enter);
+          }
+          if (!box.periodic || rows.level_cell[level] < rows.level_cell[level + 1]) {
+            for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);
+          }
+          record(step + 1);
+        }
+        if (!box.periodic) {  // rays that stand across a side let in and out what lands beyond what they carry
+          for (const Real rest : light) landed -= static_cast<double>(rest);
+          (landed > 0 ? sum.gain : sum.loss) += std::abs(landed);
+        }
+      }
+    });
+  }
+  errors.rethrow();
+
+  DirectBeam<Real> result;
+  result.irradiance.assign(options.irradiance ? rows.size() : 0, Real(0));
+  result.level_flux.assign(columns * (box.nz() + 1), 0.);
+  for (const auto& sum : sums) {
+    for (std::size_t c = 0; c < result.irradiance.size(); ++c) result.irradiance[c] += sum.irradiance[c];
+    for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sum.level_flux[c];
+  }
+  for (const auto& sum : sums) {
+    result.side_gain += sum.gain * mu0 * sun.irradiance / rays / static_cast<double>(columns);
+    result.side_loss += sum.loss * mu0 * sun.irradiance / rays / static_cast<double>(columns);
+  }
+  return result;
+}
+
+template DirectBeam<float> direct_beam<float>(const BoxGrid&, const ActiveRows&, std::span<const float>,
+                                              std::span<const double>, const Sun&, const BeamOptions&);
+template DirectBeam<double> direct_beam<double>(const BoxGrid&, const ActiveRows&, std::span<const double>,
+                                                std::span<const double>, const Sun&, const BeamOptions&);
+
+}  // namespace cloudbow

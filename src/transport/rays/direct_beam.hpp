@@ -1,0 +1,33 @@
+// The direct beam: sunlight that has not scattered, marched along the sun's direction with several rays a column and no
+// source.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "cloudbow/transport/solution.hpp"
+#include "transport/rays/march.hpp"
+
+namespace cloudbow {
+
+template <class Real>
+struct DirectBeam {
+  std::vector<Real> irradiance;    ///< [n] voxel-mean irradiance on a surface facing the sun, W m-2; empty: not asked
+  std::vector<double> level_flux;  ///< [nz+1][ny*nx] through a horizontal surface, mean over the column, W m-2
+  double side_gain = 0;            ///< power through the sunlit open sides per area of the top, W m-2
+  double side_loss = 0;
+};
+
+struct BeamOptions {
+  int rays = 16;           ///< a column, a square number
+  bool vertical = false;   ///< independent columns: the beam stays in its column
+  bool irradiance = true;  ///< else level fluxes alone, which cost a fraction
+};
+
+/// @param extinction [n] 1/m of the active cells; @param layer_extinction [nz] of the layers alone, which light coming
+/// in through open sides has crossed. Exact (Beer-Lambert) along each ray. The same bits for any number of threads.
+template <class Real>
+DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::span<const Real> extinction,
+                             std::span<const double> layer_extinction, const Sun& sun, const BeamOptions& options);
+
+}  // namespace cloudbow

@@ -1,0 +1,331 @@
+// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). A ray is known by its
+// launch column; in a segment of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo the box.
+// Rays never move in memory.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "transport/grid/cells.hpp"
+#include "transport/rays/exponential_functions.hpp"
+#include "transport/rays/path_pattern.hpp"
+
+namespace cloudbow {
+
+inline int wrapped(int i, int n) {
+  const int r = i % n;
+  return r < 0 ? r + n : r;
+}
+
+/// Calls `cross(ray, cell, n)` for the rays of the row of nx rays from index `row` that lie in the chunk when the row
+/// is shifted by `shift` columns, in one run or, at the seam, two.
+template <class Cross>
+[[gnu::always_inline]] inline void cross_run(std::size_t row, const Chunk& chunk, int shift, int nx,
+                                             const Cross& cross) {
+  int m = chunk.column - shift;
+  if (m < 0) m += nx;
+  const int before_seam = nx - m;
+  if (chunk.n <= before_seam) {
+    cross(row + m, chunk.cell, chunk.n);
+  } else {
+    cross(row + m, chunk.cell, before_seam);
+    cross(row, chunk.cell + before_seam, chunk.n - before_seam);
+  }
+}
+
+/// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` that lie in n cells from index
+/// `cell`, segment by segment of the level that `step` of the pattern crosses, where cross = begin(segment); and
+/// `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
+template <class Begin, class Enter>
+inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Begin& begin,
+                        const Enter& enter) {
+  const std::span<const Chunk> chunks = rows.levels.of(level);
+  const int nx = rows.nx;
+  const int ny = rows.ny;
+  double at = 0;
+  for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+    const Segment& segment = pattern.segments[s];
+    if (segment.entry != Entry::none) enter(segment, at);
+    at += segment.fraction;
+    if (segment.fraction <= 0 || chunks.empty()) continue;
+    const int ox = wrapped(segment.shift_x, nx);
+    const int oy = wrapped(segment.shift_y, ny);
+    const auto cross = begin(segment);
+    for (const Chunk& chunk : chunks) {
+      int r = chunk.row - oy;
+      if (r < 0) r += ny;
+      cross_run(static_cast<std::size_t>(r) * nx, chunk, ox, nx, cross);
+    }
+  }
+}
+
+/// Calls `visit(ray)` for the rays that just entered the box through the open side at the beginning of `segment`.
+template <class Visit>
+inline void for_rays_through_side(const Segment& segment, int nx, int ny, const Visit& visit) {
+  if (segment.entry == Entry::x_low || segment.entry == Entry::x_high) {
+    const int column = wrapped((segment.entry == Entry::x_low ? 0 : nx - 1) - segment.shift_x, nx);
+    for (int r = 0; r < ny; ++r) visit(static_cast<std::size_t>(r) * nx + column);
+  } else {
+    const int row = wrapped((segment.entry == Entry::y_low ? 0 : ny - 1) - segment.shift_y, ny);
+    for (int m = 0; m < nx; ++m) visit(static_cast<std::size_t>(row) * nx + m);
+  }
+}
+
+/// Calls `run(column, ray, n)` for the pieces of rows in which the rays of an nx x ny plane, shifted by (shift_x,
+/// shift_y) columns modulo the plane, lie in line with its columns.
+template <class Run>
+[[gnu::always_inline]] inline void for_shifted_rows(int shift_x, int shift_y, int nx, int ny, const Run& run) {
+  const int sx = wrapped(shift_x, nx);
+  const int sy = wrapped(shift_y, ny);
+  for (int r = 0; r < ny; ++r) {
+    const std::size_t ray = static_cast<std::size_t>(r) * nx;
+    const std::size_t column = static_cast<std::size_t>(r + sy < ny ? r + sy : r + sy - ny) * nx;
+    run(column + sx, ray, nx - sx);
+    if (sx > 0) run(column, ray + (nx - sx), sx);
+  }
+}
+
+/// The same for the rays in the columns that are (step_x, step_y) before each column, steps of -1 to 1, when rays are
+/// shifted by (shift_x, shift_y); at the sides of the plane, for the nearest there are.
+template <class Run>
+inline void for_neighbouring_rows(int shift_x, int shift_y, int step_x, int step_y, int nx, int ny, const Run& run) {
+  const auto ray_in = [&](int column, int shift, int n) { return wrapped(std::clamp(column, 0, n - 1) - shift, n); };
+  const int begin = std::max(0, step_x);
+  const int count = nx - std::abs(step_x);
+  for (int r = 0; r < ny; ++r) {
+    const std::size_t column = static_cast<std::size_t>(r) * nx;
+    const std::size_t ray = static_cast<std::size_t>(ray_in(r - step_y, shift_y, ny)) * nx;
+    const int first = ray_in(begin - step_x, shift_x, nx);
+    const int before_seam = std::min(count, nx - first);
+    if (before_seam > 0) run(column + begin, ray + first, before_seam);
+    if (before_seam < count) run(column + begin + before_seam, ray, count - before_seam);
+    if (step_x > 0) run(column, ray + ray_in(0, shift_x, nx), 1);
+    if (step_x < 0) run(column + nx - 1, ray + ray_in(nx - 1, shift_x, nx), 1);
+  }
+}
+
+/// Shares rays at fractional position (x, y) columns from their launch column out to the columns they overlap: each ray
+/// is as wide as `width` <= 1 columns. `run(column, ray, n, weight)` is called for pieces of rows of an nx x ny plane.
+/// Every column is overlapped in full: what a ray holds out over an open side is lost, and where a column at a side
+/// lacks a neighbour its nearest ray stands for that.
+template <class Run>
+inline void spread_on_columns(double x, double y, double width, int nx, int ny, bool periodic, const Run& run) {
+  struct Overlaps {
+    int own;                      // column of the ray's middle
+    int first;                    // column of the first overlap
+    std::array<double, 2> share;  // of it and of the next
+  };
+  const auto overlaps = [&](double position, int n) -> Overlaps {
+    if (n == 1 && periodic) return {0, 0, {1., 0.}};
+    const double low = position - width / 2;
+    const int first = static_cast<int>(std::floor(low));
+    const double share = std::min(1., (first + 1 - low) / width);
+    return {static_cast<int>(std::floor(position)), first, {share, 1 - share}};
+  };
+  const Overlaps along_x = overlaps(x, nx);
+  const Overlaps along_y = overlaps(y, ny);
+  constexpr double least = 1e-9;  // smaller overlaps are rounding
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      if (along_x.share[i] < least || along_y.share[j] < least) continue;
+      const double weight = along_x.share[i] * along_y.share[j];
+      const auto weighted = [&](std::size_t column, std::size_t ray, int n) { run(column, ray, n, weight); };
+      if (periodic) {
+        for_shifted_rows(along_x.first + i, along_y.first + j, nx, ny, weighted);
+      } else {
+        for_neighbouring_rows(along_x.own, along_y.own, along_x.first + i - along_x.own,
+                              along_y.first + j - along_y.own, nx, ny, weighted);
+      }
+    }
+  }
+}
+
+/// Relative change of a source from face to face of the cells [first, first + n), along x, y and z: central
+/// differences, limited so that the linear source stays positive in every cell.
+template <class Real>
+void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* gradient_x,
+                     Real* gradient_y, Real* gradient_z);
+
+/// Sum in one order, whatever the compiler makes of it.
+template <class Real>
+inline double plane_sum(const Real* values, std::size_t n) {
+  constexpr std::size_t parts = 8;
+  double part[parts] = {};
+  std::size_t i = 0;
+  for (; i + parts <= n; i += parts) {
+    for (std::size_t p = 0; p < parts; ++p) part[p] += static_cast<double>(values[i + p]);
+  }
+  for (; i < n; ++i) part[0] += static_cast<double>(values[i]);
+  double total = 0;
+  for (const double p : part) total += p;
+  return total;
+}
+
+/// Source of all cells along one direction, with its own gradient.
+template <class Real>
+struct LinearSource {
+  std::vector<Real> value;                    ///< [n + lane_padding]
+  std::array<std::vector<Real>, 3> gradient;  ///< [n + lane_padding] relative, along x, y, z
+
+  void resize(std::size_t n) {
+    value.resize(n + lane_padding);
+    for (auto& axis : gradient) axis.resize(n + lane_padding);
+  }
+  void make_gradient(const Cells<Real>& cells) {
+    source_gradient(cells, 0, cells.size(), value.data(), gradient[0].data(), gradient[1].data(), gradient[2].data());
+  }
+  CellView<Real> view(const Cells<Real>& cells) const {
+    return {cells.extinction.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+  }
+};
+
+/// A segment in the precision of the kernel: its length, its share of the level's chord, and where in the cell it
+/// begins and ends.
+template <class Real>
+struct SegmentGeometry {
+  Real length, share;
+  Real from_x, from_y, from_z;
+  Real to_x, to_y, to_z;
+
+  SegmentGeometry(const Segment& segment, double chord)
+      : length(static_cast<Real>(chord * segment.fraction)),
+        share(static_cast<Real>(segment.fraction)),
+        from_x(static_cast<Real>(segment.from[0])),
+        from_y(static_cast<Real>(segment.from[1])),
+        from_z(static_cast<Real>(segment.from[2])),
+        to_x(static_cast<Real>(segment.to[0])),
+        to_y(static_cast<Real>(segment.to[1])),
+        to_z(static_cast<Real>(segment.to[2])) {}
+};
+
+/// Calls `use(i, active)` for i = 0 .. count - 1 <= lanes with active = true, and in float beyond that, to the end of a
+/// vector of lanes, with active = false: runs of a few cells then cost a vector operation, not a scalar loop. What
+/// `use` writes where it is not active must be what was there. In double, whose kernels are not vectorised, nothing is
+/// added.
+template <class Real, class Use>
+[[gnu::always_inline]] inline void for_lanes(int count, const Use& use) {
+  if constexpr (std::is_same_v<Real, float>) {
+#pragma omp simd
+    for (int i = 0; i < lanes; ++i) use(i, i < count);
+  } else {
+    for (int i = 0; i < count; ++i) use(i, true);
+  }
+}
+
+/// `count` <= lanes rays cross as many cells of linear source (S1 where they enter, S2 where they leave;
+/// docs/theory.md, "March along a ray"):
+///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
+///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
+/// In float all arrays can be read and written up to lane_padding elements beyond.
+/// @param linear false: the source is constant in the cell.
+template <class Real, bool keep_mean, bool linear>
+[[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
+                                               std::size_t cell, const Real* source, Real* ray, Real* mean) {
+  const auto cross = [&g](const auto& t, const auto& phi, const auto& s, const auto& x, const auto& y, const auto& z,
+                          const auto& in, [[maybe_unused]] auto& more, auto& out) {
+    if constexpr (linear) {
+      const auto entry = s * (1 + g.from_x * x + g.from_y * y + g.from_z * z);
+      const auto exit = s * (1 + g.to_x * x + g.to_y * y + g.to_z * z);
+      if constexpr (keep_mean) more = g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
+      out = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
+    } else {
+      if constexpr (keep_mean) more = g.share * (phi.phi1 * in + t * phi.phi2 * s);
+      out = in + t * phi.phi1 * (s - in);
+    }
+  };
+  if constexpr (std::is_same_v<Real, float>) {
+    const LaneMask active = first_lanes(count);
+    Lanes<float> t, s, in, x{}, y{}, z{}, more{}, out;
+    load_lanes(cells.extinction + cell, t);
+    load_lanes(source + cell, s);
+    load_lanes(ray, in);
+    if constexpr (linear) {
+      load_lanes(cells.gradient[0] + cell, x);
+      load_lanes(cells.gradient[1] + cell, y);
+      load_lanes(cells.gradient[2] + cell, z);
+    }
+    t *= g.length;
+    t = t < largest_optical_path ? t : largest_optical_path + Lanes<float>{};
+    cross(t, rational_exponential_functions(t), s, x, y, z, in, more, out);
+    if constexpr (keep_mean) {
+      Lanes<float> sum;
+      load_lanes(mean + cell, sum);
+      store_masked(active, sum + more, mean + cell);
+    }
+    store_masked(active, out, ray);
+  } else {
+    for (int i = 0; i < count; ++i) {
+      const Real t = std::min(cells.extinction[cell + i] * g.length, static_cast<Real>(largest_optical_path));
+      Real x = 0, y = 0, z = 0, more = 0, out = 0;
+      if constexpr (linear) {
+        x = cells.gradient[0][cell + i];
+        y = cells.gradient[1][cell + i];
+        z = cells.gradient[2][cell + i];
+      }
+      cross(t, exponential_functions(t), source[cell + i], x, y, z, ray[i], more, out);
+      if constexpr (keep_mean) mean[cell + i] += more;
+      ray[i] = out;
+    }
+  }
+}
+
+/// Asks in time for what a chunk some way on in a list will take: short runs of cells are no streams that the processor
+/// follows by itself.
+template <class Real>
+[[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
+                                           const Real* mean) {
+  const std::size_t cell = chunk->cell;
+  __builtin_prefetch(cells.extinction + cell);
+  __builtin_prefetch(source + cell);
+  for (const Real* gradient : cells.gradient) __builtin_prefetch(gradient + cell);
+  if (mean != nullptr) __builtin_prefetch(mean + cell, 1);
+}
+
+/// What one direction's march left behind.
+struct MarchTotals {
+  double entered_sides = 0;  ///< sum of radiances of the rays that came in through open sides
+  double left_sides = 0;
+};
+
+/// One direction through the levels of its pattern. `source` [n] is what the cells send, `rays` [nx*ny] hold the
+/// radiance at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called
+/// before the first level and after each.
+/// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
+/// none.
+/// @param linear false: without gradients of the source.
+/// @param mean [n] voxel-mean radiance is added to it if keep_mean.
+template <class Real, bool keep_mean, bool linear = true, class AtLevel>
+MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
+                  std::span<const Real> side_radiance, const Real* source, Real* rays, Real* mean,
+                  const AtLevel& at_level) {
+  MarchTotals totals;
+  at_level(0, rays);
+  for (int step = 0; step < pattern.levels(); ++step) {
+    const double chord = pattern.chord_m[step];
+    const auto begin = [&](const Segment& segment) {
+      return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+        cross_cells<Real, keep_mean, linear>(geometry, count, cells, cell, source, rays + ray, mean);
+      };
+    };
+    const auto enter = [&](const Segment& segment, double at) {
+      if (periodic) return;
+      const Real outside = side_radiance.empty()
+                               ? Real(0)
+                               : static_cast<Real>((1 - at) * side_radiance[step] + at * side_radiance[step + 1]);
+      for_rays_through_side(segment, rows.nx, rows.ny, [&](std::size_t ray) {
+        totals.left_sides += rays[ray];
+        totals.entered_sides += outside;
+        rays[ray] = outside;
+      });
+    };
+    cross_level(pattern, step, pattern.level(step), rows, begin, enter);
+    at_level(step + 1, rays);
+  }
+  return totals;
+}
+
+}  // namespace cloudbow

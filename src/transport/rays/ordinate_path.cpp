@@ -1,0 +1,81 @@
+#include "transport/rays/ordinate_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloudbow/core/parallel_errors.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Measured, in runs of cells crossed: looking whether a row of a block has cells at a segment; fetching and putting
+// back a cell that has another place along x.
+constexpr double cost_of_a_look = .3;
+constexpr double cost_of_a_turned_cell = .15;
+
+double runs_crossed(const PathPattern& pattern, const Sheets& sheets, int first_row, int last_row) {
+  double runs = 0;
+  for (int step = 0; step < pattern.levels(); ++step) {
+    const int segments = static_cast<int>(pattern.level_begin[step + 1] - pattern.level_begin[step]);
+    runs += segments * static_cast<double>(sheets.of(pattern.level(step), first_row, last_row).size());
+  }
+  return runs;
+}
+
+double cost_along_z(const PathPattern& pattern, const Sheets& levels) {
+  return runs_crossed(pattern, levels, 0, levels.rows);
+}
+
+double sideways_cost(const SidewaysPath& path, const Sheets& sheets, std::size_t cells) {
+  const double blocks = std::ceil(1. + (path.levels.last - path.levels.first) / static_cast<double>(path.block));
+  return runs_crossed(path.pattern, sheets, path.levels.first, path.levels.last) +
+         cost_of_a_look * blocks * static_cast<double>(path.pattern.segments.size()) +
+         (path.axis == 0 ? cost_of_a_turned_cell * static_cast<double>(cells) : 0.);
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Real>& cells,
+                                              const std::vector<Direction>& travel, bool vertical) {
+  std::vector<OrdinatePath> paths(travel.size());
+  const auto along_z = [&](const Direction& d, LevelRange levels) {
+    const StartFraction start = start_for_centred_exit(box, d, vertical, levels);
+    return make_path_pattern(box, d, start.x, start.y, vertical, levels);
+  };
+  ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t d = 0; d < travel.size(); ++d) {
+    errors.run([&] {
+      OrdinatePath& path = paths[d];
+      path.upward = travel[d].z() > 0;
+      path.along_z.push_back(along_z(travel[d], {0, box.nz()}));
+      path.cost = cost_along_z(path.along_z.front(), cells.rows.levels);
+      const LevelRange even = cells.even_levels;
+      if (even.first >= even.last) return;
+      const LevelRange below{0, even.first};
+      const LevelRange above{even.last, box.nz()};
+      for (int axis = 0; axis < 2; ++axis) {
+        auto sideways = make_sideways_path(box, travel[d], axis, even);
+        if (!sideways) continue;
+        std::vector<PathPattern> rest{along_z(travel[d], path.upward ? below : above),
+                                      along_z(travel[d], path.upward ? above : below)};
+        double cost = sideways_cost(*sideways, cells.turned[axis].sheets, cells.size());
+        for (const auto& pattern : rest) cost += cost_along_z(pattern, cells.rows.levels);
+        if (cost >= path.cost) continue;
+        path.cost = cost;
+        path.along_z = std::move(rest);
+        path.sideways = std::move(sideways);
+      }
+    });
+  }
+  errors.rethrow();
+  return paths;
+}
+
+template std::vector<OrdinatePath> make_ordinate_paths<float>(const BoxGrid&, const Cells<float>&,
+                                                              const std::vector<Direction>&, bool);
+template std::vector<OrdinatePath> make_ordinate_paths<double>(const BoxGrid&, const Cells<double>&,
+                                                               const std::vector<Direction>&, bool);
+
+}  // namespace cloudbow

@@ -1,0 +1,25 @@
+// The way of the ordinates through a box: along z, or, where that takes fewer segments, along x or y through the levels
+// of one thickness (docs/theory.md, "March along the dominant axis"). Made once per solve.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cloudbow/sphere/ordinate_set.hpp"
+#include "transport/rays/sideways_march.hpp"
+
+namespace cloudbow {
+
+struct OrdinatePath {
+  /// In the order of travel: patterns along z, with the sideways march, if any, between the first and the second.
+  std::vector<PathPattern> along_z;
+  std::optional<SidewaysPath> sideways;
+  bool upward = false;
+  double cost = 0;  ///< in runs of cells crossed, about
+};
+
+template <class Real>
+std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Real>& cells,
+                                              const std::vector<Direction>& travel, bool vertical);
+
+}  // namespace cloudbow

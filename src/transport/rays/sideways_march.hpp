@@ -1,0 +1,62 @@
+// Marching the rays of a slanted direction along x or y, sheet by sheet: a ray then crosses two or three segments a
+// cell where a march along z crosses as many columns as the slant asks for (docs/theory.md, "March along the dominant
+// axis").
+//
+// In a sheet, rays stand in rows by height, one a cell. A row is known by its launch level q, counted in the direction
+// of vertical travel from the level that light enters first; it is in level q + s after s crossings of levels. Rows q <
+// 0 begin outside and come in on the way. After the last sheet the rays are back at the first, rise levels further;
+// they go on from the launch points by linear interpolation between rows and columns, which keeps their power. Rows are
+// marched in blocks of as many as lie between a row and its successor, so that what a block needs is done before it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "transport/grid/cells.hpp"
+#include "transport/rays/path_pattern.hpp"
+
+namespace cloudbow {
+
+/// One direction through the levels [first, last), of one thickness, of a box with periodic sides.
+struct SidewaysPath {
+  int axis = 1;         ///< 0: along x, 1: along y
+  PathPattern pattern;  ///< of the box turned so that the sheets are its levels and the levels its y
+  LevelRange levels;
+  bool upward = true;  ///< light travels up
+  double rise = 0;     ///< levels crossed in a sheet, > 0
+  int block = 0;       ///< whole levels crossed in all sheets, >= 1
+  double rest = 0;     ///< and the fraction of one more
+  int across = 0;      ///< columns crossed in all sheets, whole, by the launch column of a ray that leaves
+  double across_rest = 0;
+  bool ascending_across = true;
+};
+
+/// @param levels of one thickness. @returns nothing where rays do not go along the axis, or would not cross a level
+/// before they are back.
+std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
+                                               LevelRange levels);
+
+/// Light through the horizontal planes of a sideways march; planes are by sheet and column across: [sheet][column].
+template <class Real>
+struct SidewaysPlanes {
+  std::span<const Real> entering;  ///< radiance through the plane that light comes in by; empty: the same,
+  Real everywhere = 0;             ///< this, in all columns
+  std::span<Real> leaving;         ///< mean radiance through the other plane is added to it; empty: not kept
+  double left = 0;                 ///< its sum over the columns is added
+  std::span<double> at_level;      ///< [levels + 1] by height, sum over the columns, is added; empty: not kept
+};
+
+template <class Real>
+struct SidewaysWorkspace {
+  std::vector<Real> rays, row;
+};
+
+/// @param sheets along the axis, rows by level of the box, columns across.
+/// @param linear false: without gradients of the source.
+/// @param source, mean [n] as for march(), in the sheets' order of cells.
+template <class Real>
+void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
+                    bool linear, SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work);
+
+}  // namespace cloudbow

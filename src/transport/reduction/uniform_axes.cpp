@@ -1,0 +1,162 @@
+#include "cloudbow/transport/uniform_axes.hpp"
+
+#include <algorithm>
+
+#include "transport/grid/cells.hpp"
+
+namespace cloudbow {
+namespace {
+
+// All coefficients of n cells from a on equal those from b on.
+bool same_cells(const OpticalGrid& grid, std::size_t a, std::size_t b, std::size_t n) {
+  const auto same = [=](const std::vector<float>& of) {
+    return std::equal(of.begin() + a, of.begin() + a + n, of.begin() + b);
+  };
+  return same(grid.absorption) && std::all_of(grid.scattering.begin(), grid.scattering.end(), same);
+}
+
+bool full_rows_of_one_value(const OpticalGrid& grid) {
+  const int nx = grid.box.nx;
+  return std::all_of(grid.spans.begin(), grid.spans.end(), [&](const RowSpan& span) {
+    return span.i == 0 && span.n == nx &&
+           same_cells(grid, span.offset, span.offset + 1, static_cast<std::size_t>(nx - 1));
+  });
+}
+
+bool rows_alike(const OpticalGrid& grid) {
+  const int ny = grid.box.ny;
+  for (int k = 0; k < grid.box.nz(); ++k) {
+    const std::uint32_t first = grid.row_begin[k * ny];
+    const std::uint32_t spans = grid.row_begin[k * ny + 1] - first;
+    for (int j = 1; j < ny; ++j) {
+      const std::uint32_t other = grid.row_begin[k * ny + j];
+      if (grid.row_begin[k * ny + j + 1] - other != spans) return false;
+      for (std::uint32_t s = 0; s < spans; ++s) {
+        const RowSpan& a = grid.spans[first + s];
+        const RowSpan& b = grid.spans[other + s];
+        if (a.i != b.i || a.n != b.n || !same_cells(grid, a.offset, b.offset, static_cast<std::size_t>(a.n)))
+          return false;
+      }
+    }
+  }
+  return true;
+}
+
+// A map [ny][nx], or none, does not vary along an axis.
+bool map_is_uniform(const std::vector<float>& map, const BoxGrid& box, bool along_x) {
+  for (std::size_t c = 0; c < map.size(); ++c) {
+    const std::size_t i = c % box.nx;
+    if (map[c] != map[along_x ? c - i : i]) return false;
+  }
+  return true;
+}
+
+// [..][ny][nx] of the solved field, with the axes that it lacks.
+template <class Value>
+void spread_field(std::vector<Value>& field, int nx, int ny, UniformAxes uniform) {
+  if (field.empty()) return;
+  const int from_x = uniform.x ? 1 : nx;
+  const int from_y = uniform.y ? 1 : ny;
+  const std::size_t planes = field.size() / (static_cast<std::size_t>(from_x) * from_y);
+  std::vector<Value> whole;
+  whole.reserve(planes * nx * ny);
+  for (std::size_t p = 0; p < planes; ++p) {
+    for (int j = 0; j < ny; ++j) {
+      const std::size_t row = (p * from_y + (uniform.y ? 0 : j)) * from_x;
+      for (int i = 0; i < nx; ++i) whole.push_back(field[row + (uniform.x ? 0 : i)]);
+    }
+  }
+  field = std::move(whole);
+}
+
+void spread_radiance_field(const Problem& whole, UniformAxes uniform, RadianceField& field) {
+  const BoxGrid& box = whole.grid.box;
+  const int nx = uniform.x ? 1 : box.nx;
+  const int ny = uniform.y ? 1 : box.ny;
+  const std::size_t points = field.direction.size();
+  std::vector<std::size_t> place(static_cast<std::size_t>(nx) * ny * box.nz());
+  for (std::size_t v = 0; v < field.voxel.size(); ++v)
+    place[(static_cast<std::size_t>(field.voxel[v][2]) * ny + field.voxel[v][1]) * nx + field.voxel[v][0]] = v;
+  RadianceField spread_out;
+  spread_out.direction = std::move(field.direction);
+  spread_out.triangle = std::move(field.triangle);
+  const std::size_t columns = box.columns();
+  for (const std::uint32_t c : dense_indices(active_rows(whole.grid))) {
+    const auto i = static_cast<std::int32_t>(c % box.nx);
+    const auto j = static_cast<std::int32_t>(c / box.nx % box.ny);
+    const auto k = static_cast<std::int32_t>(c / columns);
+    spread_out.voxel.push_back({i, j, k});
+    const std::size_t from = place[(static_cast<std::size_t>(k) * ny + (uniform.y ? 0 : j)) * nx + (uniform.x ? 0 : i)];
+    const float* const radiance = field.radiance.data() + from * points;
+    spread_out.radiance.insert(spread_out.radiance.end(), radiance, radiance + points);
+  }
+  field = std::move(spread_out);
+}
+
+}  // namespace
+
+UniformAxes uniform_axes(const Problem& problem) {
+  const OpticalGrid& grid = problem.grid;
+  if (!grid.box.periodic) return {};
+  return {grid.box.nx > 1 && map_is_uniform(problem.surface.albedo_map, grid.box, true) && full_rows_of_one_value(grid),
+          grid.box.ny > 1 && map_is_uniform(problem.surface.albedo_map, grid.box, false) && rows_alike(grid)};
+}
+
+Problem without_axes(const Problem& problem, UniformAxes uniform) {
+  Problem small{{}, problem.phase, problem.sun, problem.sky_radiance, problem.surface};
+  const OpticalGrid& from = problem.grid;
+  OpticalGrid& to = small.grid;
+  to.box = from.box;
+  if (uniform.x) {
+    to.box.dx_m *= to.box.nx;
+    to.box.nx = 1;
+  }
+  if (uniform.y) {
+    to.box.dy_m *= to.box.ny;
+    to.box.ny = 1;
+  }
+  to.layer_absorption = from.layer_absorption;
+  to.layer_scattering = from.layer_scattering;
+  to.scattering.resize(from.scattering.size());
+  to.row_begin.push_back(0);
+  for (int k = 0; k < to.box.nz(); ++k) {
+    for (int j = 0; j < to.box.ny; ++j) {
+      const std::size_t row = static_cast<std::size_t>(k) * from.box.ny + j;
+      for (std::uint32_t s = from.row_begin[row]; s < from.row_begin[row + 1]; ++s) {
+        const RowSpan& span = from.spans[s];
+        const int n = uniform.x ? 1 : span.n;
+        to.spans.push_back({span.i, n, static_cast<std::uint32_t>(to.absorption.size())});
+        const auto copy = [&](const std::vector<float>& of, std::vector<float>& into) {
+          into.insert(into.end(), of.begin() + span.offset, of.begin() + span.offset + n);
+        };
+        copy(from.absorption, to.absorption);
+        for (std::size_t p = 0; p < to.scattering.size(); ++p) copy(from.scattering[p], to.scattering[p]);
+      }
+      to.row_begin.push_back(static_cast<std::uint32_t>(to.spans.size()));
+    }
+  }
+  const std::vector<float>& map = problem.surface.albedo_map;
+  if (!map.empty()) {
+    small.surface.albedo_map.clear();
+    for (int j = 0; j < to.box.ny; ++j) {
+      const auto row = map.begin() + static_cast<std::ptrdiff_t>(j) * from.box.nx;
+      small.surface.albedo_map.insert(small.surface.albedo_map.end(), row, row + to.box.nx);
+    }
+  }
+  return small;
+}
+
+void spread(const Problem& whole, UniformAxes uniform, Solution& solution) {
+  const BoxGrid& box = whole.grid.box;
+  solution.box = box;
+  for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux,
+                      &solution.absorbed_power, &solution.actinic_flux}) {
+    spread_field(*field, box.nx, box.ny, uniform);
+  }
+  for (RadianceImage& image : solution.images) {
+    if (image.view.width == 0) spread_field(image.radiance, box.nx, box.ny, uniform);
+  }
+  if (solution.radiance_field) spread_radiance_field(whole, uniform, *solution.radiance_field);
+}
+
+}  // namespace cloudbow

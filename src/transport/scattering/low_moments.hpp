@@ -1,0 +1,19 @@
+// The moments l <= 2 of radiance at the ordinates, in the basis 1, sqrt(3) (x, y, z), ... that is orthonormal over the
+// sphere up to 4 pi: what the acceleration works on.
+#pragma once
+
+#include "cloudbow/sphere/ordinate_set.hpp"
+#include "transport/scattering/scattering.hpp"
+
+namespace cloudbow {
+
+template <class Real>
+struct LowMoments {
+  LowMoments() = default;
+  explicit LowMoments(const OrdinateSet& ordinates);
+
+  DenseMatrix<Real> weights;  ///< low_moments x D: radiance at the ordinates to moments
+  DenseMatrix<Real> shape;    ///< D x low_moments: what a unit of each moment adds to the radiance
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,74 @@
+// Light at the ground: what arrives along the ordinates becomes what leaves (docs/theory.md, "Surfaces").
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cloudbow/core/digest.hpp"
+#include "cloudbow/medium/surface.hpp"
+#include "transport/scattering/scattering.hpp"
+
+namespace cloudbow {
+
+/// Light that leaves the ground, in any upward direction.
+template <class Real>
+struct GroundRadiance {
+  std::optional<ControlPoints> points;      ///< without: the same in all directions
+  AngularField<Real> at_points;             ///< one row a control point, or a single row; [columns]
+  std::vector<double> flux;                 ///< [columns] upward
+  std::optional<BeamReflection> beam = {};  ///< where direct light is not in at_points: reflected exactly
+  std::vector<Real> direct_flux = {};       ///< [columns] of it, through the horizontal
+
+  /// Radiance [columns] along a direction of travel. @param scratch holds it where it has to be worked out.
+  const Real* along(const Direction& travel, std::vector<Real>& scratch) const;
+  /// The same for one column.
+  Real at(const Direction& travel, std::size_t column) const;
+};
+
+template <class Real>
+class Ground {
+ public:
+  Ground() = default;  ///< black
+  Ground(const Surface& surface, const OrdinateSet& ordinates, const std::optional<Direction>& sun_travel);
+
+  /// What one sweep's arriving light does.
+  struct Reflection {
+    std::vector<double> flux;    ///< [columns] that arrived, direct and diffuse
+    AngularField<Real> leaving;  ///< radiance: one row an upward ordinate, or a single row for all; [columns]
+    double absorbed = 0;         ///< W m-2, mean over the columns
+  };
+  /// @param arriving [D][columns] radiance along the ordinates; those that travel up are not looked at.
+  /// @param direct_flux [columns] through the horizontal; empty: none.
+  Reflection reflect(const std::vector<std::vector<Real>>& arriving, std::span<const double> direct_flux,
+                     const OrdinateSet& ordinates, std::size_t columns) const;
+  /// Row of Reflection::leaving for an ordinate.
+  int leaving_row(int ordinate) const { return row_.empty() ? 0 : row_[ordinate]; }
+
+  /// The same in all directions, for other fluxes than the ordinates': what arrived keeps its distribution over the
+  /// ordinates, column by column, and takes the diffuse flux given.
+  GroundRadiance<Real> radiance(const std::vector<std::vector<Real>>& arriving, std::span<const double> diffuse_flux,
+                                std::span<const double> direct_flux, const OrdinateSet& ordinates) const;
+  /// With direct light reflected by the surface's own function instead of its control points.
+  GroundRadiance<Real> radiance_seen(const std::vector<std::vector<Real>>& arriving,
+                                     std::span<const double> diffuse_flux, std::span<const double> direct_flux,
+                                     const OrdinateSet& ordinates) const;
+
+  bool is_lambertian() const { return !table_; }
+  /// Share of evenly arriving light that leaves.
+  double mean_albedo() const;
+  double largest_albedo() const;  ///< over directions and columns
+  const std::optional<ReflectionTable>& table() const { return table_; }
+  /// What its reflections depend on.
+  void add_to(Digest& digest) const;
+
+ private:
+  double albedo(std::size_t column) const { return albedo_map_.empty() ? albedo_ : albedo_map_[column]; }
+
+  double albedo_ = 0;
+  std::vector<float> albedo_map_;
+  std::optional<ReflectionTable> table_;
+  std::vector<int> row_;  // [D] place of an ordinate among those that travel up
+};
+
+}  // namespace cloudbow

@@ -1,0 +1,348 @@
+#include "transport/system/sweep.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/rays/march.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cells
+
+// Whether the ordinates of an octant share the gradient of their mean source; else each has its own, or there is none.
+template <class Real>
+bool shares_gradients(const TransportSystem<Real>& system) {
+  return system.linear_source && system.cells->varied;
+}
+
+// Ordinates that are marched side by side: those that share a gradient, or all.
+template <class Real>
+std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& system, bool upward) {
+  std::vector<std::vector<int>> groups;
+  std::array<int, 4> of_quadrant{-1, -1, -1, -1};
+  for (int d = 0; d < system.ordinates.size(); ++d) {
+    const Direction& o = system.ordinates.direction[d];
+    if ((o.z() > 0) != upward) continue;
+    int& group = of_quadrant[shares_gradients(system) ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
+    if (group < 0) {
+      group = static_cast<int>(groups.size());
+      groups.emplace_back();
+    }
+    groups[group].push_back(d);
+  }
+  return groups;
+}
+
+template <class Real>
+CellView<Real> view_along_z(const Cells<Real>& cells, const GroupGradient<Real>& of) {
+  return {cells.extinction.data(), {of.axis[0].data(), of.axis[1].data(), of.axis[2].data()}};
+}
+template <class Real>
+CellView<Real> view_along_y(const Cells<Real>& cells, const GroupGradient<Real>& of) {
+  return {cells.extinction.data(), {of.axis[0].data(), of.axis[2].data(), of.axis[1].data()}};
+}
+template <class Real>
+CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>& of) {
+  return {cells.turned[0].extinction.data(), {of.turned[1].data(), of.turned[2].data(), of.turned[0].data()}};
+}
+
+// Gradient of the mean source of some ordinates. Called by all threads of a team.
+template <class Real>
+void team_make_gradient(const TransportSystem<Real>& system, const AngularField<Real>& field,
+                        const std::vector<int>& group, bool turned, GroupGradient<Real>& gradient,
+                        ParallelErrors& errors) {
+  const Cells<Real>& cells = *system.cells;
+  const std::size_t n = cells.size();
+#pragma omp single
+  errors.run([&] {
+    gradient.source.resize(n);
+    for (auto& axis : gradient.axis) axis.resize(n + lane_padding);
+    for (auto& axis : gradient.turned) axis.resize(turned ? n + lane_padding : 0);
+  });
+  const std::size_t blocks = (n + block_cells - 1) / block_cells;
+#pragma omp for schedule(static)
+  for (std::size_t block = 0; block < blocks; ++block) {
+    errors.run([&] {
+      const std::size_t first = block * block_cells;
+      const std::size_t count = std::min(block_cells, n - first);
+      Real* __restrict const to = gradient.source.data() + first;
+      std::fill_n(to, count, Real(0));
+      std::array<Real, block_cells> room{};
+      for (const int d : group) {
+        const Real weight = static_cast<Real>(system.ordinates.weight[d]);
+        const Real* __restrict const from = field.stored_row(d).read(first, count, room.data());
+        for (std::size_t c = 0; c < count; ++c) to[c] += weight * from[c];
+      }
+    });
+  }
+#pragma omp for schedule(static)
+  for (std::size_t block = 0; block < blocks; ++block) {
+    errors.run([&] {
+      const std::size_t first = block * block_cells;
+      source_gradient(cells, first, std::min(block_cells, n - first), gradient.source.data(),
+                      gradient.axis[0].data() + first, gradient.axis[1].data() + first,
+                      gradient.axis[2].data() + first);
+    });
+  }
+  if (!turned) return;
+#pragma omp for schedule(static)
+  for (std::size_t block = 0; block < blocks; ++block) {
+    errors.run([&] {
+      const std::size_t last = std::min(n, (block + 1) * block_cells);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Real* __restrict const from = gradient.axis[axis].data();
+        Real* __restrict const to = gradient.turned[axis].data();
+        const std::uint32_t* __restrict const cell = cells.turned[0].cell.data();
+        for (std::size_t c = block * block_cells; c < last; ++c) to[c] = from[cell[c]];
+      }
+    });
+  }
+}
+
+// What one ordinate's march contributes; summed over ordinates in their order.
+struct OrdinateFluxes {
+  double out = 0;  // through the far end, sum of radiances
+  MarchTotals sides;
+  std::vector<double> profile;  // [nz+1] by height, sum of radiances
+};
+
+// Light on a horizontal plane, [ny][nx], when its rays have gone `x`, `y` columns from where they were launched.
+template <class Real>
+void shift_columns(const BoxGrid& box, double x, double y, const Real* from, Real* to) {
+  const int sx = wrapped(static_cast<int>(std::floor(x)), box.nx);
+  const int sy = wrapped(static_cast<int>(std::floor(y)), box.ny);
+  for (int r = 0; r < box.ny; ++r) {
+    const Real* const source = from + static_cast<std::size_t>(r) * box.nx;
+    Real* const target = to + static_cast<std::size_t>((r + sy) % box.ny) * box.nx;
+    std::copy(source, source + (box.nx - sx), target + sx);
+    std::copy(source + (box.nx - sx), source + box.nx, target);
+  }
+}
+
+// [ny][nx] to [nx][ny].
+template <class Real>
+void transpose(const Real* from, int nx, int ny, Real* to) {
+  for (int j = 0; j < ny; ++j) {
+    for (int i = 0; i < nx; ++i) to[static_cast<std::size_t>(i) * ny + j] = from[static_cast<std::size_t>(j) * nx + i];
+  }
+}
+
+// One thread's march of one ordinate after another.
+template <class Real>
+class OrdinateMarch {
+ public:
+  OrdinateMarch(const TransportSystem<Real>& system, typename SweepWorkspace<Real>::Thread& work)
+      : system_(system), work_(work) {}
+
+  // `rays` [columns + lane_padding] come in and go out, by column; of those that go out through the top only the sum is
+  // kept.
+  // @param passing [levels + 1][columns] radiance at each interface; null: not kept.
+  void cross_box(int d, const GroupGradient<Real>& gradient, std::vector<Real>& source, std::vector<Real>& rays,
+                 bool record, Real* passing, OrdinateFluxes& totals) {
+    const OrdinatePath& path = system_.paths[d];
+    work_.mean.assign(source.size(), Real(0));
+    if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
+    go_along_z(d, path.along_z.front(), gradient, source, rays, record, passing, totals);
+    if (path.sideways) {
+      const bool last = path.along_z.back().levels() == 0;
+      go_sideways(*path.sideways, gradient, source, rays, record, last && path.upward, totals);
+      go_along_z(d, path.along_z.back(), gradient, source, rays, record, passing, totals);
+      if (!last) totals.out = plane_sum(rays.data(), system_.box.columns());
+    } else {
+      totals.out = plane_sum(rays.data(), system_.box.columns());
+    }
+    source.swap(work_.mean);
+  }
+
+ private:
+  void go_along_z(int d, const PathPattern& pattern, const GroupGradient<Real>& gradient,
+                  const std::vector<Real>& source, std::vector<Real>& rays, bool record, Real* passing,
+                  OrdinateFluxes& totals) {
+    if (pattern.levels() == 0) return;
+    const std::size_t columns = system_.box.columns();
+    const std::span<const Real> side =
+        system_.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system_.side_radiance[d]);
+    const auto at_level = [&](int step, const Real* p) {
+      if (!record) return;
+      const int edge = pattern.first_level + (pattern.upward ? step : pattern.levels() - step);
+      totals.profile[edge] = plane_sum(p, columns);
+      if (passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
+    };
+    const CellView<Real> cells = view_along_z(*system_.cells, gradient);
+    const auto march_with = [&](const auto& marcher) {
+      const MarchTotals sides = marcher(pattern, system_.cells->rows, cells, system_.box.periodic, side, source.data(),
+                                        rays.data(), work_.mean.data(), at_level);
+      totals.sides.entered_sides += sides.entered_sides;
+      totals.sides.left_sides += sides.left_sides;
+    };
+    if (system_.linear_source) {
+      march_with([](const auto&... of) { return march<Real, true, true>(of...); });
+    } else {
+      march_with([](const auto&... of) { return march<Real, true, false>(of...); });
+    }
+    work_.plane.resize(columns + lane_padding);
+    shift_columns(system_.box, pattern.x.back(), pattern.y.back(), rays.data(), work_.plane.data());
+    rays.swap(work_.plane);
+  }
+
+  void go_sideways(const SidewaysPath& path, const GroupGradient<Real>& gradient, const std::vector<Real>& source,
+                   std::vector<Real>& rays, bool record, bool sum_alone, OrdinateFluxes& totals) {
+    const Cells<Real>& cells = *system_.cells;
+    const std::size_t columns = system_.box.columns();
+    const bool along_x = path.axis == 0;
+    SidewaysPlanes<Real> planes;
+    planes.everywhere = rays[0];
+    if (std::any_of(rays.begin() + 1, rays.begin() + static_cast<std::ptrdiff_t>(columns),
+                    [&](Real r) { return r != rays[0]; })) {
+      if (along_x) {
+        work_.plane.resize(columns + lane_padding);
+        transpose(rays.data(), system_.box.nx, system_.box.ny, work_.plane.data());
+        rays.swap(work_.plane);
+      }
+      planes.entering = std::span<const Real>(rays).first(columns);
+    }
+    if (!sum_alone) {
+      work_.plane.assign(columns + lane_padding, Real(0));
+      planes.leaving = std::span<Real>(work_.plane).first(columns);
+    }
+    std::vector<double> at_level(record ? path.levels.last - path.levels.first + 1 : 0, 0.);
+    planes.at_level = at_level;
+    const TurnedCells<Real>& turned = cells.turned[path.axis];
+    const bool linear = system_.linear_source;
+    if (along_x) {
+      const std::size_t n = cells.size();
+      work_.turned_source.resize(n + lane_padding);
+      work_.turned_mean.assign(n + lane_padding, Real(0));
+      const std::uint32_t* __restrict const cell = turned.cell.data();
+      for (std::size_t c = 0; c < n; ++c) work_.turned_source[c] = source[cell[c]];
+      march_sideways(path, turned.sheets, view_along_x(cells, gradient), work_.turned_source.data(), linear, planes,
+                     work_.turned_mean.data(), work_.sideways);
+      for (std::size_t c = 0; c < n; ++c) work_.mean[cell[c]] += work_.turned_mean[c];
+    } else {
+      march_sideways(path, turned.sheets, view_along_y(cells, gradient), source.data(), linear, planes,
+                     work_.mean.data(), work_.sideways);
+    }
+    std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
+    totals.out = planes.left;
+    if (sum_alone) return;
+    if (along_x) {
+      transpose(work_.plane.data(), system_.box.ny, system_.box.nx, rays.data());
+    } else {
+      rays.swap(work_.plane);
+    }
+  }
+
+  const TransportSystem<Real>& system_;
+  typename SweepWorkspace<Real>::Thread& work_;
+};
+
+}  // namespace
+
+template <class Real>
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
+                        SweepWorkspace<Real>& work) {
+  const BoxGrid& box = system.box;
+  const OrdinateSet& ordinates = system.ordinates;
+  const std::size_t columns = box.columns();
+  const int levels = box.nz() + 1;
+  const bool keep_columns = record && system.exchanges_no_light();
+  std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
+  std::vector<std::vector<Real>> exit(ordinates.size());
+  std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
+  typename Ground<Real>::Reflection ground;
+  work.of_thread.resize(omp_get_max_threads());
+
+  const auto march_ordinates = [&](bool upward) {
+    const auto groups = groups_side_by_side(system, upward);
+    ParallelErrors errors;
+#pragma omp parallel
+    {
+      typename SweepWorkspace<Real>::Thread& own = work.of_thread[omp_get_thread_num()];
+      OrdinateMarch<Real> march(system, own);
+      for (const std::vector<int>& group : groups) {
+        const bool turned = std::any_of(group.begin(), group.end(), [&](int d) {
+          return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
+        });
+        const bool shared = shares_gradients(system);
+        if (shared) team_make_gradient(system, field, group, turned, work.gradient, errors);
+#pragma omp for schedule(dynamic, 1)
+        for (std::size_t q = 0; q < group.size(); ++q) {
+          errors.run([&] {
+            const int d = group[q];
+            std::vector<Real>& rays = exit[d];
+            if (upward) {
+              const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
+              rays.assign(start_of_rays, start_of_rays + columns);
+              rays.resize(columns + lane_padding);
+            } else {
+              rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
+            }
+            if (keep_columns) passing[d].resize(columns * levels);
+            const std::size_t n = system.cells->size();
+            if (field.packed()) {
+              own.unpacked.resize(n + lane_padding);
+              field.stored_row(d).read(0, n, own.unpacked.data());
+            }
+            std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
+            if (system.linear_source && !shared) {
+              for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
+              source_gradient(*system.cells, 0, n, source.data(), own.gradient.axis[0].data(),
+                              own.gradient.axis[1].data(), own.gradient.axis[2].data());
+            }
+            march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record,
+                            keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
+            if (field.packed()) field.store(d, 0, n, source.data());
+            rays.resize(upward ? 0 : columns);
+          });
+        }
+      }
+    }
+    errors.rethrow();
+  };
+
+  SweepFluxes<Real> fluxes;
+  march_ordinates(false);
+  ground = system.ground.reflect(exit, system.beam_surface_flux, ordinates, columns);
+  fluxes.surface_flux = ground.flux;
+  fluxes.surface_absorbed = ground.absorbed;
+  if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
+  march_ordinates(true);
+
+  if (record) {
+    fluxes.profile_up.assign(levels, 0.);
+    fluxes.profile_down.assign(levels, 0.);
+  }
+  if (keep_columns) {
+    fluxes.column_up.assign(columns * levels, 0.);
+    fluxes.column_down.assign(columns * levels, 0.);
+  }
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const bool upward = ordinates.direction[d].z() > 0;
+    const double power = ordinates.weight[d] * std::abs(ordinates.direction[d].z());
+    const double share = power / static_cast<double>(columns);
+    (upward ? fluxes.up_top : fluxes.down_surface) += share * of_ordinate[d].out;
+    fluxes.side_gain += share * of_ordinate[d].sides.entered_sides;
+    fluxes.side_loss += share * of_ordinate[d].sides.left_sides;
+    if (record) {
+      std::vector<double>& profile = upward ? fluxes.profile_up : fluxes.profile_down;
+      for (int e = 0; e < levels; ++e) profile[e] += share * of_ordinate[d].profile[e];
+    }
+    if (keep_columns) {
+      std::vector<double>& column = upward ? fluxes.column_up : fluxes.column_down;
+      for (std::size_t m = 0; m < column.size(); ++m) column[m] += power * static_cast<double>(passing[d][m]);
+    }
+  }
+  return fluxes;
+}
+
+template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool,
+                                         SweepWorkspace<float>&);
+template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool,
+                                           SweepWorkspace<double>&);
+
+}  // namespace cloudbow

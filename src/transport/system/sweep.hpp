@@ -1,0 +1,98 @@
+// One sweep: light crosses the box along every ordinate, from the source at the ordinates to the voxel-mean radiance.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "transport/rays/ordinate_path.hpp"
+#include "transport/scattering/folded_scattering.hpp"
+#include "transport/scattering/low_moments.hpp"
+#include "transport/scattering/scattering.hpp"
+#include "transport/system/ground.hpp"
+
+namespace cloudbow {
+
+/// What does not change during the iteration.
+template <class Real>
+struct TransportSystem {
+  BoxGrid box;
+  bool vertical = false;  ///< independent columns
+  std::shared_ptr<const Cells<Real>> cells;
+  OrdinateSet ordinates;
+  std::vector<OrdinatePath> paths;               ///< [D]
+  bool linear_source = true;                     ///< within a cell; false: constant
+  std::vector<DenseMatrix<Real>> scattering;     ///< [p] D x D, ordinates from ordinates
+  std::optional<FoldedScattering<Real>> folded;  ///< the same where ordinates and matrices have the symmetry for it
+  LowMoments<Real> low;
+  std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
+  std::vector<BeamSource<Real>> beam;       ///< the direct beam's first scattering at the ordinates
+  std::vector<Real> emission;               ///< [low_moments][n] moments of a source beside the beam's; empty: none
+  std::vector<double> absorption;           ///< [n] 1/m
+  std::vector<Real> beam_irradiance;        ///< [n] of the solver's own beam (order N_b); empty without sun
+  std::vector<double> beam_surface_flux;    ///< [columns] of that beam at the surface; empty without sun
+  std::vector<double> beam_profile;         ///< [nz+1] domain means of that beam's flux; empty without sun
+  double beam_side_gain = 0;                ///< W m-2 of the top
+  double beam_side_loss = 0;
+  double sky_radiance = 0;
+  Ground<Real> ground;
+  double power_in = 1;  ///< W m-2 through the top, direct and diffuse
+  /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
+  std::vector<std::vector<Real>> side_radiance;
+
+  bool exchanges_no_light() const { return vertical || (box.periodic && box.columns() == 1); }
+
+  /// Makes `low` and `folded`, once ordinates and scattering are there.
+  void fold_scattering();
+  /// Radiance, with this added to its moments (empty: nothing), becomes source.
+  /// @param dark there is no radiance yet, whatever the field holds.
+  void scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const;
+  /// [low_moments][n] of the radiance.
+  void moments(const AngularField<Real>& radiance, std::span<Real> of) const;
+};
+
+/// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.
+template <class Real>
+struct SweepFluxes {
+  double up_top = 0;
+  double down_surface = 0;  ///< diffuse
+  double side_gain = 0;     ///< diffuse
+  double side_loss = 0;
+  double surface_absorbed = 0;
+  std::vector<double> surface_flux;  ///< [columns] direct and diffuse, downward
+  /// [D][columns] radiance that arrives at the surface, only from a recording sweep over one that is not Lambertian.
+  std::vector<std::vector<Real>> surface_arriving;
+  std::vector<double> profile_up;  ///< [nz+1] domain means, only from a recording sweep
+  std::vector<double> profile_down;
+  std::vector<double> column_up;  ///< [nz+1][columns], only from a recording sweep of columns that exchange no light
+  std::vector<double> column_down;
+};
+
+/// Relative gradient of the mean source of some ordinates.
+template <class Real>
+struct GroupGradient {
+  std::vector<Real> source;                 ///< [n] their mean
+  std::array<std::vector<Real>, 3> axis;    ///< [n + lane_padding] along x, y, z
+  std::array<std::vector<Real>, 3> turned;  ///< the same in the order of a march along x; empty: not needed
+};
+
+/// What sweeps need beside the field, kept from one to the next.
+template <class Real>
+struct SweepWorkspace {
+  struct Thread {
+    std::vector<Real> unpacked, mean, plane, turned_source, turned_mean;
+    SidewaysWorkspace<Real> sideways;
+    GroupGradient<Real> gradient;  ///< of one ordinate, where none is shared
+  };
+  std::vector<Thread> of_thread;
+  GroupGradient<Real> gradient;
+};
+
+/// One sweep: source at the ordinates becomes voxel-mean radiance.
+template <class Real>
+SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
+                        SweepWorkspace<Real>& work);
+
+}  // namespace cloudbow

@@ -1,0 +1,58 @@
+// The scene as the iteration sees it: cells with truncated peaks, the scattering matrices, the direct beams; and, from
+// the converged radiance, the source in any direction.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "transport/rays/direct_beam.hpp"
+#include "transport/scattering/directional_source.hpp"
+#include "transport/scattering/discretisation.hpp"
+#include "transport/system/sweep.hpp"
+
+namespace cloudbow {
+
+/// The direct beam when the fraction f_p of what phase function p scatters counts as unscattered.
+/// @param irradiance whether it is worked out too, beside the fluxes.
+template <class Real>
+DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
+                           const SolverOptions& options, bool irradiance = true);
+
+template <class Real>
+TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
+                                  const SolverOptions& options);
+
+/// Source in any direction of the converged diffuse radiance, whose memory it takes: orders of scattering >= 2.
+template <class Real>
+DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
+                                         AngularField<Real> radiance);
+
+/// Extinction of the active cells, 1/m, when the fraction f_p of what phase function p scatters counts as unscattered.
+template <class Real>
+std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction);
+
+/// Adds the first scattering of a beam by one phase function: source = P share scattering/extinction irradiance / (4
+/// pi).
+template <class Real>
+void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, const std::function<double(double)>& phase,
+                           std::span<const float> scattering, double share, std::span<const Real> extinction,
+                           std::span<const Real> irradiance);
+
+/// The first order of scattering for fluxes beside light that is scattered within the forward peak (docs/theory.md,
+/// Eq. 25), in the place of what the source has of it.
+template <class Real>
+void set_first_order_beside_peak(const Problem& problem, const Discretisation& discretisation,
+                                 const TransportSystem<Real>& system, DirectionalSource<Real>& source);
+
+/// The first order of scattering for radiance, in the place of what the source has of it. The beam that lights it is
+/// the one truncated at the gather's order; light that the iteration's beam (order N_b) calls unscattered but that one
+/// does not is added with the phase function of that order.
+/// @param gather_beam needed where the problem has a sun.
+template <class Real>
+void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
+                     const DirectBeam<Real>* gather_beam, DirectionalSource<Real>& source);
+
+/// Every cell of the box active: for when the light in empty air is asked for too.
+OpticalGrid with_empty_cells(const OpticalGrid& grid);
+
+}  // namespace cloudbow

@@ -1,0 +1,115 @@
+// Truth: the rule itself, on forecasts made up so that the answer is plain.
+#include <gtest/gtest.h>
+
+#include "app/planning/planner.hpp"
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+const std::vector<LevelForecast> kLevels{
+    {"draft", .02, 1, 1e8}, {"balanced", .01, 3, 2e8}, {"fine", .004, 10, 4e8}, {"reference", .003, 40, 8e8}};
+constexpr Means kPlenty{0, 1e12};
+
+Goal error_goal(double error) { return {error, ErrorOf::domain, std::nullopt}; }
+Goal time_goal(double seconds) { return {std::nullopt, ErrorOf::columns, seconds}; }
+
+std::string refusal(const Goal& goal, const Means& means) {
+  try {
+    choose_level(kLevels, goal, means);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Planner, TakesTheCheapestLevelThatReachesTheError) {
+  EXPECT_EQ(choose_level(kLevels, error_goal(.05), kPlenty), 0u);
+  EXPECT_EQ(choose_level(kLevels, error_goal(.01), kPlenty), 1u);
+  EXPECT_EQ(choose_level(kLevels, error_goal(.005), kPlenty), 2u);
+  EXPECT_EQ(choose_level(kLevels, error_goal(.003), kPlenty), 3u);
+}
+
+TEST(Planner, TakesTheCheapestOfTwoLevelsEvenWhereItIsTheBetterOne) {
+  const std::vector<LevelForecast> levels{{"draft", .01, 5, 1e8}, {"balanced", .005, 2, 1e8}};
+  EXPECT_EQ(choose_level(levels, error_goal(.01), kPlenty), 1u);
+}
+
+TEST(Planner, TakesTheBestLevelWithinTheBudget) {
+  EXPECT_EQ(choose_level(kLevels, time_goal(2), kPlenty), 0u);
+  EXPECT_EQ(choose_level(kLevels, time_goal(12), kPlenty), 2u);
+  EXPECT_EQ(choose_level(kLevels, time_goal(100), kPlenty), 3u);
+}
+
+TEST(Planner, CountsTheTimeThatIsSpent) { EXPECT_EQ(choose_level(kLevels, time_goal(12), {2.5, 1e12}), 1u); }
+
+TEST(Planner, LeavesOutLevelsThatNeedMoreMemoryThanThereIs) {
+  EXPECT_EQ(choose_level(kLevels, time_goal(100), {0, 3e8}), 1u);
+}
+
+TEST(Planner, AnErrorOutOfReachIsRefusedWithTheLeastPossible) {
+  const std::string text = refusal(error_goal(.001), kPlenty);
+  EXPECT_NE(text.find("`reference` is expected to reach 0.3 %; ask for >= 0.3 %"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.1 % of domain"), std::string::npos) << text;
+}
+
+TEST(Planner, WhatARefusalOffersIsAccepted) {
+  std::vector<LevelForecast> levels = kLevels;
+  levels.back().error = .0034567;
+  try {
+    choose_level(levels, error_goal(.001), kPlenty);
+    FAIL() << "an error out of reach was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("ask for >= 0.35 %"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(choose_level(levels, error_goal(.0035), kPlenty), 3u);
+}
+
+TEST(Planner, AnErrorOutOfReachInTheMemorySaysSo) {
+  const std::string text = refusal(error_goal(.001), {0, 5e8});
+  EXPECT_NE(text.find("in the memory that there is"), std::string::npos) << text;
+  EXPECT_NE(text.find("`fine`"), std::string::npos) << text;
+}
+
+TEST(Planner, ABudgetTooShortIsRefusedWithTheLeastThatWouldDo) {
+  const std::string text = refusal(time_goal(.5), kPlenty);
+  EXPECT_NE(text.find("--budget"), std::string::npos) << text;
+  EXPECT_NE(text.find("at least 1 s"), std::string::npos) << text;
+}
+
+TEST(Planner, AnErrorOutOfReachWithinTheBudgetNamesBothWaysOut) {
+  const std::string text = refusal({.004, ErrorOf::columns, 5}, kPlenty);
+  EXPECT_NE(text.find("`fine` would take 10 s"), std::string::npos) << text;
+  EXPECT_NE(text.find("`balanced` is expected to reach 1 %"), std::string::npos) << text;
+}
+
+TEST(Planner, NoLevelInMemoryIsRefused) {
+  EXPECT_NE(refusal(error_goal(.5), {0, 1e7}).find("memory"), std::string::npos);
+}
+
+TEST(Planner, TheNextLevelIsTakenWhereItFits) {
+  EXPECT_EQ(next_level(kLevels, 1, error_goal(.001), kPlenty), std::optional<std::size_t>(2));
+  EXPECT_EQ(next_level(kLevels, 3, error_goal(.001), kPlenty), std::nullopt);
+  EXPECT_EQ(next_level(kLevels, 1, {.001, ErrorOf::domain, 12}, {3, 1e12}), std::nullopt);
+  EXPECT_EQ(next_level(kLevels, 1, error_goal(.001), {0, 3e8}), std::nullopt);
+}
+
+TEST(TargetError, IsAShareInPerCentOrPlain) {
+  EXPECT_DOUBLE_EQ(parse_target_error("1%"), .01);
+  EXPECT_DOUBLE_EQ(parse_target_error("0.3 %"), .003);
+  EXPECT_DOUBLE_EQ(parse_target_error("0.02"), .02);
+  for (const char* wrong : {"", "%", "0", "-1%", "100%", "1", "nan", "1s", "1%%", "inf%"})
+    EXPECT_THROW(parse_target_error(wrong), InputError) << wrong;
+}
+
+TEST(Budget, IsATimeInSecondsMinutesOrHours) {
+  EXPECT_DOUBLE_EQ(parse_budget("30s"), 30);
+  EXPECT_DOUBLE_EQ(parse_budget("30"), 30);
+  EXPECT_DOUBLE_EQ(parse_budget("2m"), 120);
+  EXPECT_DOUBLE_EQ(parse_budget("1.5 h"), 5400);
+  for (const char* wrong : {"", "s", "0s", "-3s", "nan", "3 days", "3ss"})
+    EXPECT_THROW(parse_budget(wrong), InputError) << wrong;
+}
+
+}  // namespace
+}  // namespace cloudbow

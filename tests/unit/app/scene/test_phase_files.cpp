@@ -1,0 +1,174 @@
+// Phase functions in text files. Truth: the function that each file here is written from.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include "app/scene/phase_function_file.hpp"
+#include "app/scene/phase_set_file.hpp"
+#include "cloudbow/core/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace cloudbow {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+class PhaseFiles : public testing::Test {
+ protected:
+  PhaseFunctionFile table(const std::string& text) const {
+    return read_phase_table_file(folder_.write("table.txt", text));
+  }
+  PhaseFunctionFile legendre(const std::string& text) const {
+    return read_legendre_file(folder_.write("moments.txt", text));
+  }
+  static std::string message(const std::function<void()>& read) {
+    try {
+      read();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::string table_message(const std::string& text) const {
+    return message([&] { table(text); });
+  }
+  std::string legendre_message(const std::string& text) const {
+    return message([&] { legendre(text); });
+  }
+
+  const TemporaryFolder folder_;
+};
+
+/// Henyey and Greenstein's function of .5 at `count` + 1 equal steps of the angle, each line made by `line` of degrees
+/// and value.
+std::string lines(int count, const std::function<std::string(double, double)>& line, double factor = 1) {
+  const PhaseFunction phase = PhaseFunction::henyey_greenstein(0.5);
+  std::string text;
+  for (int n = 0; n <= count; ++n) {
+    const double angle = 180.0 * n / count;
+    text += line(angle, factor * phase(std::cos(angle * kDegree))) + "\n";
+  }
+  return text;
+}
+
+std::string plain(double angle, double value) { return fmt::format("{} {}", angle, value); }
+
+/// Steps of a degree: linear interpolation leaves less than 1e-4.
+void expect_henyey_greenstein(const PhaseFunctionFile& read) {
+  EXPECT_NEAR(read.function.asymmetry_parameter(), 0.5, 1e-4);
+  EXPECT_NEAR(read.function.moment(2), 0.25, 1e-4);
+  EXPECT_NEAR(read.function(0.3), PhaseFunction::henyey_greenstein(0.5)(0.3), 1e-3);
+}
+
+TEST_F(PhaseFiles, TablesAreReadHoweverTheyAreWritten) {
+  const auto exponent = [](double angle, double value) {
+    std::string text = fmt::format("{} {:e}", angle, value);
+    return text.replace(text.find('e'), 1, "D");
+  };
+  for (const std::string& text :
+       {lines(180, plain), "! Fortran's comment\n" + lines(180, plain) + "# the end\n", lines(180, exponent),
+        lines(180, [](double angle, double value) { return fmt::format("{}, {}  ! both", angle, value); }),
+        lines(180, [](double angle, double value) { return fmt::format("+{}\t+{}\r", angle, value); }),
+        lines(180, [](double angle, double value) {
+          return plain(180 - angle, PhaseFunction::henyey_greenstein(0.5)(-std::cos(angle * kDegree)) + 0 * value);
+        })}) {
+    const PhaseFunctionFile read = table(text);
+    expect_henyey_greenstein(read);
+    EXPECT_THAT(read.notes, IsEmpty());
+  }
+}
+
+TEST_F(PhaseFiles, RadiansCosinesAndOtherNormsAreTold) {
+  const auto radians = [](double angle, double value) { return fmt::format("{:.4f} {}", angle * kDegree, value); };
+  PhaseFunctionFile read = table(lines(180, radians));
+  expect_henyey_greenstein(read);
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("radians")));
+  read = table(lines(
+      180, [](double angle, double value) { return fmt::format("{:.12f} {}", std::cos(angle * kDegree), value); }));
+  expect_henyey_greenstein(read);
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("cosine")));
+  read = table(lines(180, plain, 0.25 / std::numbers::pi));
+  expect_henyey_greenstein(read);
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("integral 1 over the sphere")));
+  read = table(lines(180, plain, 0.5));
+  expect_henyey_greenstein(read);
+  EXPECT_THAT(read.notes, ElementsAre(HasSubstr("integral 1 over the cosine")));
+}
+
+TEST_F(PhaseFiles, AnIntegralThatIsOffIsToldOrRefused) {
+  EXPECT_THAT(table(lines(180, plain, 1.0005)).notes, IsEmpty());
+  EXPECT_THAT(table(lines(180, plain, 1.005)).notes, ElementsAre(HasSubstr("off by +0.5")));
+  EXPECT_THAT(table(lines(180, plain, 0.995)).notes, ElementsAre(HasSubstr("off by -0.49")));
+  EXPECT_NEAR(table(lines(180, plain, 1.005)).function.moment(1), 0.5, 1e-4);
+  for (const double factor : {1.02, 0.98, 5.0, 4 * std::numbers::pi, 1e-300}) {
+    EXPECT_THAT(table_message(lines(180, plain, factor)),
+                AllOf(HasSubstr("table.txt: "), HasSubstr("wrong norm"), HasSubstr("divide")))
+        << factor;
+  }
+  // 20 degrees are too coarse for the peak: the trapezoids' sum is 1.026.
+  EXPECT_THAT(table_message(lines(9, plain)), AllOf(HasSubstr("wrong norm (found mean 1.0"), HasSubstr("more angles")));
+}
+
+TEST_F(PhaseFiles, OtherTablesAreRefusedWithTheLayout) {
+  EXPECT_THAT(table_message("0 1\n90 1 1\n180 1\n"), AllOf(HasSubstr("table.txt:2"), HasSubstr("angle_deg value")));
+  EXPECT_THAT(table_message("1\n1\n1\n"), AllOf(HasSubstr("table.txt:1"), HasSubstr("angle_deg value")));
+  EXPECT_THAT(table_message("angle value\n0 1\n180 1\n"),
+              AllOf(HasSubstr("table.txt:1"), HasSubstr("found 'angle value'")));
+  EXPECT_THAT(table_message("0 1\n180 nan\n"), HasSubstr("table.txt:2"));
+  EXPECT_THAT(table_message(""), HasSubstr("0 angles"));
+  EXPECT_THAT(table_message("0 1\n90 1\n"), HasSubstr("angles run from 0 to 90"));
+  EXPECT_THAT(table_message("0 1\n120 1\n90 1\n180 1\n"), HasSubstr("ascending"));
+  EXPECT_THAT(table_message("0 1\n90 -0.1\n180 1\n"), HasSubstr("value -0.1 at 90 degrees"));
+}
+
+TEST_F(PhaseFiles, MomentsWithTheirDegreesOrAlone) {
+  for (const char* text : {"0 1\n1 0.5\n2 0.25\n", "1.0\n0.5D0\n 2.5e-1\n", "0,1\n1,0.5 ! half\n2,0.25\n"}) {
+    const PhaseFunctionFile read = legendre(text);
+    EXPECT_EQ(read.function.moment(1), 0.5);
+    EXPECT_EQ(read.function.moment(2), 0.25);
+    EXPECT_EQ(read.function.moments().size(), 3u);
+    EXPECT_THAT(read.notes, IsEmpty());
+  }
+  EXPECT_THAT(legendre_message("3\n1.0\n0.5\n"), HasSubstr("moment 0 is 3"));
+  EXPECT_THAT(legendre_message("1.0\n1 0.5\n"), AllOf(HasSubstr("moments.txt:2"), HasSubstr("l chi_l")));
+  EXPECT_THAT(legendre_message("0 1\n2 0.5\n"), HasSubstr("found l = 2, allowed l = 1"));
+}
+
+TEST_F(PhaseFiles, MomentsWithTheFactorAreRefused) {
+  EXPECT_THAT(legendre_message("0 1\n1 2.55\n2 3.6125\n"), AllOf(HasSubstr("2.55"), HasSubstr("2l+1")));
+  EXPECT_THAT(legendre_message("0 1\n1 0\n2 0.5\n"),
+              AllOf(HasSubstr("moments.txt: "), HasSubstr("found -0.25 at 90 degrees"), HasSubstr("2l+1")));
+  std::string cut;
+  for (int l = 0; l < 64; ++l) cut += fmt::format("{} {}\n", l, std::pow(0.9, l));
+  EXPECT_THAT(legendre(cut).notes, ElementsAre(HasSubstr("falls to -0.05")));
+}
+
+TEST_F(PhaseFiles, SetsTellTheFactorByTheirSignToo) {
+  const auto set = [&](const std::string& text, MomentFactor factor) {
+    return read_phase_set_file(folder_.write("set.csv", text), factor);
+  };
+  const std::string rayleigh = "l,a,b\n0,1,1\n1,0,0.3\n2,0.5,0.1\n";  // times 2l+1: a is negative otherwise
+  const PhaseSetFile read = set(rayleigh, MomentFactor::automatic);
+  EXPECT_TRUE(read.factor_was_included);
+  EXPECT_THAT(read.moments, ElementsAre(ElementsAre(1, 0, 0.1), ElementsAre(1, 0.3 / 3, 0.1 / 5)));
+  EXPECT_THAT(message([&] { set(rayleigh, MomentFactor::excluded); }),
+              AllOf(HasSubstr("set.csv: function 1"), HasSubstr("-0.25 at 90")));
+  EXPECT_FALSE(set("0 1 1\n1 0.5 0\n2 0.25 0.1\n", MomentFactor::automatic).factor_was_included);
+  EXPECT_TRUE(set("0 1 1\n1 1.5 0\n2 1.25 0.1\n", MomentFactor::automatic).factor_was_included);
+  std::string cut = "l,smooth,cut\n";
+  for (int l = 0; l < 64; ++l) cut += fmt::format("{},{},{}\n", l, std::pow(0.5, l), std::pow(0.9, l));
+  EXPECT_THAT(set(cut, MomentFactor::excluded).note, AllOf(HasSubstr("function 2"), HasSubstr("-0.05")));
+}
+
+}  // namespace
+}  // namespace cloudbow

@@ -1,0 +1,115 @@
+// Cells in which the beam fades. The truth is the same medium in thin cells.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "cloudbow/transport/solver.hpp"
+#include "transport/reduction/thick_levels.hpp"
+#include "transport_test_tools.hpp"
+
+namespace cloudbow {
+namespace {
+
+// 3 x 2 columns; levels of 1 m are thin below and as thick as given above.
+Problem thick_top(double extinction_of_top, double mu0) {
+  const BoxGrid box = make_box(3, 2, 4);
+  std::vector<float> extinction = random_extinction(box, .3, 5, true);
+  const std::size_t columns = box.columns();
+  for (std::size_t c = 0; c < columns; ++c) extinction[3 * columns + c] = static_cast<float>(extinction_of_top);
+  Problem problem;
+  problem.grid = make_grid(box, extinction, .99);
+  problem.phase = {PhaseFunction::henyey_greenstein(.7)};
+  problem.sun = Sun{travel_along(-mu0, 20), 1.};
+  problem.surface.albedo = .2;
+  return problem;
+}
+
+TEST(ThickLevels, ThinOnesDarkOnesAndThoseWithoutSunStayWhole) {
+  SolverOptions options = coarse_options();
+  options.largest_level_depth = 1;
+  EXPECT_EQ(cut_thick_levels(thick_top(.3, .6), options).added(make_box(3, 2, 4)), 0);
+  Problem dark = thick_top(20, .6);  // what is thick lies below what has taken the light
+  for (float& s : dark.grid.scattering[0]) s = 20;
+  const CutLevels cut = cut_thick_levels(dark, options);
+  EXPECT_GT(cut.added(dark.grid.box), 0);
+  EXPECT_EQ(cut.level.front(), 0);
+  EXPECT_EQ(cut.level[1], 1);
+  EXPECT_EQ(cut.level[3], 3);
+  dark.sun.reset();
+  EXPECT_EQ(cut_thick_levels(dark, options).added(dark.grid.box), 0);
+}
+
+TEST(ThickLevels, PartsDoubleFromAbove) {
+  const Problem problem = thick_top(20, .6);
+  SolverOptions options = coarse_options();
+  options.largest_level_depth = 1;
+  const CutLevels cut = cut_thick_levels(problem, options);
+  ASSERT_GT(cut.added(problem.grid.box), 2);
+  const std::size_t parts = cut.level.size();
+  const auto thickness = [&](std::size_t part) { return cut.z_edge_m[part + 1] - cut.z_edge_m[part]; };
+  // Scaled by delta-M (f = .7^6) and slant: 20 (.01 + .99 (1 - f)) / .6.
+  const double depth = 20 * (.01 + .99 * (1 - std::pow(.7, 6))) / .6;
+  EXPECT_NEAR(depth * thickness(parts - 1), 1, 1e-4);
+  EXPECT_NEAR(thickness(parts - 2), 2 * thickness(parts - 1), 1e-9);
+  EXPECT_DOUBLE_EQ(cut.z_edge_m.back(), 4);
+  EXPECT_DOUBLE_EQ(cut.z_edge_m[3], 3);
+}
+
+TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
+  const Problem problem = thick_top(20, .6);
+  SolverOptions options = coarse_options();
+  options.actinic = options.radiance_field = true;
+  const Solution plain = solve(problem, options);
+  options.largest_level_depth = 1;
+  const Solution cut = solve(problem, options);
+  EXPECT_GT(cut.report.added_levels, 0);
+  EXPECT_EQ(plain.report.added_levels, 0);
+  EXPECT_EQ(cut.box.z_edge_m, plain.box.z_edge_m);
+  EXPECT_EQ(cut.flux_level, plain.flux_level);
+  EXPECT_EQ(cut.upwelling_flux.size(), plain.upwelling_flux.size());
+  EXPECT_EQ(cut.profile_direct_flux.size(), plain.profile_direct_flux.size());
+  EXPECT_EQ(cut.absorbed_power.size(), plain.absorbed_power.size());
+  EXPECT_EQ(cut.radiance_field->voxel, plain.radiance_field->voxel);
+  EXPECT_EQ(cut.radiance_field->radiance.size(), plain.radiance_field->radiance.size());
+  // Energy: what is absorbed, cell by cell, is what the ledger says, with means of the parts, too.
+  for (const Solution* solution : {&plain, &cut}) {
+    double absorbed = 0;
+    for (const float power : solution->absorbed_power) absorbed += power / 6.;
+    EXPECT_NEAR(absorbed / .6, solution->ledger.absorptance, 1e-5);
+  }
+  // The direct beam does not depend on cells.
+  for (std::size_t e = 0; e < plain.profile_direct_flux.size(); ++e)
+    EXPECT_NEAR(cut.profile_direct_flux[e], plain.profile_direct_flux[e], 1e-6);
+  ASSERT_EQ(cut.direct_flux.size(), plain.direct_flux.size());
+  for (std::size_t n = 0; n < plain.direct_flux.size(); ++n)
+    EXPECT_NEAR(cut.direct_flux[n], plain.direct_flux[n], 1e-6F) << "each plane is that of its level";
+  options.flux_levels = FluxLevels::listed;
+  options.listed_levels = {1, 3};
+  EXPECT_EQ(solve(problem, options).flux_level, (std::vector<int>{1, 3}));
+}
+
+TEST(ThickLevels, CutCellsComeNearThinOnes) {
+  const Problem problem = thick_top(20, .2);
+  SolverOptions options = coarse_options();
+  options.flux_levels = FluxLevels::boundaries;
+  CutLevels thin;  // 64 parts of the thick level
+  for (int k = 0; k < 3; ++k) {
+    thin.z_edge_m.push_back(k);
+    thin.level.push_back(k);
+  }
+  for (int part = 0; part < 64; ++part) {
+    thin.z_edge_m.push_back(3 + part / 64.);
+    thin.level.push_back(3);
+  }
+  thin.z_edge_m.push_back(4);
+  const double truth = solve(with_cut_levels(problem, thin), with_cut_levels(options, thin)).ledger.reflectance;
+  const double whole = solve(problem, options).ledger.reflectance;
+  options.largest_level_depth = 1;
+  const double cut = solve(problem, options).ledger.reflectance;
+  EXPECT_GT(std::abs(whole - truth), .02 * truth);
+  EXPECT_LT(std::abs(cut - truth), .1 * std::abs(whole - truth));
+}
+
+}  // namespace
+}  // namespace cloudbow
