@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "cloudbow/medium/cloud_field.hpp"
@@ -49,6 +50,31 @@ struct OpticalGrid {
   std::vector<std::vector<double>> layer_scattering;  ///< [p][nz] 1/m
 
   std::size_t active_cells() const { return absorption.size(); }
+  /// Spans of the row of cells (., j, k).
+  std::span<const RowSpan> row(int k, int j) const {
+    const std::size_t at = static_cast<std::size_t>(k) * box.ny + j;
+    return {spans.data() + row_begin[at], spans.data() + row_begin[at + 1]};
+  }
+  /// Calls use(k, j, span) for each span, in the order of the cells.
+  template <class Use>
+  void for_each_span(const Use& use) const {
+    for (int k = 0; k < box.nz(); ++k) {
+      for (int j = 0; j < box.ny; ++j) {
+        for (const RowSpan& span : row(k, j)) use(k, j, span);
+      }
+    }
+  }
+  /// The active cells of level k are [first_cell(k), first_cell(k + 1)); k <= nz.
+  std::size_t first_cell(int k) const {
+    const std::uint32_t span = row_begin[static_cast<std::size_t>(k) * box.ny];
+    return span < spans.size() ? spans[span].offset : active_cells();
+  }
+  /// Absorption and scattering by all phase functions together, 1/m.
+  double extinction(std::size_t cell) const {
+    double sum = absorption[cell];
+    for (const auto& of_phase : scattering) sum += static_cast<double>(of_phase[cell]);
+    return sum;
+  }
 };
 
 /// The layers of `grid` as one periodic column with the same levels and phase functions.

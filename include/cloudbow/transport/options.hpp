@@ -34,7 +34,7 @@ struct SolverOptions {
   bool beam_crosses_columns = false;  ///< with independent_columns: but the direct beam does
   int column_streams = 8;  ///< polar directions a hemisphere where columns are solved without azimuths: 2 to 16
   /// Horizontal axes along which nothing varies are left out (uniform_axes.hpp): the same answer for less.
-  bool leave_out_uniform_axes = false;
+  bool collapse_uniform_axes = false;
   /// Radiance and source of the cells are kept in half precision, for half the memory; not where the solve is in
   /// double.
   bool half_precision_radiance = false;

@@ -5,6 +5,7 @@
 
 #include "cloudbow/transport/checkpoints.hpp"
 #include "cloudbow/transport/solution.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
 
@@ -12,13 +13,14 @@ namespace cloudbow {
 /// for light out of range and for cells too thick to be solved (thick_cells.hpp).
 /// @throws std::runtime_error if a value of the solution is not finite.
 /// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
+Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, Checkpoints* checkpoints = nullptr);
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
                Checkpoints* checkpoints = nullptr);
 
 /// Peak memory in bytes that solve() will need, within about 10 %. @throws InputError as solve() for rays that cross
 /// too many cells.
-std::size_t predict_memory(const Problem& problem, const SolverOptions& options);
+std::size_t predict_memory(const SolvePlan& plan);
 /// Wall seconds on this machine, a rough prediction from segment counts.
-double predict_seconds(const Problem& problem, const SolverOptions& options);
+double predict_seconds(const SolvePlan& plan);
 
 }  // namespace cloudbow

@@ -17,7 +17,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/albedo_map.hpp"
 #include "cloudbow/optics/delta_m.hpp"
-#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
 
 namespace cloudbow {
@@ -171,7 +171,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.beam_crosses_columns = solver.mode == SolveMode::independent_diffuse;
   if (options.beam_crosses_columns) check_asks_no_azimuths(scene);
   options.independent_columns = solver.mode == SolveMode::independent_columns || options.beam_crosses_columns;
-  options.leave_out_uniform_axes = solver.mode != SolveMode::three_dimensional;
+  options.collapse_uniform_axes = solver.mode != SolveMode::three_dimensional;
   options.flux_levels = scene.output.flux_levels;
   options.absorption = scene.output.absorption;
   options.actinic = scene.output.actinic;
@@ -195,7 +195,7 @@ void solve_layers_without_iteration(const Scene& scene, const Problem& problem, 
     return;
   SolverOptions by_columns = options;
   by_columns.independent_columns = true;
-  if (solved_without_azimuths(problem, by_columns)) options = by_columns;
+  if (solved_by_polar_streams(problem, by_columns)) options = by_columns;
 }
 
 int nearest_edge(const std::vector<double>& edges, double z) {
@@ -307,7 +307,7 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
     if (listed.empty() || listed.back() != level) listed.push_back(level);
   }
   solve_layers_without_iteration(scene, problem, assembled.options);
-  if (!solved_without_azimuths(problem, assembled.options)) {
+  if (!solved_by_polar_streams(problem, assembled.options)) {
     try {
       check_cell_thickness(problem);
     } catch (const InputError& error) {

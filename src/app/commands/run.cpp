@@ -29,7 +29,6 @@
 #include "cloudbow/io/result_file.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/results/summary.hpp"
-#include "cloudbow/transport/columns.hpp"
 
 namespace cloudbow {
 namespace {
@@ -88,13 +87,14 @@ void print_figures(const Scene& scene, const AssembledScene& assembled) {
   if (!scene.layers.empty()) fmt::print("layers    optical depth: {:.4g}\n", layers);
 }
 
-void print_forecast(const std::vector<Scene>& scenes, const AssembledScene& first, const Forecast& forecast,
+void print_forecast(const std::vector<Scene>& scenes, const PlannedScene& planned, const Forecast& forecast,
                     std::uint64_t available) {
+  const AssembledScene& first = *planned.scene;
   const OpticalGrid& grid = first.problem.grid;
   fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
              grid.active_cells());
   print_figures(scenes.front(), first);
-  if (solved_without_azimuths(first.problem, first.options)) {
+  if (planned.plan.by_polar_streams()) {
     fmt::print("solver    columns by themselves, {} polar directions a hemisphere\n", first.options.column_streams);
   } else {
     fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points,
@@ -228,9 +228,10 @@ int run(const RunOptions& options) {
     Forecast expected = forecast(scenes, available, options.threads, options.compare, files);
     check_memory(first, expected, available);
     if (options.dry_run) {
-      const AssembledScene assembled =
-          expected.only ? std::move(*expected.only) : assemble(first, available, files, expected.levels_m);
-      print_forecast(scenes, assembled, expected, available);
+      const PlannedScene planned = expected.only
+                                       ? std::move(*expected.only)
+                                       : plan_scene(first, available, files, expected.levels_m, options.threads);
+      print_forecast(scenes, planned, expected, available);
       return kExitDone;
     }
     solved = solve_all(scenes, std::move(expected), options, available, files);

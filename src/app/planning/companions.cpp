@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/probe_columns.hpp"
 #include "cloudbow/transport/solver.hpp"
 
@@ -58,7 +57,7 @@ SolverOptions ordinates_of_columns(const SolverOptions& options) {
   // The probe's levels are cut already, so that listed ones have other indices there.
   columns.largest_level_depth = 0;
   if (columns.flux_levels == FluxLevels::listed) columns.flux_levels = FluxLevels::all;
-  columns.leave_out_uniform_axes = false;
+  columns.collapse_uniform_axes = false;
   columns.independent_columns = true;
   columns.radiance_field = true;  // which is known by ordinates alone
   return columns;
@@ -95,34 +94,35 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
   return other;
 }
 
-Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                            SolvedAs as, const ProgressCallback& progress) {
+Companions solve_companions(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
+                            const ProgressCallback& progress) {
+  const SolverOptions& options = plan.whole_options();
   SolverOptions other = companion_options(options, accuracy, as);
+  const SolvePlan linear = plan.with(other);
   Companions companions;
-  companions.linear = solve(problem, other, progress);
-  if (solved_without_azimuths(problem, other)) {  // exact in the vertical
+  companions.linear = solve(linear, progress);
+  if (linear.by_polar_streams()) {  // exact in the vertical
     companions.constant = companions.linear;
     companions.constant.report = {};  // one solve
     return companions;
   }
   other.linear_source = false;
-  companions.constant = solve(problem, other, progress);
+  companions.constant = solve(linear.with(other), progress);
   if (as == SolvedAs::field) {
-    const Problem columns = probe_columns(problem, options);
-    companions.probe = {solve(columns, ordinates_of_columns(options), progress),
-                        solve(columns, streams_of_columns(options), progress)};
+    const Problem columns = probe_columns(plan);
+    const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
+    companions.probe = {solve(by_ordinates, progress), solve(by_ordinates.with(streams_of_columns(options)), progress)};
   }
   return companions;
 }
 
-double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                                 SolvedAs as) {
-  const SolverOptions other = companion_options(options, accuracy, as);
-  if (solved_without_azimuths(problem, other)) return predict_seconds(problem, other);
-  double seconds = 2 * predict_seconds(problem, other);
+double predict_companion_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as) {
+  const SolvePlan other = plan.with(companion_options(plan.whole_options(), accuracy, as));
+  if (other.by_polar_streams()) return predict_seconds(other);
+  double seconds = 2 * predict_seconds(other);
   if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
-    const double columns = static_cast<double>(problem.grid.box.columns());
-    seconds += std::min(1., most_probe_columns / columns) * predict_seconds(problem, options);
+    const auto columns = static_cast<double>(plan.whole().grid.box.columns());
+    seconds += std::min(1., most_probe_columns / columns) * predict_seconds(plan);
   }
   return seconds;
 }

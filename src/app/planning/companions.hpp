@@ -14,12 +14,11 @@ namespace cloudbow {
 /// @param accuracy the level that `options` are of.
 SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
-/// Both companions of a solution by `options`.
-Companions solve_companions(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                            SolvedAs as, const ProgressCallback& progress);
+/// Both companions of the solution of a plan.
+Companions solve_companions(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
+                            const ProgressCallback& progress);
 
 /// Wall seconds of them, as predict_seconds().
-double predict_companion_seconds(const Problem& problem, const SolverOptions& options, const std::string& accuracy,
-                                 SolvedAs as);
+double predict_companion_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as);
 
 }  // namespace cloudbow

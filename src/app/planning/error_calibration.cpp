@@ -4,9 +4,6 @@
 #include <array>
 #include <cassert>
 
-#include "cloudbow/transport/columns.hpp"
-#include "cloudbow/transport/uniform_axes.hpp"
-
 namespace cloudbow {
 namespace {
 
@@ -60,13 +57,10 @@ const Calibration& calibration(const std::string& accuracy, SolvedAs as) {
 
 }  // namespace
 
-SolvedAs solved_as(const Problem& problem, const SolverOptions& options, bool one_column) {
-  const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
-  const BoxGrid& box = problem.grid.box;
-  if (!one_column && !((uniform.x || box.nx == 1) && (uniform.y || box.ny == 1) && box.periodic))
-    return SolvedAs::field;
-  if (solved_without_azimuths(problem, options)) return SolvedAs::column_by_its_streams;
-  return problem.surface.brdf ? SolvedAs::column : SolvedAs::column_beside_streams;
+SolvedAs solved_as(const SolvePlan& plan, bool one_column) {
+  if (!one_column && !plan.is_one_column()) return SolvedAs::field;
+  if (plan.by_polar_streams()) return SolvedAs::column_by_its_streams;
+  return plan.whole().surface.brdf ? SolvedAs::column : SolvedAs::column_beside_streams;
 }
 
 ErrorWeights error_weights(const std::string& accuracy, SolvedAs as) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cloudbow/results/error_estimate.hpp"
-#include "cloudbow/transport/solution.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
 
@@ -17,7 +17,7 @@ enum class SolvedAs {
 };
 
 /// @param one_column as accuracy_options() takes it; fields that do not vary and are solved as one count too.
-SolvedAs solved_as(const Problem& problem, const SolverOptions& options, bool one_column);
+SolvedAs solved_as(const SolvePlan& plan, bool one_column);
 
 /// Weights for estimate_error() at a level of accuracy.
 ErrorWeights error_weights(const std::string& accuracy, SolvedAs as);

@@ -26,9 +26,9 @@ std::size_t solution_bytes(const AssembledScene& scene) {
   return floats * sizeof(float);
 }
 
-std::size_t foreseen(const Scene& scene, const Problem& problem, const SolverOptions& options) {
+std::size_t foreseen(const Scene& scene, const SolvePlan& plan) {
   try {
-    return predict_memory(problem, options);
+    return predict_memory(plan);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
@@ -52,6 +52,18 @@ void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available,
 
 }  // namespace
 
+PlannedScene::PlannedScene(AssembledScene assembled)
+    : scene(std::make_shared<const AssembledScene>(std::move(assembled))),
+      plan(scene->problem, scene->options),
+      as(solved_as(plan, scene->one_column)) {}
+
+PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
+                        const std::vector<double>& levels_m, int threads) {
+  AssembledScene assembled = assemble(scene, available, files, levels_m);
+  assembled.options.threads = threads;
+  return PlannedScene(std::move(assembled));
+}
+
 SolverOptions by_columns(SolverOptions options) {
   options.independent_columns = true;
   options.beam_crosses_columns = false;
@@ -67,26 +79,24 @@ Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int
   std::vector<std::vector<double>> levels;
   std::size_t kept = 0;
   for (const Scene& scene : scenes) {
-    AssembledScene assembled = assemble(scene, available, files, {});
-    assembled.options.threads = threads;
-    forecast.memory = std::max(forecast.memory, foreseen(scene, assembled.problem, assembled.options));
-    forecast.seconds += predict_seconds(assembled.problem, assembled.options);
+    PlannedScene planned = plan_scene(scene, available, files, {}, threads);
+    const SolvePlan& plan = planned.plan;
+    forecast.memory = std::max(forecast.memory, foreseen(scene, plan));
+    forecast.seconds += predict_seconds(plan);
     if (scene.output.error_estimate) {
-      const SolvedAs as = solved_as(assembled.problem, assembled.options, assembled.one_column);
-      forecast.seconds += predict_companion_seconds(assembled.problem, assembled.options, scene.solver.accuracy, as);
-      const SolverOptions companion = companion_options(assembled.options, scene.solver.accuracy, as);
-      forecast.memory =
-          std::max(forecast.memory, foreseen(scene, assembled.problem, companion) + solution_bytes(assembled));
+      forecast.seconds += predict_companion_seconds(plan, scene.solver.accuracy, planned.as);
+      const SolvePlan companion = plan.with(companion_options(plan.whole_options(), scene.solver.accuracy, planned.as));
+      forecast.memory = std::max(forecast.memory, foreseen(scene, companion) + solution_bytes(*planned.scene));
     }
     if (compare) {
-      const SolverOptions columns = by_columns(assembled.options);
-      forecast.memory = std::max(forecast.memory, predict_memory(assembled.problem, columns));
-      forecast.seconds += predict_seconds(assembled.problem, columns);
-      kept += solution_bytes(assembled);  // at most: of these, fluxes alone are kept
+      const SolvePlan columns = plan.with(by_columns(plan.whole_options()));
+      forecast.memory = std::max(forecast.memory, predict_memory(columns));
+      forecast.seconds += predict_seconds(columns);
+      kept += solution_bytes(*planned.scene);  // at most: of these, fluxes alone are kept
     }
-    levels.push_back(assembled.problem.grid.box.z_edge_m);
-    kept += solution_bytes(assembled);
-    if (scenes.size() == 1) forecast.only = std::move(assembled);
+    levels.push_back(plan.whole().grid.box.z_edge_m);
+    kept += solution_bytes(*planned.scene);
+    if (scenes.size() == 1) forecast.only = std::move(planned);
   }
   if (scenes.size() > 1 || compare) forecast.memory += kept;
   forecast.seconds *= machine_slowness();

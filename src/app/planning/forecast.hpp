@@ -2,21 +2,37 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "app/planning/error_calibration.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
 
 /// What is known of a run before the first solve.
+/// A scene and how it is solved.
+struct PlannedScene {
+  explicit PlannedScene(AssembledScene scene);
+
+  std::shared_ptr<const AssembledScene> scene;
+  SolvePlan plan;
+  SolvedAs as;
+};
+
+/// @param levels_m as LevelOptions::levels_m
+PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
+                        const std::vector<double>& levels_m, int threads);
+
 struct Forecast {
-  std::size_t memory = 0;              ///< bytes, of the most demanding wavelength, with the results of all
-  double seconds = 0;                  ///< of all wavelengths, on this machine
-  std::vector<double> levels_m;        ///< that serve all wavelengths; empty: there is one scene only
-  std::optional<AssembledScene> only;  ///< that scene
+  std::size_t memory = 0;            ///< bytes, of the most demanding wavelength, with the results of all
+  double seconds = 0;                ///< of all wavelengths, on this machine
+  std::vector<double> levels_m;      ///< that serve all wavelengths; empty: there is one scene only
+  std::optional<PlannedScene> only;  ///< that scene
 };
 
 /// Looks at every wavelength, so that none fails after others were solved.

@@ -116,7 +116,7 @@ class GoalRunner {
     result_.scenes = scenes_at(options_, names_[level]);
     result_.solved = {};
     Forecast expected = forecast(result_.scenes, available_, options_.threads, false, files_);
-    if (const auto& only = expected.only) solved_as_ = solved_as(only->problem, only->options, only->one_column);
+    if (expected.only) solved_as_ = expected.only->as;
     const auto start = Clock::now();
     result_.solved = solve_all(result_.scenes, std::move(expected), options_, available_, files_);
     result_.plan.seconds = seconds_since(start) - table_seconds(result_.solved);

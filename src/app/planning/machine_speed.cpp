@@ -46,7 +46,7 @@ double calibrate_machine() {
   SolverOptions options = field_options("draft");
   options.threads = 0;
   options.absorption = false;
-  const double predicted = predict_seconds(problem, options);
+  const double predicted = predict_seconds(SolvePlan(problem, options));
   double least = 0;
   for (int n = 0; n < 3; ++n) {
     const SolverReport report = solve(problem, options).report;

@@ -1,4 +1,4 @@
-#include "cloudbow/transport/columns.hpp"
+#include "transport/columns/columns.hpp"
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -451,11 +451,6 @@ Sums solve_distinct(const Problem& problem, const SolverOptions& options, const 
 
 }  // namespace
 
-bool solved_without_azimuths(const Problem& problem, const SolverOptions& options) {
-  return options.independent_columns && !problem.surface.brdf && !options.radiance_field && options.views.empty() &&
-         options.cameras.empty();
-}
-
 template <class Real>
 Solution solve_columns(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress) {
   if (options.column_streams < 2 || options.column_streams > columns::most_streams) {
@@ -515,14 +510,13 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
   return solution;
 }
 
-std::size_t columns_memory(const Problem& problem, const SolverOptions& options, bool in_double) {
+std::size_t columns_memory(const Problem& problem, const SolverOptions& options, bool in_double, int threads) {
   const BoxGrid& box = problem.grid.box;
   const std::size_t levels = box.z_edge_m.size();
   const std::size_t cells = box.columns() * static_cast<std::size_t>(box.nz());
   const std::size_t active = problem.grid.active_cells();
   const std::size_t real = in_double ? sizeof(double) : sizeof(float);
   const auto n = static_cast<std::size_t>(options.column_streams);
-  const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : omp_get_max_threads());
   const std::size_t fluxes = flux_levels(box, options).size();
   const std::size_t fields =
       4 * (3 * fluxes * box.columns() + ((options.absorption ? 1 : 0) + (options.actinic ? 1 : 0)) * cells);
@@ -533,15 +527,14 @@ std::size_t columns_memory(const Problem& problem, const SolverOptions& options,
   const std::size_t level_fluxes = 8 * levels * box.columns();
   const bool slanted = problem.sun && options.beam_crosses_columns;
   const std::size_t beams = slanted ? 6 * level_fluxes + 40 * (options.actinic ? cells : active) : 0;
-  return grid + fields + std::max(beams, bookkeeping) + threads * batch;
+  return grid + fields + std::max(beams, bookkeeping) + static_cast<std::size_t>(threads) * batch;
 }
 
-double columns_seconds(const Problem& problem, const SolverOptions& options, bool in_double) {
+double columns_seconds(const Problem& problem, const SolverOptions& options, bool in_double, int threads) {
   // Measured with AVX2 on one core, for cells of optical depths of about one in columns that are all different.
   const double n = options.column_streams;
   const double seconds_a_cell = .4e-6 + n * n * (n + 4) * 1.5e-9 * (in_double ? 2 : 1);
   const double seconds_a_ray_and_cell = options.beam_crosses_columns ? 20e-9 * options.beam_rays : 0;
-  const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   return static_cast<double>(problem.grid.active_cells()) * (seconds_a_cell + seconds_a_ray_and_cell) / threads;
 }
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "cloudbow/medium/grid_map.hpp"
 #include "transport/grid/cells.hpp"
 #include "transport/rays/direct_beam.hpp"
 #include "transport/system/transport_system.hpp"
@@ -17,26 +18,17 @@ ColumnCells column_cells(const OpticalGrid& grid) {
   columns.begin.assign(box.columns() + 1, 0);
   columns.cell.resize(grid.active_cells());
   columns.level_cell.push_back(0);
-  const auto each_span = [&](const auto& visit) {
-    for (int k = 0; k < box.nz(); ++k) {
-      for (int j = 0; j < box.ny; ++j) {
-        const std::size_t row = static_cast<std::size_t>(k) * box.ny + j;
-        for (std::uint32_t s = grid.row_begin[row]; s < grid.row_begin[row + 1]; ++s) {
-          const RowSpan& span = grid.spans[s];
-          visit(k, static_cast<std::size_t>(j) * box.nx + span.i, span);
-        }
-      }
-    }
-  };
   columns.level_cell.resize(box.nz() + 1, 0);
-  each_span([&](int k, std::size_t column, const RowSpan& span) {
+  grid.for_each_span([&](int k, int j, const RowSpan& span) {
+    const std::size_t column = static_cast<std::size_t>(j) * box.nx + span.i;
     for (int i = 0; i < span.n; ++i) ++columns.begin[column + i + 1];
     columns.level_cell[k + 1] += static_cast<std::uint32_t>(span.n);
   });
   std::partial_sum(columns.begin.begin(), columns.begin.end(), columns.begin.begin());
   std::partial_sum(columns.level_cell.begin(), columns.level_cell.end(), columns.level_cell.begin());
   std::vector<std::uint32_t> next(columns.begin.begin(), columns.begin.end() - 1);
-  each_span([&](int, std::size_t column, const RowSpan& span) {
+  grid.for_each_span([&](int, int j, const RowSpan& span) {
+    const std::size_t column = static_cast<std::size_t>(j) * box.nx + span.i;
     for (int i = 0; i < span.n; ++i) columns.cell[next[column + i]++] = span.offset + static_cast<std::uint32_t>(i);
   });
   return columns;

@@ -8,7 +8,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
-#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 #include "transport/rays/direct_beam.hpp"
 #include "transport/rays/path_pattern.hpp"
 
@@ -68,7 +68,7 @@ PathLoad path_load(const Problem& problem, const SolverOptions& options) {
   const LevelRange levels{0, box.nz()};
   PathLoad load;
   load.beam = beam_segments(problem, options);
-  if (solved_without_azimuths(problem, options)) return load;
+  if (solved_by_polar_streams(problem, options)) return load;
   const bool vertical = options.independent_columns;
   const auto length = [&](const Direction& travel) { return pattern_segments(box, travel, vertical, levels); };
   for (const Direction& d : make_ordinate_set(options.directions).direction) {

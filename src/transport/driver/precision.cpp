@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "transport/driver/path_load.hpp"
-#include "transport/grid/cells.hpp"
-
 namespace cloudbow {
 namespace {
 
@@ -18,19 +15,16 @@ constexpr double thickest_domain_in_float = 120;
 
 }  // namespace
 
-bool runs_in_double(const Problem& problem, const SolverOptions& options) {
-  if (options.double_precision || beam_needs_double(problem, options)) return true;
-  const BoxGrid& box = problem.grid.box;
-  const ActiveRows rows = active_rows(problem.grid);
+bool too_thick_for_float(const OpticalGrid& grid) {
+  const BoxGrid& box = grid.box;
   double optical_depth = 0;  // summed over the columns
   double absorbing = 0;      // of it
   for (int k = 0; k < box.nz(); ++k) {
     const double thickness = box.thickness_m(k);
     const double edge = std::min({thickness, box.nx > 1 ? box.dx_m : thickness, box.ny > 1 ? box.dy_m : thickness});
-    for (std::uint32_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c) {
-      const double absorption = problem.grid.absorption[c];
-      double extinction = absorption;
-      for (const auto& scattering : problem.grid.scattering) extinction += scattering[c];
+    for (std::size_t c = grid.first_cell(k); c < grid.first_cell(k + 1); ++c) {
+      const double absorption = grid.absorption[c];
+      const double extinction = grid.extinction(c);
       if (extinction * edge > thickest_cell_in_float) return true;
       optical_depth += extinction * thickness;
       absorbing += absorption * thickness;

@@ -1,12 +1,11 @@
 // Whether float is enough.
 #pragma once
 
-#include "cloudbow/transport/options.hpp"
-#include "cloudbow/transport/problem.hpp"
+#include "cloudbow/medium/optical_grid.hpp"
 
 namespace cloudbow {
 
-/// Whether a solve needs double: asked for, or cells too thick for float to tell radiance from source.
-bool runs_in_double(const Problem& problem, const SolverOptions& options);
+/// Whether float cannot tell radiance from source in these cells, so that the iteration converges in double alone.
+bool too_thick_for_float(const OpticalGrid& grid);
 
 }  // namespace cloudbow

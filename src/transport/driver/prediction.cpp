@@ -6,46 +6,21 @@
 #include <limits>
 #include <numeric>
 
-#include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/solver.hpp"
-#include "cloudbow/transport/uniform_axes.hpp"
+#include "transport/columns/columns.hpp"
 #include "transport/driver/path_load.hpp"
-#include "transport/driver/precision.hpp"
-#include "transport/grid/threads.hpp"
 #include "transport/observers/camera_view.hpp"
 #include "transport/observers/gather.hpp"
 #include "transport/observers/sight_line.hpp"
-#include "transport/reduction/thick_levels.hpp"
-#include "transport/system/transport_system.hpp"
 
 namespace cloudbow {
 
 namespace {
 
-// What is solved, where axes are left out.
-std::optional<std::pair<Problem, SolverOptions>> without_uniform_axes(const Problem& problem,
-                                                                      const SolverOptions& options) {
-  if (!options.leave_out_uniform_axes) return std::nullopt;
-  const UniformAxes uniform = uniform_axes(problem);
-  if (!uniform.any()) return std::nullopt;
-  SolverOptions less = options;
-  less.leave_out_uniform_axes = false;
-  return std::pair(without_axes(problem, uniform), less);
-}
+int threads_of(const SolvePlan& plan) { return plan.threads() > 0 ? plan.threads() : omp_get_max_threads(); }
 
-// What is solved, where levels are cut.
-std::optional<std::pair<Problem, SolverOptions>> in_cut_levels(const Problem& problem, const SolverOptions& options) {
-  const CutLevels cut = cut_thick_levels(problem, options);
-  if (cut.added(problem.grid.box) == 0) return std::nullopt;
-  return std::pair(with_cut_levels(problem, cut), with_cut_levels(options, cut));
-}
-
-// With as many threads as the solve will have.
-SolverOptions with_threads(const Problem& problem, const SolverOptions& options) {
-  SolverOptions with = options;
-  const int threads = threads_for(problem, options);
-  with.threads = threads > 0 ? threads : omp_get_max_threads();
-  return with;
+std::size_t grid_bytes(const Problem& problem) {
+  return problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
 }
 
 // The same views in smaller images, which tell what they see as well.
@@ -156,35 +131,24 @@ std::vector<int> inner_levels(const BoxGrid& box, const SolverOptions& options) 
   return levels;
 }
 
-}  // namespace
-
-std::size_t predict_memory(const Problem& problem, const SolverOptions& asked) {
-  if (const auto less = without_uniform_axes(problem, asked)) {
-    const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
-    const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
-    // Fluxes and absorption of the whole, and on their way into the file.
-    return predict_memory(less->first, less->second) + grid + 8 * cells * sizeof(float);
-  }
-  if (const auto fine = in_cut_levels(problem, asked)) {
-    const std::size_t grid = problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
-    return predict_memory(fine->first, fine->second) + grid;
-  }
-  const SolverOptions options = with_threads(problem, asked);
+std::size_t memory_of_solve(const SolvePlan& plan) {
+  const Problem& problem = plan.problem();
+  const SolverOptions& options = plan.options();
   // Libraries; reading a cloud takes another one.
   constexpr std::size_t libraries = 20'000'000;
   constexpr std::size_t reading = 33'000'000;
   check_paths(problem, options);
-  const auto threads = static_cast<std::size_t>(options.threads);
+  const auto threads = static_cast<std::size_t>(threads_of(plan));
   const auto of_patterns = static_cast<std::size_t>(path_load(problem, options).bytes(static_cast<int>(threads)));
-  if (solved_without_azimuths(problem, options)) {
+  if (plan.by_polar_streams()) {
     constexpr std::size_t program_of_columns = 17'500'000;
     return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) + of_patterns +
-           columns_memory(problem, options, runs_in_double(problem, options));
+           columns_memory(problem, options, plan.in_double(), threads_of(plan));
   }
   const BoxGrid& box = problem.grid.box;
   const std::size_t dense = box.columns() * static_cast<std::size_t>(box.nz());
-  const std::size_t active = options.actinic ? dense : problem.grid.active_cells();
-  const std::size_t real = runs_in_double(problem, options) ? sizeof(double) : sizeof(float);
+  const std::size_t active = plan.cells();
+  const std::size_t real = plan.in_double() ? sizeof(double) : sizeof(float);
   const std::size_t phases = problem.phase.size();
   const auto ordinates = static_cast<std::size_t>(make_ordinate_set(options.directions).size());
   const auto points = static_cast<std::size_t>(options.control_points);
@@ -234,12 +198,23 @@ std::size_t predict_memory(const Problem& problem, const SolverOptions& asked) {
   return program + dense * place + std::max(solving, writing);
 }
 
-double predict_seconds(const Problem& problem, const SolverOptions& asked) {
-  if (const auto less = without_uniform_axes(problem, asked)) return predict_seconds(less->first, less->second);
-  if (const auto fine = in_cut_levels(problem, asked)) return predict_seconds(fine->first, fine->second);
-  const SolverOptions options = with_threads(problem, asked);
-  if (solved_without_azimuths(problem, options))
-    return columns_seconds(problem, options, runs_in_double(problem, options));
+}  // namespace
+
+std::size_t predict_memory(const SolvePlan& plan) {
+  std::size_t bytes = memory_of_solve(plan);
+  if (plan.added_levels() > 0) bytes += grid_bytes(plan.collapsed());
+  if (plan.collapsed_axes().any()) {
+    const BoxGrid& box = plan.whole().grid.box;
+    // Fluxes and absorption of the whole, and on their way into the file.
+    bytes += grid_bytes(plan.whole()) + 8 * box.columns() * static_cast<std::size_t>(box.nz()) * sizeof(float);
+  }
+  return bytes;
+}
+
+double predict_seconds(const SolvePlan& plan) {
+  const Problem& problem = plan.problem();
+  const SolverOptions& options = plan.options();
+  if (plan.by_polar_streams()) return columns_seconds(problem, options, plan.in_double(), threads_of(plan));
   // Constants measured with AVX2 on one core. Many cells of a periodic field are marched along the axis of fewest
   // segments; elsewhere segments grow with the slant of the ordinates.
   constexpr double seconds_a_segment = 2.5e-9;
@@ -256,12 +231,10 @@ double predict_seconds(const Problem& problem, const SolverOptions& asked) {
     const double along_z = 1 + (std::abs(d.x()) * dz / box.dx_m + std::abs(d.y()) * dz / box.dy_m) / std::abs(d.z());
     segments += shortest_way ? std::min(along_z, 2.) : along_z;
   }
-  const double cells = static_cast<double>(options.actinic ? box.columns() * static_cast<std::size_t>(box.nz())
-                                                           : problem.grid.active_cells());
+  const auto cells = static_cast<double>(plan.cells());
   const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair);
   // Down, with a quarter more about the sun, and up; between bottom and top as many, their light in bands.
-  const bool one_column = box.periodic && box.columns() == 1;
-  const double gather = one_column || options.independent_columns
+  const double gather = plan.is_one_column() || options.independent_columns
                             ? 0
                             : cells * options.gather_directions * seconds_a_gather_pair *
                                   (2.25 + (inner_levels(box, options).empty() ? 0 : 3));
@@ -269,7 +242,7 @@ double predict_seconds(const Problem& problem, const SolverOptions& asked) {
   const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
   return (sweep * usual_sweeps + gather * (1 + tall) + beam_seconds(problem, options, cells) +
           pixel_seconds(problem, options) + seen_seconds(options, cells, ordinates.size())) /
-             options.threads +
+             threads_of(plan) +
          surface_seconds(problem, ordinates.size()) + seconds_to_start;
 }
 

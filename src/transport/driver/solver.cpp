@@ -11,18 +11,17 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/thread_scope.hpp"
-#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
-#include "cloudbow/transport/uniform_axes.hpp"
+#include "transport/columns/columns.hpp"
 #include "transport/driver/path_load.hpp"
-#include "transport/driver/precision.hpp"
-#include "transport/grid/threads.hpp"
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/observers/cell_fields.hpp"
 #include "transport/observers/flux_fields.hpp"
 #include "transport/observers/images.hpp"
 #include "transport/problem/finite.hpp"
-#include "transport/reduction/thick_levels.hpp"
+#include "transport/reduction/subdivided_levels.hpp"
+#include "transport/reduction/uniform_axes.hpp"
 
 namespace cloudbow {
 namespace {
@@ -149,14 +148,14 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   return solution;
 }
 
-Solution solve_without_azimuths(const Problem& problem, const SolverOptions& options,
-                                const ProgressCallback& progress) {
+Solution solve_by_polar_streams(const SolvePlan& plan, const ProgressCallback& progress) {
   const auto start = Clock::now();
   const double cpu_start = cpu_seconds();
-  Solution solution = runs_in_double(problem, options) ? solve_columns<double>(problem, options, progress)
-                                                       : solve_columns<float>(problem, options, progress);
+  const Problem& problem = plan.problem();
+  Solution solution = plan.in_double() ? solve_columns<double>(problem, plan.options(), progress)
+                                       : solve_columns<float>(problem, plan.options(), progress);
   SolverReport& report = solution.report;
-  report.mode = mode_of(problem.grid.box, options);
+  report.mode = mode_of(problem.grid.box, plan.options());
   report.active_voxels = problem.grid.active_cells();
   report.threads = omp_get_max_threads();
   report.seconds_total = report.seconds_sweeps = seconds_since(start);
@@ -175,51 +174,45 @@ void check_light(const Problem& problem) {
   check("radiance of the sky", problem.sky_radiance);
 }
 
-// Axes along which nothing varies are left out, and thick levels cut, by solving another problem.
-Solution solve_in_parts(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
-                        Checkpoints* checkpoints) {
-  if (const UniformAxes uniform = options.leave_out_uniform_axes ? uniform_axes(problem) : UniformAxes{};
-      uniform.any()) {
-    SolverOptions less = options;
-    less.leave_out_uniform_axes = false;
-    const Problem small = without_axes(problem, uniform);
-    less.double_precision = options.double_precision || one_column(small.grid.box);  // costs nothing there
-    Solution solution = solve_in_parts(small, less, progress, checkpoints);
-    spread(problem, uniform, solution);
-    solution.report.left_out_axes = uniform.x && uniform.y ? "x, y" : uniform.x ? "x" : "y";
-    return solution;
+Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints) {
+  const SolverOptions& options = plan.options();
+  check_cell_thickness(plan.problem());
+  std::optional<Problem> with_all_cells;
+  if (plan.cells() > plan.problem().grid.active_cells()) {
+    with_all_cells = plan.problem();
+    with_all_cells->grid = with_empty_cells(plan.problem().grid);
   }
-  const CutLevels cut = cut_thick_levels(problem, options);
-  if (const int added = cut.added(problem.grid.box); added > 0) {
-    Solution solution =
-        solve_in_parts(with_cut_levels(problem, cut), with_cut_levels(options, cut), progress, checkpoints);
-    join_levels(problem, cut, solution);
-    solution.report.added_levels = added;
-    return solution;
-  }
-  const std::size_t cells = problem.grid.box.columns() * static_cast<std::size_t>(problem.grid.box.nz());
-  const ThreadScope threads(threads_for(problem, options));
-  check_paths(problem, options);
-  if (solved_without_azimuths(problem, options)) return solve_without_azimuths(problem, options, progress);
-  check_cell_thickness(problem);
-  if (options.actinic && problem.grid.active_cells() < cells) {
-    Problem full = problem;
-    full.grid = with_empty_cells(problem.grid);
-    return runs_in_double(full, options) ? solve_as<double>(full, options, progress, checkpoints)
-                                         : solve_as<float>(full, options, progress, checkpoints);
-  }
-  return runs_in_double(problem, options) ? solve_as<double>(problem, options, progress, checkpoints)
-                                          : solve_as<float>(problem, options, progress, checkpoints);
+  const Problem& problem = with_all_cells ? *with_all_cells : plan.problem();
+  return plan.in_double() ? solve_as<double>(problem, options, progress, checkpoints)
+                          : solve_as<float>(problem, options, progress, checkpoints);
 }
 
 }  // namespace
 
-Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
-               Checkpoints* checkpoints) {
-  check_light(problem);
-  Solution solution = solve_in_parts(problem, options, progress, checkpoints);
+Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints) {
+  check_light(plan.whole());
+  Solution solution;
+  {
+    const ThreadScope threads(plan.threads());
+    check_paths(plan.problem(), plan.options());
+    solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
+                                       : solve_by_ordinates(plan, progress, checkpoints);
+  }
+  if (plan.added_levels() > 0) {
+    join_levels(plan.collapsed(), plan.levels(), solution);
+    solution.report.added_levels = plan.added_levels();
+  }
+  if (const UniformAxes axes = plan.collapsed_axes(); axes.any()) {
+    spread(plan.whole(), axes, solution);
+    solution.report.left_out_axes = axes.x && axes.y ? "x, y" : axes.x ? "x" : "y";
+  }
   check_finite(solution);
   return solution;
+}
+
+Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+               Checkpoints* checkpoints) {
+  return solve(SolvePlan(problem, options), progress, checkpoints);
 }
 
 }  // namespace cloudbow

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -69,6 +70,15 @@ std::vector<std::uint32_t> dense_indices(const ActiveRows& rows) {
       }
     }
   }
+  return index;
+}
+
+std::vector<std::uint32_t> dense_indices(const OpticalGrid& grid) {
+  std::vector<std::uint32_t> index(grid.active_cells());
+  grid.for_each_span([&](int k, int j, const RowSpan& span) {
+    const std::size_t first = (static_cast<std::size_t>(k) * grid.box.ny + j) * grid.box.nx + span.i;
+    std::iota(index.begin() + span.offset, index.begin() + span.offset + span.n, static_cast<std::uint32_t>(first));
+  });
   return index;
 }
 

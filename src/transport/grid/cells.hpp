@@ -115,5 +115,6 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
 
 /// Indices (k*ny + j)*nx + i of the active cells.
 std::vector<std::uint32_t> dense_indices(const ActiveRows& rows);
+std::vector<std::uint32_t> dense_indices(const OpticalGrid& grid);
 
 }  // namespace cloudbow

@@ -4,7 +4,8 @@
 #include <limits>
 #include <numeric>
 
-#include "transport/reduction/thick_levels.hpp"
+#include "cloudbow/medium/grid_map.hpp"
+#include "transport/reduction/subdivided_levels.hpp"
 
 namespace cloudbow {
 namespace {
@@ -13,26 +14,17 @@ constexpr std::size_t kNotChosen = std::numeric_limits<std::size_t>::max();
 
 /// Calls see(column, k, cell) for all active cells, in their order.
 template <class See>
-void for_each_cell(const OpticalGrid& grid, See see) {
-  const BoxGrid& box = grid.box;
-  for (int k = 0; k < box.nz(); ++k) {
-    for (int j = 0; j < box.ny; ++j) {
-      const std::size_t row = static_cast<std::size_t>(k) * box.ny + j;
-      for (std::uint32_t s = grid.row_begin[row]; s < grid.row_begin[row + 1]; ++s) {
-        const RowSpan& span = grid.spans[s];
-        for (int n = 0; n < span.n; ++n)
-          see(static_cast<std::size_t>(j) * box.nx + span.i + n, k, span.offset + static_cast<std::size_t>(n));
-      }
-    }
-  }
+void for_each_cell(const OpticalGrid& grid, const See& see) {
+  grid.for_each_span([&](int k, int j, const RowSpan& span) {
+    const std::size_t column = static_cast<std::size_t>(j) * grid.box.nx + span.i;
+    for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(span.n); ++n) see(column + n, k, span.offset + n);
+  });
 }
 
 std::vector<double> optical_depths(const OpticalGrid& grid) {
   std::vector<double> depth(grid.box.columns());
-  for_each_cell(grid, [&](std::size_t column, int k, std::size_t c) {
-    double extinction = grid.absorption[c];
-    for (const auto& of_phase : grid.scattering) extinction += static_cast<double>(of_phase[c]);
-    depth[column] += grid.box.thickness_m(k) * extinction;
+  for_each_cell(grid, [&](std::size_t column, int k, std::uint32_t c) {
+    depth[column] += grid.box.thickness_m(k) * grid.extinction(c);
   });
   return depth;
 }
@@ -45,40 +37,34 @@ Problem side_by_side(const Problem& problem, const std::vector<std::size_t>& cho
   for (const std::size_t column : chosen) {
     if (!problem.surface.albedo_map.empty()) row.surface.albedo_map.push_back(problem.surface.albedo_map[column]);
   }
-  std::vector<std::size_t> place(from.box.columns(), kNotChosen);
-  for (std::size_t n = 0; n < chosen.size(); ++n) place[chosen[n]] = n;
-  // Cells of each level by their place in the row.
-  std::vector<std::vector<std::size_t>> cell(from.box.nz(), std::vector<std::size_t>(chosen.size(), kNotChosen));
-  for_each_cell(from, [&](std::size_t column, int k, std::size_t c) {
-    if (place[column] != kNotChosen) cell[k][place[column]] = c;
+  std::vector<std::size_t> location(from.box.columns(), kNotChosen);
+  for (std::size_t n = 0; n < chosen.size(); ++n) location[chosen[n]] = n;
+  // Cells of each level by their location in the row.
+  std::vector<std::vector<std::uint32_t>> cell(from.box.nz(),
+                                               std::vector<std::uint32_t>(chosen.size(), GridMap::no_cell));
+  for_each_cell(from, [&](std::size_t column, int k, std::uint32_t c) {
+    if (location[column] != kNotChosen) cell[k][location[column]] = c;
   });
-
-  OpticalGrid& to = row.grid;
-  to.box = from.box;
-  to.box.nx = static_cast<int>(chosen.size());
-  to.box.ny = 1;
-  to.box.periodic = true;
-  to.layer_absorption = from.layer_absorption;
-  to.layer_scattering = from.layer_scattering;
-  to.scattering.resize(from.scattering.size());
-  to.row_begin.push_back(0);
-  for (const std::vector<std::size_t>& level : cell) {
+  GridMap map;
+  map.box = from.box;
+  map.box.nx = static_cast<int>(chosen.size());
+  map.box.ny = 1;
+  map.box.periodic = true;
+  map.level = same_levels(from);
+  for (const std::vector<std::uint32_t>& level : cell) {
     for (std::size_t i = 0; i < level.size(); ++i) {
-      if (level[i] == kNotChosen) continue;
-      if (i == 0 || level[i - 1] == kNotChosen)
-        to.spans.push_back({static_cast<int>(i), 0, static_cast<std::uint32_t>(to.absorption.size())});
-      ++to.spans.back().n;
-      to.absorption.push_back(from.absorption[level[i]]);
-      for (std::size_t p = 0; p < to.scattering.size(); ++p) to.scattering[p].push_back(from.scattering[p][level[i]]);
+      if (level[i] != GridMap::no_cell) map.add(static_cast<std::int32_t>(i), level[i]);
     }
-    to.row_begin.push_back(static_cast<std::uint32_t>(to.spans.size()));
+    map.end_row();
   }
+  row.grid = remap(from, std::move(map));
   return row;
 }
 
 }  // namespace
 
-Problem probe_columns(const Problem& problem, const SolverOptions& options) {
+Problem probe_columns(const SolvePlan& plan) {
+  const Problem& problem = plan.whole();
   const std::vector<double> depth = optical_depths(problem.grid);
   std::vector<std::size_t> order(depth.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -87,8 +73,7 @@ Problem probe_columns(const Problem& problem, const SolverOptions& options) {
   std::vector<std::size_t> chosen;
   for (std::size_t n = 0; n < classes; ++n) chosen.push_back(order[(2 * n + 1) * order.size() / (2 * classes)]);
   const Problem row = side_by_side(problem, chosen);
-  const CutLevels cut = cut_thick_levels(problem, options);
-  return cut.added(problem.grid.box) > 0 ? with_cut_levels(row, cut) : row;
+  return plan.added_levels() > 0 ? with_subdivided_levels(row, plan.levels()) : row;
 }
 
 }  // namespace cloudbow

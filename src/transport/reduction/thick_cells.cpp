@@ -15,20 +15,14 @@ constexpr double kLargestOpticalDepth = 1e6;
 
 void check_cell_thickness(const Problem& problem) {
   const OpticalGrid& grid = problem.grid;
-  const std::size_t ny = static_cast<std::size_t>(grid.box.ny);
   double largest = 0;
-  for (std::size_t row = 0; row + 1 < grid.row_begin.size(); ++row) {
-    const double height = grid.box.thickness_m(static_cast<int>(row / ny));
-    for (std::uint32_t s = grid.row_begin[row]; s < grid.row_begin[row + 1]; ++s) {
-      const RowSpan& span = grid.spans[s];
-      for (std::size_t c = span.offset; c < span.offset + static_cast<std::size_t>(span.n); ++c) {
-        double scattering = 0;
-        for (const auto& of_phase : grid.scattering) scattering += static_cast<double>(of_phase[c]);
-        if (scattering > 0)
-          largest = std::max(largest, height * (static_cast<double>(grid.absorption[c]) + scattering));
-      }
+  grid.for_each_span([&](int k, int, const RowSpan& span) {
+    for (std::size_t c = span.offset; c < span.offset + static_cast<std::size_t>(span.n); ++c) {
+      const bool scatters = std::any_of(grid.scattering.begin(), grid.scattering.end(),
+                                        [c](const auto& of_phase) { return of_phase[c] > 0; });
+      if (scatters) largest = std::max(largest, grid.box.thickness_m(k) * grid.extinction(c));
     }
-  }
+  });
   if (largest > kLargestOpticalDepth) {
     throw InputError(
         fmt::format("cell: too thick to be solved (found an optical depth of {:.4g}, allowed up to {:g} where light "

@@ -1,7 +1,8 @@
-#include "cloudbow/transport/uniform_axes.hpp"
+#include "transport/reduction/uniform_axes.hpp"
 
 #include <algorithm>
 
+#include "cloudbow/medium/grid_map.hpp"
 #include "transport/grid/cells.hpp"
 
 namespace cloudbow {
@@ -24,19 +25,14 @@ bool full_rows_of_one_value(const OpticalGrid& grid) {
 }
 
 bool rows_alike(const OpticalGrid& grid) {
-  const int ny = grid.box.ny;
+  const auto alike = [&grid](const RowSpan& a, const RowSpan& b) {
+    return a.i == b.i && a.n == b.n && same_cells(grid, a.offset, b.offset, static_cast<std::size_t>(a.n));
+  };
   for (int k = 0; k < grid.box.nz(); ++k) {
-    const std::uint32_t first = grid.row_begin[k * ny];
-    const std::uint32_t spans = grid.row_begin[k * ny + 1] - first;
-    for (int j = 1; j < ny; ++j) {
-      const std::uint32_t other = grid.row_begin[k * ny + j];
-      if (grid.row_begin[k * ny + j + 1] - other != spans) return false;
-      for (std::uint32_t s = 0; s < spans; ++s) {
-        const RowSpan& a = grid.spans[first + s];
-        const RowSpan& b = grid.spans[other + s];
-        if (a.i != b.i || a.n != b.n || !same_cells(grid, a.offset, b.offset, static_cast<std::size_t>(a.n)))
-          return false;
-      }
+    const auto first = grid.row(k, 0);
+    for (int j = 1; j < grid.box.ny; ++j) {
+      const auto other = grid.row(k, j);
+      if (!std::equal(first.begin(), first.end(), other.begin(), other.end(), alike)) return false;
     }
   }
   return true;
@@ -81,7 +77,7 @@ void spread_radiance_field(const Problem& whole, UniformAxes uniform, RadianceFi
   spread_out.direction = std::move(field.direction);
   spread_out.triangle = std::move(field.triangle);
   const std::size_t columns = box.columns();
-  for (const std::uint32_t c : dense_indices(active_rows(whole.grid))) {
+  for (const std::uint32_t c : dense_indices(whole.grid)) {
     const auto i = static_cast<std::int32_t>(c % box.nx);
     const auto j = static_cast<std::int32_t>(c / box.nx % box.ny);
     const auto k = static_cast<std::int32_t>(c / columns);
@@ -102,45 +98,37 @@ UniformAxes uniform_axes(const Problem& problem) {
           grid.box.ny > 1 && map_is_uniform(problem.surface.albedo_map, grid.box, false) && rows_alike(grid)};
 }
 
-Problem without_axes(const Problem& problem, UniformAxes uniform) {
+Problem collapse(const Problem& problem, UniformAxes uniform) {
   Problem small{{}, problem.phase, problem.sun, problem.sky_radiance, problem.surface};
   const OpticalGrid& from = problem.grid;
-  OpticalGrid& to = small.grid;
-  to.box = from.box;
+  GridMap map;
+  map.box = from.box;
   if (uniform.x) {
-    to.box.dx_m *= to.box.nx;
-    to.box.nx = 1;
+    map.box.dx_m *= map.box.nx;
+    map.box.nx = 1;
   }
   if (uniform.y) {
-    to.box.dy_m *= to.box.ny;
-    to.box.ny = 1;
+    map.box.dy_m *= map.box.ny;
+    map.box.ny = 1;
   }
-  to.layer_absorption = from.layer_absorption;
-  to.layer_scattering = from.layer_scattering;
-  to.scattering.resize(from.scattering.size());
-  to.row_begin.push_back(0);
-  for (int k = 0; k < to.box.nz(); ++k) {
-    for (int j = 0; j < to.box.ny; ++j) {
-      const std::size_t row = static_cast<std::size_t>(k) * from.box.ny + j;
-      for (std::uint32_t s = from.row_begin[row]; s < from.row_begin[row + 1]; ++s) {
-        const RowSpan& span = from.spans[s];
-        const int n = uniform.x ? 1 : span.n;
-        to.spans.push_back({span.i, n, static_cast<std::uint32_t>(to.absorption.size())});
-        const auto copy = [&](const std::vector<float>& of, std::vector<float>& into) {
-          into.insert(into.end(), of.begin() + span.offset, of.begin() + span.offset + n);
-        };
-        copy(from.absorption, to.absorption);
-        for (std::size_t p = 0; p < to.scattering.size(); ++p) copy(from.scattering[p], to.scattering[p]);
+  map.level = same_levels(from);
+  for (int k = 0; k < map.box.nz(); ++k) {
+    for (int j = 0; j < map.box.ny; ++j) {
+      for (const RowSpan& span : from.row(k, j)) {
+        for (int n = 0; n < (uniform.x ? 1 : span.n); ++n)
+          map.add(span.i + n, span.offset + static_cast<std::uint32_t>(n));
       }
-      to.row_begin.push_back(static_cast<std::uint32_t>(to.spans.size()));
+      map.end_row();
     }
   }
-  const std::vector<float>& map = problem.surface.albedo_map;
-  if (!map.empty()) {
+  const BoxGrid box = map.box;
+  small.grid = remap(from, std::move(map));
+  const std::vector<float>& albedo = problem.surface.albedo_map;
+  if (!albedo.empty()) {
     small.surface.albedo_map.clear();
-    for (int j = 0; j < to.box.ny; ++j) {
-      const auto row = map.begin() + static_cast<std::ptrdiff_t>(j) * from.box.nx;
-      small.surface.albedo_map.insert(small.surface.albedo_map.end(), row, row + to.box.nx);
+    for (int j = 0; j < box.ny; ++j) {
+      const auto row = albedo.begin() + static_cast<std::ptrdiff_t>(j) * from.box.nx;
+      small.surface.albedo_map.insert(small.surface.albedo_map.end(), row, row + box.nx);
     }
   }
   return small;

@@ -182,27 +182,6 @@ void set_first_order_beside_peak(const Problem& problem, const Discretisation& d
   }
 }
 
-OpticalGrid with_empty_cells(const OpticalGrid& grid) {
-  OpticalGrid full;
-  full.box = grid.box;
-  full.layer_absorption = grid.layer_absorption;
-  full.layer_scattering = grid.layer_scattering;
-  const auto dense = dense_indices(active_rows(grid));
-  const std::size_t cells = grid.box.columns() * static_cast<std::size_t>(grid.box.nz());
-  full.absorption.assign(cells, 0.F);
-  full.scattering.assign(grid.scattering.size(), std::vector<float>(cells, 0.F));
-  for (std::size_t c = 0; c < dense.size(); ++c) {
-    full.absorption[dense[c]] = grid.absorption[c];
-    for (std::size_t p = 0; p < grid.scattering.size(); ++p) full.scattering[p][dense[c]] = grid.scattering[p][c];
-  }
-  for (int row = 0; row < grid.box.nz() * grid.box.ny; ++row) {
-    full.row_begin.push_back(static_cast<std::uint32_t>(row));
-    full.spans.push_back({0, grid.box.nx, static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(grid.box.nx)});
-  }
-  full.row_begin.push_back(static_cast<std::uint32_t>(full.spans.size()));
-  return full;
-}
-
 template struct TransportSystem<float>;
 template struct TransportSystem<double>;
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                     \

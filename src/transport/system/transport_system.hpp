@@ -52,7 +52,4 @@ template <class Real>
 void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
                      const DirectBeam<Real>* gather_beam, DirectionalSource<Real>& source);
 
-/// Every cell of the box active: for when the light in empty air is asked for too.
-OpticalGrid with_empty_cells(const OpticalGrid& grid);
-
 }  // namespace cloudbow

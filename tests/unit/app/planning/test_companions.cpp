@@ -22,14 +22,15 @@ TEST(Companions, OfColumnsAreOneSolve) {
   const Problem problem = small_field();
   SolverOptions options = accuracy_options("balanced", false, false);
   options.independent_columns = true;
-  const Companions companions = solve_companions(problem, options, "balanced", SolvedAs::field, {});
+  const Companions companions = solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
   EXPECT_EQ(companions.constant.upwelling_flux, companions.linear.upwelling_flux);
   EXPECT_EQ(companions.linear.report.sweeps + companions.constant.report.sweeps, 1);
   EXPECT_EQ(companions.constant.report.cpu_seconds, 0);
   EXPECT_FALSE(companions.probe);
   const SolverOptions other = companion_options(options, "balanced", SolvedAs::field);
   EXPECT_LT(other.column_streams, options.column_streams);
-  EXPECT_EQ(predict_companion_seconds(problem, options, "balanced", SolvedAs::field), predict_seconds(problem, other));
+  EXPECT_EQ(predict_companion_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field),
+            predict_seconds(SolvePlan(problem, other)));
 }
 
 TEST(Companions, OfOneColumnByItsStreamsHaveMoreStreams) {
@@ -46,26 +47,27 @@ TEST(Companions, OfOneColumnBesideStreamsAreItsStreams) {
   problem.phase = {PhaseFunction::henyey_greenstein(.8)};
   problem.sun = Sun{travel_along(-.6, 20), 1.};
   SolverOptions options = coarse_options();
-  EXPECT_EQ(solved_as(problem, options, true), SolvedAs::column_beside_streams);
-  const Companions companions = solve_companions(problem, options, "balanced", SolvedAs::column_beside_streams, {});
+  EXPECT_EQ(solved_as(SolvePlan(problem, options), true), SolvedAs::column_beside_streams);
+  const Companions companions =
+      solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::column_beside_streams, {});
   options.independent_columns = true;
   options.column_streams = 16;
   EXPECT_NEAR(companions.linear.ledger.reflectance, solve(problem, options).ledger.reflectance, 1e-12);
   problem.surface.brdf.emplace();
   options.independent_columns = false;
-  EXPECT_EQ(solved_as(problem, options, true), SolvedAs::column) << "streams know no azimuths";
+  EXPECT_EQ(solved_as(SolvePlan(problem, options), true), SolvedAs::column) << "streams know no azimuths";
 }
 
 TEST(Companions, OfAFieldThatDoesNotVaryAreThoseOfAColumn) {
   Problem problem = small_field();
   SolverOptions options = coarse_options();
-  options.leave_out_uniform_axes = true;
-  EXPECT_EQ(solved_as(problem, options, false), SolvedAs::field);
+  options.collapse_uniform_axes = true;
+  EXPECT_EQ(solved_as(SolvePlan(problem, options), false), SolvedAs::field);
   const BoxGrid box = make_box(4, 3, 5);
   problem.grid = make_grid(box, std::vector<float>(60, .5F), .99);
-  EXPECT_EQ(solved_as(problem, options, false), SolvedAs::column_beside_streams);
-  options.leave_out_uniform_axes = false;
-  EXPECT_EQ(solved_as(problem, options, false), SolvedAs::field);
+  EXPECT_EQ(solved_as(SolvePlan(problem, options), false), SolvedAs::column_beside_streams);
+  options.collapse_uniform_axes = false;
+  EXPECT_EQ(solved_as(SolvePlan(problem, options), false), SolvedAs::field);
 }
 
 // Truth: thick cells forget how high the sun stands, and a slab of them has an exact solution.
@@ -83,7 +85,7 @@ TEST(Companions, TellWhatThickCellsCost) {
     const Solution truth = solve(problem, exact);
     const double error = flux_distance(solution, truth).domain;
     ASSERT_GT(error, .01);
-    const Companions companions = solve_companions(problem, options, "balanced", SolvedAs::field, {});
+    const Companions companions = solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
     const ErrorEstimate estimate =
         estimate_error(solution, companions, error_weights("balanced", SolvedAs::field), false);
     // The same columns by the same ordinates, but for their iteration.
@@ -95,15 +97,16 @@ TEST(Companions, TellWhatThickCellsCost) {
 TEST(Companions, OfFieldsAreTwoAndAProbe) {
   const Problem problem = small_field();
   const SolverOptions options = accuracy_options("balanced", false, false);
-  const Companions companions = solve_companions(problem, options, "balanced", SolvedAs::field, {});
+  const Companions companions = solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
   EXPECT_NE(companions.constant.upwelling_flux, companions.linear.upwelling_flux);
   EXPECT_GE(companions.constant.report.sweeps, 1);
   const SolverOptions other = companion_options(options, "balanced", SolvedAs::field);
   ASSERT_TRUE(companions.probe);
   EXPECT_EQ(companions.probe->by_ordinates.box.columns(), 8U);
-  const double seconds = predict_companion_seconds(problem, options, "balanced", SolvedAs::field);
-  EXPECT_GT(seconds, 2 * predict_seconds(problem, other));
-  EXPECT_LT(seconds, 2 * predict_seconds(problem, other) + predict_seconds(problem, options)) << "of 8 columns of 12";
+  const double seconds = predict_companion_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field);
+  EXPECT_GT(seconds, 2 * predict_seconds(SolvePlan(problem, other)));
+  EXPECT_LT(seconds, 2 * predict_seconds(SolvePlan(problem, other)) + predict_seconds(SolvePlan(problem, options)))
+      << "of 8 columns of 12";
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <vector>
 
-#include "cloudbow/transport/columns.hpp"
 #include "cloudbow/transport/solver.hpp"
+#include "transport/columns/columns.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
@@ -230,7 +230,7 @@ TEST(Columns, HaveTheFluxesOfOrdinates) {
   options.fit.delta_m_order = 10;
   options.fit.beam_delta_m_order = 14;
   options.control_points = 162;
-  EXPECT_FALSE(solved_without_azimuths(problem, options));
+  EXPECT_FALSE(solved_by_polar_streams(problem, options));
   const Solution ordinates = solve(problem, options);
   double squares = 0, mean = 0;
   for (std::size_t c = 0; c < 30; ++c) {

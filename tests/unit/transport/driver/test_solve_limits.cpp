@@ -39,6 +39,14 @@ SolverOptions quick() {
   return options;
 }
 
+std::size_t predicted_memory(const Problem& problem, const SolverOptions& options) {
+  return predict_memory(SolvePlan(problem, options));
+}
+
+double predicted_seconds(const Problem& problem, const SolverOptions& options) {
+  return predict_seconds(SolvePlan(problem, options));
+}
+
 Problem under_zenith(double zenith_deg, bool periodic = true) {
   Problem problem = cloudy(periodic);
   problem.sun->travel = travel_along(-std::cos(zenith_deg * std::numbers::pi / 180), 0);
@@ -101,7 +109,8 @@ TEST(SolveLimits, RaysThatCrossTooManyCellsAreRefusedWithTheZenithAngleThatIsNot
   EXPECT_THAT(
       [] { solve(under_zenith(89.9999999), quick()); },
       ThrowsMessage<InputError>(testing::AllOf(HasSubstr("too many cells"), HasSubstr("a zenith angle of at most"))));
-  EXPECT_THAT([] { predict_memory(under_zenith(89.9999999), quick()); }, ThrowsMessage<InputError>(HasSubstr("sun:")));
+  EXPECT_THAT([] { predicted_memory(under_zenith(89.9999999), quick()); },
+              ThrowsMessage<InputError>(HasSubstr("sun:")));
   // 3 m of height and cells of 1 m: 5e6 segments at a slope of 5e6/3.
   const double most = std::atan(5e6 / 3) * 180 / std::numbers::pi;
   EXPECT_NO_THROW(check_paths(under_zenith(most - 1e-5), quick()));
@@ -123,16 +132,16 @@ TEST(SolveLimits, MemoryOfLongPatternsIsForeseen) {
   const double zenith = std::atan(1e6) * 180 / std::numbers::pi;  // 3e6 segments of 72 bytes
   SolverOptions options = quick();
   options.threads = 1;
-  EXPECT_GT(predict_memory(under_zenith(zenith), options), predict_memory(under_zenith(60), options) + 200'000'000);
-  EXPECT_GT(predict_seconds(under_zenith(zenith), options), predict_seconds(under_zenith(60), options) + 1);
+  EXPECT_GT(predicted_memory(under_zenith(zenith), options), predicted_memory(under_zenith(60), options) + 200'000'000);
+  EXPECT_GT(predicted_seconds(under_zenith(zenith), options), predicted_seconds(under_zenith(60), options) + 1);
 }
 
 TEST(SolveLimits, FewCellsAreForeseenOnTheOneThreadThatSolvesThem) {
   SolverOptions one = quick(), many = quick();
   one.threads = 1;
   many.threads = 64;
-  EXPECT_EQ(predict_memory(under_zenith(89.99), many), predict_memory(under_zenith(89.99), one));
-  EXPECT_EQ(predict_seconds(under_zenith(89.99), many), predict_seconds(under_zenith(89.99), one));
+  EXPECT_EQ(predicted_memory(under_zenith(89.99), many), predicted_memory(under_zenith(89.99), one));
+  EXPECT_EQ(predicted_seconds(under_zenith(89.99), many), predicted_seconds(under_zenith(89.99), one));
 }
 
 TEST(SolveLimits, LinesOfSightAreForeseenByTheCellsThatTheyCross) {
@@ -143,10 +152,10 @@ TEST(SolveLimits, LinesOfSightAreForeseenByTheCellsThatTheyCross) {
     SolverOptions options = quick();
     options.cameras = {
         make_camera("c", Camera::Projection::perspective, {{2, 1.5, .01}, look_at, {0, 1, 0}}, .02, 3000, 3000, 1)};
-    return predict_seconds(thin, options);
+    return predicted_seconds(thin, options);
   };
   // 3 cells straight up; at a slope of a hundredth 300 cells for each of the three levels.
-  EXPECT_GT(seconds({2, 1.5, 100}), predict_seconds(cloudy(), quick()) + 1);
+  EXPECT_GT(seconds({2, 1.5, 100}), predicted_seconds(cloudy(), quick()) + 1);
   EXPECT_GT(seconds({102, 1.5, 5}), 3 * seconds({2, 1.5, 100}));
 }
 
@@ -154,7 +163,7 @@ TEST(SolveLimits, TablesOfReflectionAreForeseen) {
   Problem sea = cloudy();
   sea.surface.brdf = SurfaceBrdf::cox_munk(7, 1.34);
   // 1313 x 1313 samples, in double precision, and their products with 642 points.
-  EXPECT_GT(predict_memory(sea, quick()), predict_memory(cloudy(), quick()) + 20'000'000);
+  EXPECT_GT(predicted_memory(sea, quick()), predicted_memory(cloudy(), quick()) + 20'000'000);
 }
 
 // The ledger is in terms of the power through the top, here a hundredth of what comes through the sides: in float its

@@ -599,7 +599,7 @@ TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
       options.radiance_field = true;
       options.views = {{"up", travel_along(.7, 100)}, {"pixels", travel_along(-.5, 30), 3, 2}};
       const Solution whole = solve(problem, options);
-      options.leave_out_uniform_axes = true;
+      options.collapse_uniform_axes = true;
       const Solution less = solve(problem, options);
       EXPECT_EQ(less.report.left_out_axes, along_x ? (along_y ? "" : "y") : (along_y ? "x" : "x, y"));
       // The last gather's own places of launch differ where there are fewer columns; it is scaled to the same means, so
@@ -627,7 +627,7 @@ TEST(Solve, OpenSidesLeaveNoAxisOut) {
   Problem problem = layered(false, false);
   problem.grid.box.periodic = false;
   SolverOptions options = coarse();
-  options.leave_out_uniform_axes = true;
+  options.collapse_uniform_axes = true;
   EXPECT_EQ(solve(problem, options).report.left_out_axes, "");
 }
 

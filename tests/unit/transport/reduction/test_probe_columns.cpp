@@ -5,7 +5,7 @@
 
 #include "cloudbow/transport/probe_columns.hpp"
 #include "cloudbow/transport/solver.hpp"
-#include "transport/reduction/thick_levels.hpp"
+#include "transport/reduction/subdivided_levels.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
@@ -30,7 +30,7 @@ TEST(ProbeColumns, OfFewColumnsAreAllOfThem) {
   Problem problem = field(box, random_extinction(box, 2, 5));
   problem.surface.albedo_map = {0, .1F, .2F, .3F, .4F, .5F, .6F, .7F};
   const Solution whole = solve(problem, exact());
-  const Solution probe = solve(probe_columns(problem, SolverOptions{}), exact());
+  const Solution probe = solve(probe_columns(SolvePlan(problem, SolverOptions{})), exact());
   EXPECT_EQ(probe.box.columns(), 8U);
   EXPECT_NEAR(probe.ledger.reflectance, whole.ledger.reflectance, 1e-7);
   EXPECT_NEAR(probe.ledger.transmittance, whole.ledger.transmittance, 1e-7);
@@ -40,7 +40,8 @@ TEST(ProbeColumns, OfManyAreTheMediansOfTheirClasses) {
   const BoxGrid box = make_box(10, 8, 1);
   std::vector<float> extinction(80);
   for (std::size_t c = 0; c < 80; ++c) extinction[c] = static_cast<float>(c * 37 % 80);  // each number once
-  const Problem probe = probe_columns(field(box, extinction), SolverOptions{});
+  const Problem problem = field(box, extinction);
+  const Problem probe = probe_columns(SolvePlan(problem, SolverOptions{}));
   ASSERT_EQ(probe.grid.absorption.size(), 8U);
   for (std::size_t n = 0; n < 8; ++n) {
     const float found = probe.grid.absorption[n] + probe.grid.scattering[0][n];
@@ -52,9 +53,9 @@ TEST(ProbeColumns, HaveTheLevelsThatAreSolved) {
   const Problem problem = field(make_box(2, 1, 3), {8, 8, 8, 8, 8, 8});
   SolverOptions options;
   options.largest_level_depth = 2;
-  const int added = cut_thick_levels(problem, options).added(problem.grid.box);
+  const int added = subdivide_thick_levels(problem, options).added(problem.grid.box);
   ASSERT_GT(added, 0);
-  EXPECT_EQ(probe_columns(problem, options).grid.box.nz(), 3 + added);
+  EXPECT_EQ(probe_columns(SolvePlan(problem, options)).grid.box.nz(), 3 + added);
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
-#include "transport/reduction/thick_levels.hpp"
+#include "transport/reduction/subdivided_levels.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
+#include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/optics/delta_m.hpp"
-#include "cloudbow/transport/columns.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 #include "transport/grid/cells.hpp"
 #include "transport/system/transport_system.hpp"
 
@@ -30,15 +31,14 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
     forward_fraction.push_back(delta_m(phase, options.fit.delta_m_order).forward_fraction);
   const std::vector<double> extinction = scaled_extinction<double>(problem.grid, forward_fraction);
   const BoxGrid& box = problem.grid.box;
-  const ActiveRows rows = active_rows(problem.grid);
-  const std::vector<std::uint32_t> dense = dense_indices(rows);
+  const std::vector<std::uint32_t> dense = dense_indices(problem.grid);
   const std::size_t columns = box.columns();
   const double mu0 = -problem.sun->travel.z();
   std::vector<double> beam(columns, 1 / static_cast<double>(columns));
   std::vector<BeamInLevel> levels(box.nz());
   for (int k = box.nz() - 1; k >= 0; --k) {
     BeamInLevel& level = levels[k];
-    for (std::uint32_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c) {
+    for (std::size_t c = problem.grid.first_cell(k); c < problem.grid.first_cell(k + 1); ++c) {
       double& in = beam[dense[c] % columns];
       const double depth = extinction[c] * box.thickness_m(k) / mu0;
       const double left = -std::expm1(-depth) * in;
@@ -66,7 +66,7 @@ std::vector<double> ends_of_parts(double depth, double largest) {
 }
 
 template <class Value>
-void keep_edges(const CutLevels& cut, std::vector<Value>& of_edges) {
+void keep_edges(const SubdividedLevels& cut, std::vector<Value>& of_edges) {
   if (of_edges.empty()) return;
   std::vector<Value> kept;
   for (std::size_t part = 0; part < cut.level.size(); ++part) {
@@ -77,7 +77,7 @@ void keep_edges(const CutLevels& cut, std::vector<Value>& of_edges) {
 }
 
 // Of the fluxes those at levels of the whole, by its indices.
-void keep_planes(const Problem& whole, const CutLevels& cut, Solution& solution) {
+void keep_planes(const Problem& whole, const SubdividedLevels& cut, Solution& solution) {
   const std::size_t columns = whole.grid.box.columns();
   const std::vector<int> solved = std::move(solution.flux_level);
   solution.flux_level.clear();
@@ -99,14 +99,14 @@ void keep_planes(const Problem& whole, const CutLevels& cut, Solution& solution)
   }
 }
 
-std::vector<double> share_of_level(const Problem& whole, const CutLevels& cut) {
+std::vector<double> share_of_level(const Problem& whole, const SubdividedLevels& cut) {
   std::vector<double> share;
   for (std::size_t part = 0; part < cut.level.size(); ++part)
     share.push_back((cut.z_edge_m[part + 1] - cut.z_edge_m[part]) / whole.grid.box.thickness_m(cut.level[part]));
   return share;
 }
 
-void mean_of_parts(const Problem& whole, const CutLevels& cut, std::vector<float>& field) {
+void mean_of_parts(const Problem& whole, const SubdividedLevels& cut, std::vector<float>& field) {
   if (field.empty()) return;
   const std::size_t columns = whole.grid.box.columns();
   const std::vector<double> share = share_of_level(whole, cut);
@@ -122,7 +122,7 @@ void mean_of_parts(const Problem& whole, const CutLevels& cut, std::vector<float
   field = std::move(mean);
 }
 
-void mean_of_parts(const Problem& whole, const CutLevels& cut, RadianceField& field) {
+void mean_of_parts(const Problem& whole, const SubdividedLevels& cut, RadianceField& field) {
   const std::vector<double> share = share_of_level(whole, cut);
   const std::size_t points = field.direction.size();
   std::map<std::array<std::int32_t, 3>, std::size_t> place;  // by k, j, i: the order of cells
@@ -144,11 +144,11 @@ void mean_of_parts(const Problem& whole, const CutLevels& cut, RadianceField& fi
 
 }  // namespace
 
-CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options) {
+SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOptions& options) {
   const BoxGrid& box = problem.grid.box;
-  CutLevels cut;
+  SubdividedLevels cut;
   const double largest = options.largest_level_depth;
-  const bool looked_at = largest > 0 && problem.sun && !solved_without_azimuths(problem, options);
+  const bool looked_at = largest > 0 && problem.sun && !solved_by_polar_streams(problem, options);
   const std::vector<BeamInLevel> beam =
       looked_at ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
   for (int k = 0; k < box.nz(); ++k) {
@@ -164,37 +164,25 @@ CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options)
   return cut;
 }
 
-Problem with_cut_levels(const Problem& problem, const CutLevels& cut) {
+Problem with_subdivided_levels(const Problem& problem, const SubdividedLevels& cut) {
   Problem fine{{}, problem.phase, problem.sun, problem.sky_radiance, problem.surface};
-  const OpticalGrid& from = problem.grid;
-  OpticalGrid& to = fine.grid;
-  to.box = from.box;
-  to.box.z_edge_m = cut.z_edge_m;
-  to.scattering.resize(from.scattering.size());
-  to.layer_scattering.resize(from.layer_scattering.size());
-  const int ny = from.box.ny;
+  GridMap map;
+  map.box = problem.grid.box;
+  map.box.z_edge_m = cut.z_edge_m;
+  map.level = cut.level;
   for (const int k : cut.level) {
-    to.layer_absorption.push_back(from.layer_absorption[k]);
-    for (std::size_t p = 0; p < to.layer_scattering.size(); ++p)
-      to.layer_scattering[p].push_back(from.layer_scattering[p][k]);
-    for (int row = k * ny; row < (k + 1) * ny; ++row) {
-      to.row_begin.push_back(static_cast<std::uint32_t>(to.spans.size()));
-      for (std::uint32_t s = from.row_begin[row]; s < from.row_begin[row + 1]; ++s) {
-        const RowSpan& span = from.spans[s];
-        to.spans.push_back({span.i, span.n, static_cast<std::uint32_t>(to.absorption.size())});
-        const auto copy = [&span](const std::vector<float>& of, std::vector<float>& into) {
-          into.insert(into.end(), of.begin() + span.offset, of.begin() + span.offset + span.n);
-        };
-        copy(from.absorption, to.absorption);
-        for (std::size_t p = 0; p < to.scattering.size(); ++p) copy(from.scattering[p], to.scattering[p]);
+    for (int j = 0; j < map.box.ny; ++j) {
+      for (const RowSpan& span : problem.grid.row(k, j)) {
+        for (int n = 0; n < span.n; ++n) map.add(span.i + n, span.offset + static_cast<std::uint32_t>(n));
       }
+      map.end_row();
     }
   }
-  to.row_begin.push_back(static_cast<std::uint32_t>(to.spans.size()));
+  fine.grid = remap(problem.grid, std::move(map));
   return fine;
 }
 
-SolverOptions with_cut_levels(const SolverOptions& options, const CutLevels& cut) {
+SolverOptions with_subdivided_levels(const SolverOptions& options, const SubdividedLevels& cut) {
   SolverOptions fine = options;
   std::vector<int> edge;  // of the parts, for each of the whole
   for (std::size_t part = 0; part < cut.level.size(); ++part) {
@@ -206,7 +194,7 @@ SolverOptions with_cut_levels(const SolverOptions& options, const CutLevels& cut
   return fine;
 }
 
-void join_levels(const Problem& whole, const CutLevels& cut, Solution& solution) {
+void join_levels(const Problem& whole, const SubdividedLevels& cut, Solution& solution) {
   const BoxGrid& box = whole.grid.box;
   for (auto* profile :
        {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux, &solution.profile_direct_flux})

@@ -2,33 +2,24 @@
 // have it, would be too even. Nothing is cut where little light is left, or where cells are thin.
 #pragma once
 
-#include <vector>
-
 #include "cloudbow/transport/solution.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
-
-/// The levels of a box, some of them in parts.
-struct CutLevels {
-  std::vector<double> z_edge_m;  ///< of the parts, ascending
-  std::vector<int> level;        ///< [parts] the level that each is of
-
-  int added(const BoxGrid& box) const { return static_cast<int>(level.size()) - box.nz(); }
-};
 
 /// The first part of a level, from above, has the slant optical depth options.largest_level_depth (delta-M scaled, over
 /// mu0; mean over the cells by the power that the beam leaves there), each further one twice that of the part above it,
 /// six at most (thicker ones where these do not reach). Levels in which less than a hundredth of the incident beam is
 /// scattered or absorbed stay whole; all do where that option is 0, without sun, and where columns are solved without
 /// azimuths, which know light at every depth.
-CutLevels cut_thick_levels(const Problem& problem, const SolverOptions& options);
+SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOptions& options);
 
 /// The same problem with cells for each part.
-Problem with_cut_levels(const Problem& problem, const CutLevels& cut);
+Problem with_subdivided_levels(const Problem& problem, const SubdividedLevels& cut);
 /// Its options: listed levels have other indices.
-SolverOptions with_cut_levels(const SolverOptions& options, const CutLevels& cut);
+SolverOptions with_subdivided_levels(const SolverOptions& options, const SubdividedLevels& cut);
 
 /// The solution of a problem with cut levels becomes that of the whole: fluxes at its levels, means of its cells.
-void join_levels(const Problem& whole, const CutLevels& cut, Solution& solution);
+void join_levels(const Problem& whole, const SubdividedLevels& cut, Solution& solution);
 
 }  // namespace cloudbow

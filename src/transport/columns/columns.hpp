@@ -6,9 +6,6 @@
 
 namespace cloudbow {
 
-/// Whether solve() takes this way: independent columns over a Lambertian ground, without radiances.
-bool solved_without_azimuths(const Problem& problem, const SolverOptions& options);
-
 /// Solves each distinct column once. SolverReport::sweeps is 1; its estimated_error is the RMS over columns of what
 /// each column's diffuse light lacks of balance, per incident power: rounding alone. The same bits for any number of
 /// threads.
@@ -17,8 +14,8 @@ template <class Real>
 Solution solve_columns(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress);
 
 /// Bytes that solve_columns() needs, with the problem's grid.
-std::size_t columns_memory(const Problem& problem, const SolverOptions& options, bool in_double);
+std::size_t columns_memory(const Problem& problem, const SolverOptions& options, bool in_double, int threads);
 /// Seconds of it.
-double columns_seconds(const Problem& problem, const SolverOptions& options, bool in_double);
+double columns_seconds(const Problem& problem, const SolverOptions& options, bool in_double, int threads);
 
 }  // namespace cloudbow

@@ -2,21 +2,15 @@
 #pragma once
 
 #include "cloudbow/transport/solution.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
-
-/// Along which horizontal axes nothing varies, of more than one cell.
-struct UniformAxes {
-  bool x = false;
-  bool y = false;
-  bool any() const { return x || y; }
-};
 
 /// Cloud, layers and surface alike, to the bit. None with open sides, which vary by themselves.
 UniformAxes uniform_axes(const Problem& problem);
 
 /// The same problem with one cell along uniform axes.
-Problem without_axes(const Problem& problem, UniformAxes uniform);
+Problem collapse(const Problem& problem, UniformAxes uniform);
 
 /// The solution of a problem without axes becomes that of the whole.
 void spread(const Problem& whole, UniformAxes uniform, Solution& solution);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cloudbow/transport/solver.hpp"
-#include "transport/reduction/thick_levels.hpp"
+#include "transport/reduction/subdivided_levels.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
@@ -28,23 +28,23 @@ Problem thick_top(double extinction_of_top, double mu0) {
 TEST(ThickLevels, ThinOnesDarkOnesAndThoseWithoutSunStayWhole) {
   SolverOptions options = coarse_options();
   options.largest_level_depth = 1;
-  EXPECT_EQ(cut_thick_levels(thick_top(.3, .6), options).added(make_box(3, 2, 4)), 0);
+  EXPECT_EQ(subdivide_thick_levels(thick_top(.3, .6), options).added(make_box(3, 2, 4)), 0);
   Problem dark = thick_top(20, .6);  // what is thick lies below what has taken the light
   for (float& s : dark.grid.scattering[0]) s = 20;
-  const CutLevels cut = cut_thick_levels(dark, options);
+  const SubdividedLevels cut = subdivide_thick_levels(dark, options);
   EXPECT_GT(cut.added(dark.grid.box), 0);
   EXPECT_EQ(cut.level.front(), 0);
   EXPECT_EQ(cut.level[1], 1);
   EXPECT_EQ(cut.level[3], 3);
   dark.sun.reset();
-  EXPECT_EQ(cut_thick_levels(dark, options).added(dark.grid.box), 0);
+  EXPECT_EQ(subdivide_thick_levels(dark, options).added(dark.grid.box), 0);
 }
 
 TEST(ThickLevels, PartsDoubleFromAbove) {
   const Problem problem = thick_top(20, .6);
   SolverOptions options = coarse_options();
   options.largest_level_depth = 1;
-  const CutLevels cut = cut_thick_levels(problem, options);
+  const SubdividedLevels cut = subdivide_thick_levels(problem, options);
   ASSERT_GT(cut.added(problem.grid.box), 2);
   const std::size_t parts = cut.level.size();
   const auto thickness = [&](std::size_t part) { return cut.z_edge_m[part + 1] - cut.z_edge_m[part]; };
@@ -93,7 +93,7 @@ TEST(ThickLevels, CutCellsComeNearThinOnes) {
   const Problem problem = thick_top(20, .2);
   SolverOptions options = coarse_options();
   options.flux_levels = FluxLevels::boundaries;
-  CutLevels thin;  // 64 parts of the thick level
+  SubdividedLevels thin;  // 64 parts of the thick level
   for (int k = 0; k < 3; ++k) {
     thin.z_edge_m.push_back(k);
     thin.level.push_back(k);
@@ -103,7 +103,8 @@ TEST(ThickLevels, CutCellsComeNearThinOnes) {
     thin.level.push_back(3);
   }
   thin.z_edge_m.push_back(4);
-  const double truth = solve(with_cut_levels(problem, thin), with_cut_levels(options, thin)).ledger.reflectance;
+  const double truth =
+      solve(with_subdivided_levels(problem, thin), with_subdivided_levels(options, thin)).ledger.reflectance;
   const double whole = solve(problem, options).ledger.reflectance;
   options.largest_level_depth = 1;
   const double cut = solve(problem, options).ledger.reflectance;

@@ -1,0 +1,79 @@
+// What is known about a problem before it is solved: found out once, read by the solve, by predictions of its cost, and
+// by other solves of the same problem.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cloudbow/transport/options.hpp"
+#include "cloudbow/transport/problem.hpp"
+
+namespace cloudbow {
+
+/// Horizontal axes along which nothing varies, of more than one cell.
+struct UniformAxes {
+  bool x = false;
+  bool y = false;
+  bool any() const { return x || y; }
+};
+
+/// The levels of a box, some of them in parts.
+struct SubdividedLevels {
+  std::vector<double> z_edge_m;  ///< of the parts, ascending
+  std::vector<int> level;        ///< [parts] the level that each is of
+
+  int added(const BoxGrid& box) const { return static_cast<int>(level.size()) - box.nz(); }
+};
+
+/// Whether columns are solved by polar streams, without azimuths and without iteration: independent columns over a
+/// Lambertian ground, if no radiance is asked for.
+bool solved_by_polar_streams(const Problem& problem, const SolverOptions& options);
+
+class SolvePlan {
+ public:
+  /// @param problem must last as long as the plan.
+  SolvePlan(const Problem& problem, const SolverOptions& options);
+
+  /// The same problem with other options. What does not depend on them is not found out again.
+  SolvePlan with(const SolverOptions& options) const;
+
+  const Problem& whole() const { return *whole_; }                       ///< as given
+  const SolverOptions& whole_options() const { return whole_options_; }  ///< as given
+  UniformAxes collapsed_axes() const { return collapsed_axes_; }         ///< of the whole; none unless asked for
+  /// Without these axes.
+  const Problem& collapsed() const { return collapsed_ ? *collapsed_ : *whole_; }
+  /// Of the collapsed problem.
+  const SubdividedLevels& levels() const { return levels_; }
+  int added_levels() const { return levels_.added(collapsed().grid.box); }
+
+  /// Without these axes and with these levels: what is solved, and how.
+  const Problem& problem() const { return subdivided_ ? *subdivided_ : collapsed(); }
+  const SolverOptions& options() const { return options_; }
+
+  /// One periodic column is all that is solved.
+  bool is_one_column() const { return problem().grid.box.periodic && problem().grid.box.columns() == 1; }
+  bool by_polar_streams() const { return by_polar_streams_; }
+  bool in_double() const { return in_double_; }
+  int threads() const { return threads_; }  ///< 0: all that OpenMP gives
+  /// Cells for which light is computed: with actinic flux all, else those with matter.
+  std::size_t cells() const { return cells_; }
+
+ private:
+  explicit SolvePlan(const Problem* whole) : whole_(whole) {}
+  void set(const SolverOptions& options, const SolvePlan* other);
+
+  const Problem* whole_;
+  SolverOptions whole_options_;
+  UniformAxes collapsed_axes_;
+  std::shared_ptr<const Problem> collapsed_;  // null: no axis is collapsed
+  SubdividedLevels levels_;
+  std::shared_ptr<const Problem> subdivided_;  // null: no level is subdivided
+  SolverOptions options_;
+  bool by_polar_streams_ = false;
+  bool too_thick_for_float_ = false;
+  bool in_double_ = false;
+  int threads_ = 0;
+  std::size_t cells_ = 0;
+};
+
+}  // namespace cloudbow

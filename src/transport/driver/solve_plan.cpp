@@ -1,0 +1,70 @@
+#include "cloudbow/transport/solve_plan.hpp"
+
+#include <algorithm>
+
+#include "transport/driver/path_load.hpp"
+#include "transport/driver/precision.hpp"
+#include "transport/grid/threads.hpp"
+#include "transport/reduction/subdivided_levels.hpp"
+#include "transport/reduction/uniform_axes.hpp"
+
+namespace cloudbow {
+namespace {
+
+// Whether levels are subdivided alike.
+bool subdivided_alike(const SolvePlan& plan, const SolverOptions& options, bool by_polar_streams) {
+  const SolverOptions& other = plan.whole_options();
+  return options.largest_level_depth == other.largest_level_depth &&
+         options.fit.delta_m_order == other.fit.delta_m_order && by_polar_streams == plan.by_polar_streams();
+}
+
+}  // namespace
+
+bool solved_by_polar_streams(const Problem& problem, const SolverOptions& options) {
+  return options.independent_columns && !problem.surface.brdf && !options.radiance_field && options.views.empty() &&
+         options.cameras.empty();
+}
+
+SolvePlan::SolvePlan(const Problem& problem, const SolverOptions& options) : whole_(&problem) { set(options, nullptr); }
+
+SolvePlan SolvePlan::with(const SolverOptions& options) const {
+  SolvePlan plan(whole_);
+  plan.set(options, this);
+  return plan;
+}
+
+void SolvePlan::set(const SolverOptions& options, const SolvePlan* other) {
+  whole_options_ = options_ = options;
+  options_.collapse_uniform_axes = false;
+  const bool same_axes =
+      other != nullptr && other->whole_options_.collapse_uniform_axes == options.collapse_uniform_axes;
+  if (same_axes) {
+    collapsed_axes_ = other->collapsed_axes_;
+    collapsed_ = other->collapsed_;
+  } else if (options.collapse_uniform_axes) {
+    collapsed_axes_ = uniform_axes(*whole_);
+    if (collapsed_axes_.any()) collapsed_ = std::make_shared<const Problem>(collapse(*whole_, collapsed_axes_));
+  }
+  if (collapsed_ && is_one_column()) options_.double_precision = true;  // costs nothing there
+  by_polar_streams_ = solved_by_polar_streams(*whole_, options);
+
+  const bool same_levels = same_axes && subdivided_alike(*other, options, by_polar_streams_);
+  if (same_levels) {
+    levels_ = other->levels_;
+    subdivided_ = other->subdivided_;
+    too_thick_for_float_ = other->too_thick_for_float_;
+  } else {
+    levels_ = subdivide_thick_levels(collapsed(), options_);
+    if (added_levels() > 0) subdivided_ = std::make_shared<const Problem>(with_subdivided_levels(collapsed(), levels_));
+    too_thick_for_float_ = too_thick_for_float(problem().grid);
+  }
+  if (subdivided_) options_ = with_subdivided_levels(options_, levels_);
+
+  in_double_ = options_.double_precision || too_thick_for_float_ || beam_needs_double(problem(), options_);
+  const std::size_t columns = problem().grid.box.columns();
+  cells_ =
+      options.actinic ? columns * static_cast<std::size_t>(problem().grid.box.nz()) : problem().grid.active_cells();
+  threads_ = threads_for(std::max(cells_, columns), options.threads);
+}
+
+}  // namespace cloudbow
