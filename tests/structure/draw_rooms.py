@@ -4,7 +4,7 @@ includes to what is included. An include that a chain of arrows implies is not d
 
 A public header belongs to the room of the source of its name; one without a source belongs to the layer alone and makes no arrow.
 
-usage: draw_rooms.py ROOT [--check]     (--check: is the committed picture what the sources give?)
+usage: draw_rooms.py ROOT [--check]     (--check: is the committed picture what the sources give, and are the tables of docs/architecture.md?)
 """
 import re
 import sys
@@ -196,7 +196,19 @@ def check_the_rules():
     edges = {("a", "b"), ("b", "c"), ("a", "c"), ("d", "c")}
     assert implied(edges) == {("a", "c")}
     rows, links = rows_of(["c", "b", "a"], edges - {("d", "c")})
+    assert tabled("| x | y |\n| --- | --- |\n| `a` | `c` |\n| `b` | d |\n\n| `e` | f |\n", "x") == ["a", "b"]
     assert rows == [["c"], ["b", ("a", "c", 1)], ["a"]] and len(links) == 4, (rows, links)
+
+
+def tabled(page, head):
+    """The first column of the table whose head begins so, in order."""
+    table = re.search(rf"^\| {re.escape(head)} \|.*\n\|[- |]+\n((?:\|.*\n)+)", page, re.MULTILINE)
+    return re.findall(r"^\| `(\w+)` \|", table[1], re.MULTILINE) if table else []
+
+
+def faults_of_tables(page):
+    tables = {"layer": [*LAYERS, "main"], **{f"room of `{layer}`": rooms for layer, rooms in ROOMS.items()}}
+    return [f"docs/architecture.md: table of {head}: {tabled(page, head)}, in test_layers.py {names}" for head, names in tables.items() if tabled(page, head) != names]
 
 
 def main():
@@ -205,10 +217,11 @@ def main():
     if "--check" not in sys.argv:
         PICTURE.write_text(svg)
         return 0
-    if PICTURE.exists() and PICTURE.read_text() == svg:
-        return 0
-    print("docs/images/rooms.svg is not what the sources give: tests/structure/draw_rooms.py . draws it anew")
-    return 1
+    faults = faults_of_tables((ROOT / "docs/architecture.md").read_text())
+    if not PICTURE.exists() or PICTURE.read_text() != svg:
+        faults.append("docs/images/rooms.svg is not what the sources give: tests/structure/draw_rooms.py . draws it anew")
+    print("\n".join(faults))
+    return 1 if faults else 0
 
 
 if __name__ == "__main__":
