@@ -11,8 +11,8 @@
 namespace cloudbow {
 namespace {
 
-// Between the ends columns are off by up to 2.1 times what the ends' weights make of the distances there: measured on four
-// fields of thick voxels (docs/error-estimates.md).
+// Between the ends columns are off by up to 2.1 times what the ends' weights make of the distances there: measured on
+// four fields of thick voxels (docs/error-estimates.md).
 constexpr double kBetweenEnds = 2.5;
 
 // Of incident: errors of columns whose mean is less are not in terms of it.

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Links in the documentation lead somewhere: files are there, headings too, and every page of docs/ stands in the site's navigation.
+"""Links in the documentation lead somewhere: files are there, headings too, and every page of docs/ stands in the site's navigation. So do names of
+files that begin at the root of the tree, as in `src/main.cpp`; a name in capitals (NAME, LAYER) stands for any.
 
 Truth: the tree. Addresses of the web are left alone. The checker checks itself on a page with known faults first.
 
@@ -11,6 +12,9 @@ import tempfile
 from pathlib import Path
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+
+# A file of the tree, by its name from the root.
+NAMED = re.compile(r"(?<![\w/.-])(?:cmake|docs|include|scripts|src|tests)/[\w/.-]*\.(?:cpp|hpp|py|md|txt|in|csv|json)\b(?!/)")
 
 
 def without_code(text):
@@ -40,6 +44,12 @@ def faults_of(page):
     return found
 
 
+def missing_files(page, root):
+    """Names of files of the tree that are not there."""
+    named = [name for name in NAMED.findall(page.read_text()) if not re.search(r"[A-Z]{2,}", Path(name).stem.replace("README", "") + str(Path(name).parent))]
+    return [f"{page}: {name}: no such file in the tree" for name in named if not (root / name).is_file()]
+
+
 def check_itself():
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.md"
@@ -47,6 +57,10 @@ def check_itself():
         assert faults_of(page) == [], faults_of(page)
         page.write_text("# One\n[a](#two) [b](none.md) ![c](none.png)\n```\n# two\n```\n")
         assert len(faults_of(page)) == 3, faults_of(page)
+        (page.parent / "src").mkdir()
+        (page.parent / "src/a.cpp").write_text("")
+        page.write_text("`src/a.cpp`, src/b.hpp, `src/test_NAME.cpp`, build/src/c.cpp, `src/LAYER/a.cpp`")
+        assert len(missing_files(page, page.parent)) == 1, missing_files(page, page.parent)
 
 
 def main():
@@ -54,6 +68,8 @@ def main():
     root = Path(sys.argv[1])
     pages = [path for path in sorted(root.rglob("*.md")) if not {"build", ".git"} & set(path.relative_to(root).parts)]
     faults = [fault for page in pages for fault in faults_of(page)]
+    # The changelog and reports of what was measured speak of the tree as it was.
+    faults += [fault for page in pages if page.name != "CHANGELOG.md" for fault in missing_files(page, root)]
     navigation = (root / "mkdocs.yml").read_text()
     named = set(re.findall(r"[\w\-/]+\.md", navigation))
     there = {path.relative_to(root / "docs").as_posix() for path in (root / "docs").rglob("*.md")}

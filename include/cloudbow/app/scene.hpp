@@ -104,7 +104,7 @@ struct Scene {
   std::vector<std::filesystem::path> inputs;  ///< the scene file and every file that it names as one to read
   std::string text;                           ///< the TOML as run
   std::string title;
-  std::vector<std::string> notes;  ///< what was guessed or made good in reading: the user must be told
+  std::vector<std::string> notes;       ///< what was guessed or made good in reading: the user must be told
   std::optional<double> wavelength_um;  ///< where the scene has a spectrum: the one that all numbers below are for
   std::optional<SceneCloud> cloud;
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once

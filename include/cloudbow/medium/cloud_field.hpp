@@ -21,8 +21,8 @@ struct CloudField {
   std::array<int, 3> cells{};           ///< nx, ny, nz, each >= 1
   std::array<double, 3> cell_size_m{};  ///< dx, dy, dz > 0
   std::array<double, 3> min_m{};        ///< lower corner of the box
-  std::vector<std::uint32_t>
-      row_begin;               ///< nz*ny + 1: spans of row (k, j) are spans[row_begin[k*ny+j] .. row_begin[k*ny+j+1])
+  /// nz*ny + 1: spans of row (k, j) are spans[row_begin[k*ny+j] .. row_begin[k*ny+j+1])
+  std::vector<std::uint32_t> row_begin;
   std::vector<RowSpan> spans;  ///< order: k, then j, then i ascending
   std::vector<float> value;  ///< > 0, finite; in the units of `quantity` (extinction 1/m or liquid water content g/m3)
   std::string quantity;      ///< "extinction", "liquid_water_content", or empty where the file does not say

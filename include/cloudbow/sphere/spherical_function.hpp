@@ -55,8 +55,8 @@ class SphericalFunction {
   void deform(const Direction& centre, double value, double reach);
 
   /// Moves the value at `direction` by `change`: each of the three control points around it moves by
-  /// w_i change / (w_1^2 + w_2^2 + w_3^2), w_i its weight there (theory.md, Eq. 9c; Chatelier & Malgouyres 2007, Eq. 8).
-  /// Of all changes of control points that do this it is the smallest in the sense of least squares.
+  /// w_i change / (w_1^2 + w_2^2 + w_3^2), w_i its weight there (theory.md, Eq. 9c; Chatelier & Malgouyres 2007,
+  /// Eq. 8). Of all changes of control points that do this it is the smallest in the sense of least squares.
   void move_value_at(const Direction& direction, double change);
 
   /// The same control points with other values, such as permute() and reweight() return.

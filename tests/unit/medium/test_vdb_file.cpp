@@ -232,7 +232,8 @@ TEST_F(VdbFile, MetadataThatCannotBeTheDomainAreErrors) {
 }
 
 TEST_F(VdbFile, WhatIsNoFileIsToldApart) {
-  EXPECT_THAT(message_of([&] { read_cloud_vdb(file("none.vdb")); }), HasSubstr("none.vdb: can't be read (found no such file"));
+  EXPECT_THAT(message_of([&] { read_cloud_vdb(file("none.vdb")); }),
+              HasSubstr("none.vdb: can't be read (found no such file"));
   EXPECT_THAT(message_of([&] { read_cloud_vdb(folder_); }), HasSubstr("found a directory"));
   std::ofstream(file("text.vdb")) << "this is a text and no cloud";
   EXPECT_THAT(message_of([&] { read_cloud_vdb(file("text.vdb")); }), HasSubstr("not an OpenVDB file"));
