@@ -44,6 +44,7 @@ RunCheckpoints::RunCheckpoints(const RunOptions& options, std::size_t of, std::s
 }
 
 Checkpoints::Found RunCheckpoints::find(const StateKey& key) {
+  used_ = true;
   if (!input_) return Found::nothing;
   if (input_->key().layout != key.layout) {
     throw InputError(

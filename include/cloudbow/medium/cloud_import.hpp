@@ -20,7 +20,7 @@ struct CloudImportOptions {
   /// Horizontal cell sizes instead of the file's; the vertical one counts if the file gives no levels, or with
   /// levels_by_voxel_size.
   std::optional<std::array<double, 3>> voxel_size_m;
-  bool levels_by_voxel_size = false;  ///< levels are of this size from the ground, whatever the file says
+  bool levels_by_voxel_size = false;          ///< levels are of this size from the ground, whatever the file says
   std::optional<std::array<int, 2>> columns;  ///< nx, ny of the domain where a text file does not say
   double vertical_size_m = 0;                 ///< of the uniform cells; 0: the thinnest level with cloud
   double minimum = 0;                         ///< cells with less than this of the quantity count as clear air
@@ -33,8 +33,8 @@ struct CloudImportOptions {
   std::string units;                ///< of it, instead of the file's
   std::size_t time = 0;             ///< index on the time axis
   std::array<std::string, 4> axes;  ///< dimensions x, y, z, time
-  std::string air_density;  ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
-  std::string pressure;     ///< with temperature, in place of air density
+  std::string air_density;          ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
+  std::string pressure;             ///< with temperature, in place of air density
   std::string temperature;
   std::string droplet_number;     ///< for the effective radius
   std::string effective_radius;   ///< in place of droplet number
@@ -50,6 +50,10 @@ struct CloudImportOptions {
 };
 
 const std::vector<std::string>& cloud_import_formats();
+
+/// That of the options, or what the file's first bytes say: one of cloud_import_formats(), not "auto".
+/// @throws InputError for a file of another kind
+std::string cloud_import_format(const CloudImportOptions& options);
 
 struct ImportedCloud {
   CloudField field;
