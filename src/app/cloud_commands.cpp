@@ -55,7 +55,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
     action = [options] {
       std::copy(options->cells.begin(), options->cells.end(), options->maker.cells.begin());
       std::copy(options->voxel_size_m.begin(), options->voxel_size_m.end(), options->maker.voxel_size_m.begin());
-      check_outputs({{options->output, "the cloud"}});
+      check_outputs({{options->output, "the cloud", OutputKind::vdb}});
       write_cloud_vdb(options->output, make_cloud(options->maker), options->write);
       fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->output)));
       return kExitDone;
@@ -165,8 +165,9 @@ int import_to_vdb(const CLI::App& app, const ImportCommand& command) {
   }
   if (!command.columns.empty()) options.columns = {command.columns[0], command.columns[1]};
   const std::array<std::filesystem::path, 2> inputs{options.file, command.phase_functions};
-  const std::array<OutputFile, 2> outputs{OutputFile{command.output, "the cloud"},
-                                          OutputFile{phase_set_beside(command.output), "its phase functions"}};
+  const std::array<OutputFile, 2> outputs{
+      OutputFile{command.output, "the cloud", OutputKind::vdb},
+      OutputFile{phase_set_beside(command.output), "its phase functions", OutputKind::csv}};
   check_distinct(outputs, inputs);
   check_writable(command.output);
   options.format = cloud_import_format(options);
@@ -284,7 +285,7 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
       ->type_name("FILE");
   app->callback([&action, options] {
     action = [options] {
-      check_outputs({{options->plot, "the plot"}}, std::span(&options->file, 1));
+      check_outputs({{options->plot, "the plot", OutputKind::plot}}, std::span(&options->file, 1));
       const CloudInfo info = describe_cloud_vdb(options->file);
       fmt::print("{}", format_cloud_info(info));
       for (const std::string& doubt : doubts_about(info)) tell("cloudbow: warning: {}\n", printable(doubt));

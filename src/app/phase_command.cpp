@@ -18,7 +18,6 @@
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/results/phase_report.hpp"
-#include "cloudbow/results/picture_format.hpp"
 #include "cloudbow/sphere/scaled_vector.hpp"
 #include "history.hpp"
 #include "messages.hpp"
@@ -129,8 +128,9 @@ int phase(const Options& options) {
   const OrdinateSet ordinates =
       make_ordinate_set(options.ordinates.empty() ? usual_ordinates(points.size()) : options.ordinates);
   const std::filesystem::path input = options.file.value_or("");
-  check_outputs({{options.plot, "the plot"}, {options.output, "the file of all figures"}}, std::span(&input, 1));
-  if (!options.plot.empty()) picture_format(options.plot);
+  check_outputs(
+      {{options.plot, "the plot", OutputKind::plot}, {options.output, "the file of all figures", OutputKind::hdf5}},
+      std::span(&input, 1));
 
   const DeltaM scaled = delta_m(function, options.delta_m_order);
   PhaseReport report{title, options.delta_m_order, scaled.forward_fraction, points, ordinates.name, fit, {}};

@@ -16,7 +16,6 @@
 #include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
-#include "cloudbow/results/picture_format.hpp"
 #include "cloudbow/results/tradeoff.hpp"
 #include "messages.hpp"
 
@@ -110,8 +109,7 @@ void check_options(const TradeoffOptions& options, const Scene& scene) {
   }
   std::vector<std::filesystem::path> inputs = scene.inputs;
   inputs.push_back(options.reference);
-  check_outputs({{options.csv, "the table"}, {options.plot, "the plot"}}, inputs);
-  if (!options.plot.empty()) picture_format(options.plot);
+  check_outputs({{options.csv, "the table", OutputKind::csv}, {options.plot, "the plot", OutputKind::plot}}, inputs);
 }
 
 /// Empty for a level that can be solved.

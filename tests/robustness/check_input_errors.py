@@ -275,6 +275,23 @@ def main():
         vdb = folder / "output.vdb"
         checker.expect_error("render: a wavelength of no spectrum", ["render", folder / "result.h5", "--wavelength-um", "0.5", "-o", folder / "output.png"],
                              ["result.h5", "--wavelength-um", "spectrum", "0.5"], folder / "output.png")
+        slab = ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "9", "9", "9"]
+        for name, ending, command, words in (
+                ("mie", "toml", ["mie", "--wavelength-um", "0.55", "--effective-radius-um", "1", "-o"], ["the table", ".h5"]),
+                ("cloud make", "h5", [*slab, "-o"], ["the cloud", ".vdb"]),
+                ("cloud import", "nc", ["cloud", "import", folder / "at3d.csv", "-o"], ["the cloud", ".vdb"]),
+                ("export", "png", ["export", folder / "result.h5", "--actinic", "--vdb"], ["the grids", ".vdb"]),
+                ("run", "vdb", ["run", scene, "-o"], ["the result", ".h5"]),
+                ("dry run", "csv", ["run", scene, "--dry-run", "-o"], ["the result", ".h5"]),
+                ("checkpoint", "vdb", ["run", scene, "-o", folder / "r.h5", "--checkpoint"], ["the checkpoint", ".ckpt"]),
+                ("output.file", "png", ["run", scene, "--set"], ["the result", ".h5"]),
+                ("phase", "png", ["phase", "rayleigh", "-o"], ["the file of all figures", ".h5"]),
+                ("phase plot", "h5", ["phase", "rayleigh", "--plot"], ["the plot", ".png"]),
+                ("tradeoff table", "png", ["tradeoff", scene, "--csv"], ["the table", ".csv"]),
+                ("tradeoff plot", "csv", ["tradeoff", scene, "--plot"], ["the plot", ".png"]),
+                ("render", "h5", ["render", folder / "result.h5", "-o"], ["the picture", ".png, .exr"])):
+            file = folder / f"output.{ending}"
+            checker.expect_error(f"ending of another kind: {name}", [*command, f'output.file="{file}"' if name == "output.file" else file], [file.name, f"found .{ending}", *words], file)
         for ending in ("jpg", "pdf", "gif"):
             picture = folder / f"output.{ending}"
             checker.expect_error(f"render: {ending}", ["render", folder / "result.h5", "-o", picture], [picture.name, ".png", ".exr"], picture)
