@@ -114,7 +114,7 @@ void tell_notes(const std::vector<Scene>& scenes) {
   std::set<std::string> told;
   for (const Scene& scene : scenes) {
     for (const std::string& note : scene.notes) {
-      if (told.insert(note).second) tell("cloudbow: {}\n", note);
+      if (told.insert(note).second) tell("cloudbow: {}\n", printable(note));
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "messages.hpp"
 
 namespace cloudbow {
@@ -82,7 +83,7 @@ void RunCheckpoints::save(const StateKey& key, std::span<const StateArray> state
     write_checkpoint(to_, source_, of_this_version(key, source_), state);
     if (InterruptGuard::noted() && !quiet_) tell("cloudbow: the run can go on with --resume {}\n", to_.string());
   } catch (const InputError& error) {
-    tell("cloudbow: no checkpoint: {}\n", error.what());
+    tell("cloudbow: no checkpoint: {}\n", printable(error.what()));
   }
   last_ = std::chrono::steady_clock::now();
   InterruptGuard::check();
