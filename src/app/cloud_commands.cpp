@@ -259,12 +259,11 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
 }
 
 void plot_columns(const std::filesystem::path& file, const std::filesystem::path& image) {
-  const CloudField field = read_cloud_vdb(file);
+  const VdbCloud field = read_cloud_vdb(file);
   ColumnPlot plot;
   plot.title = file.filename().string();
-  plot.label = field.quantity == "extinction"             ? "optical depth"
-               : field.quantity == "liquid_water_content" ? "liquid water path [g/m^{2}]"
-                                                          : "vertical integral";
+  plot.label = column_integral_name(field.quantity, field.units);
+  if (const auto unit = plot.label.find("m2]"); unit != std::string::npos) plot.label.replace(unit, 2, "m^{2}");
   plot.columns = {field.cells[0], field.cells[1]};
   plot.column_size_m = {field.cell_size_m[0], field.cell_size_m[1]};
   plot.min_m = {field.min_m[0], field.min_m[1]};
