@@ -14,6 +14,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/core/printable.hpp"
 
 namespace cloudbow::hdf5 {
 
@@ -118,7 +119,7 @@ void check_links(hid_t file, const std::filesystem::path& path) {
       fmt::format("{}: leads elsewhere (found {}, allowed a file that holds its data itself, with the filters of HDF5) "
                   "write a copy "
                   "with h5repack, or by the program that made it",
-                  path.string(), walk.found));
+                  path.string(), printable(walk.found)));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "cloudbow/core/output_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -28,6 +29,22 @@ std::string identity_of(const fs::path& path) {
   return fmt::format("{}:{}/{}", found.st_dev, found.st_ino, name);
 }
 
+struct KindEndings {
+  OutputKind kind;
+  std::vector<std::string> endings;  ///< empty: any
+};
+
+const std::vector<std::string>& endings_of(OutputKind kind) {
+  static const std::vector<KindEndings> table{{OutputKind::any, {}},
+                                              {OutputKind::hdf5, {".h5", ".hdf5", ".nc", ".nc4"}},
+                                              {OutputKind::checkpoint, {".h5", ".hdf5", ".checkpoint", ".ckpt", ".ck"}},
+                                              {OutputKind::vdb, {".vdb"}},
+                                              {OutputKind::csv, {".csv", ".txt"}},
+                                              {OutputKind::plot, {".png"}},
+                                              {OutputKind::picture, {".png", ".exr"}}};
+  return std::ranges::find(table, kind, &KindEndings::kind)->endings;
+}
+
 [[noreturn]] void throw_overwrites(const OutputFile& output, const std::string& victim, const fs::path& path) {
   throw InputError(fmt::format("{}: {} would overwrite {} (found the same file as {}, allowed any other)",
                                output.path.string(), output.use, victim, path.string()));
@@ -36,6 +53,21 @@ std::string identity_of(const fs::path& path) {
 }  // namespace
 
 bool same_file(const fs::path& a, const fs::path& b) { return identity_of(a) == identity_of(b); }
+
+std::string name_ending(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending.find_first_not_of(".0123456789") == std::string::npos ? "" : ending;
+}
+
+void check_ending(const OutputFile& output) {
+  const std::vector<std::string>& allowed = endings_of(output.kind);
+  const std::string ending = name_ending(output.path);
+  if (allowed.empty() || ending.empty() || std::ranges::count(allowed, ending) > 0) return;
+  throw InputError(fmt::format("{}: {} does not go by this ending (found {}, allowed {}, or none)",
+                               output.path.string(), output.use, output.path.extension().string(),
+                               fmt::join(allowed, ", ")));
+}
 
 void check_distinct(std::span<const OutputFile> outputs, std::span<const fs::path> inputs) {
   std::unordered_map<std::string, const fs::path*> read;
@@ -55,6 +87,7 @@ void check_distinct(std::span<const OutputFile> outputs, std::span<const fs::pat
       if (is_temporary_of(input, output.path)) throw_overwrites(output, "an input", input);
     }
   }
+  for (const OutputFile& output : outputs) check_ending(output);
 }
 
 void check_writable(const fs::path& file) { const AtomicFile probe(file); }

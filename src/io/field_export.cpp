@@ -250,7 +250,7 @@ void check_options(const FieldExportOptions& options) {
                     "all 0)",
                     d.x(), d.y(), d.z()));
   }
-  check_outputs({{options.vdb_file, "the grids"}}, std::span(&options.result_file, 1));
+  check_outputs({{options.vdb_file, "the grids", OutputKind::vdb}}, std::span(&options.result_file, 1));
 }
 
 }  // namespace

@@ -175,6 +175,12 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
   image.variable = variable;
   image.units = hdf5::attribute_text(dataset, "units");
   std::vector<hsize_t> start(size.size(), 0);
+  if (choice.wavelength_um && !kind.spectral) {
+    throw InputError(fmt::format(
+        "{}: --wavelength-um chooses among the wavelengths of a spectrum (found {} um, allowed none: {} has "
+        "no axis of wavelengths)",
+        where, *choice.wavelength_um, variable));
+  }
   if (kind.spectral) {
     const auto there_um = read_axis(file, where, "wavelength", size[0]);
     const double wanted = choice.wavelength_um.value_or(there_um.front());

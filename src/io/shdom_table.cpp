@@ -1,16 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/core/number_text.hpp"
 #include "cloudbow/core/text_case.hpp"
 #include "io/droplet_table_readers.hpp"
 
@@ -20,14 +19,14 @@ namespace {
 constexpr std::uintmax_t kMaxBytes = 256u << 20;
 constexpr int kMaxDegree = 1 << 20;
 
-/// The numbers at the front of a line; Fortran's D exponents too.
-std::vector<double> leading_numbers(std::string line) {
-  for (std::size_t n = 1; n < line.size(); ++n) {
-    if ((line[n] == 'D' || line[n] == 'd') && std::isdigit(static_cast<unsigned char>(line[n - 1])) != 0) line[n] = 'e';
-  }
-  std::istringstream words(line);
+/// The numbers at the front of a line.
+std::vector<double> leading_numbers(std::string_view line) {
   std::vector<double> numbers;
-  for (double number = 0; words >> number;) numbers.push_back(number);
+  for (const std::string_view word : split_words(line)) {
+    const auto number = number_in(word);
+    if (!number || !std::isfinite(*number)) break;
+    numbers.push_back(*number);
+  }
   return numbers;
 }
 

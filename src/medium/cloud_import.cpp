@@ -66,6 +66,11 @@ std::string detect_format(const std::filesystem::path& file, const std::string& 
   if (start.empty()) fail_import(file, "the file is empty");
   if (start.starts_with("CDF") || start.starts_with("\x89HDF")) return "les";
   if (start.starts_with("\x93NUMPY")) return "numpy";
+  if (start.starts_with(" BDV")) {
+    fail_import(file,
+                "an OpenVDB file already (found nothing to import, allowed netCDF, text, or NumPy's .npy): a scene "
+                "takes it as cloud.file, cloudbow cloud info describes it");
+  }
   if (start.find('\0') != std::string::npos) {
     fail_import(file, "of an unknown kind (allowed: netCDF, HDF5 that netCDF-4 wrote, NumPy's .npy, text)");
   }
@@ -360,9 +365,12 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   return imported;
 }
 
+std::string cloud_import_format(const CloudImportOptions& options) {
+  return options.format == "auto" ? detect_format(options.file, first_bytes(options.file)) : options.format;
+}
+
 ImportedCloud import_cloud(const CloudImportOptions& options) {
-  const std::string start = first_bytes(options.file);
-  const std::string format = options.format == "auto" ? detect_format(options.file, start) : options.format;
+  const std::string format = cloud_import_format(options);
   if (format == "les") return to_uniform(import_les(options), options);
   if (format == "shdom") return to_uniform(import_shdom(options), options);
   if (format == "columns") return to_uniform(import_columns(options), options);

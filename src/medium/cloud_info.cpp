@@ -45,15 +45,14 @@ bool is_content(const std::string& quantity) {
   return quantity != "effective_radius" && quantity != "single_scattering_albedo" && quantity != "phase_index";
 }
 
-/// Of the units that the quantity should have: others make something else of the integral.
-std::string column_name(const std::string& quantity, const std::string& units) {
+}  // namespace
+
+std::string column_integral_name(const std::string& quantity, const std::string& units) {
   if (scale_of_units(quantity, units).value_or(1) != 1) return "vertical integral";
   if (quantity == "extinction") return "optical depth";
   if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
   return "vertical integral";
 }
-
-}  // namespace
 
 std::vector<double> column_integrals(const CloudField& field) {
   const auto nx = static_cast<std::size_t>(field.cells[0]), ny = static_cast<std::size_t>(field.cells[1]);
@@ -136,7 +135,7 @@ std::string format_cloud_info(const CloudInfo& info) {
                               static_cast<std::int64_t>(cloud.cells[0]) * cloud.cells[1]));
     for (const std::string& note : cloud.notes) line("note", printable(note));
     if (!is_content(grid.quantity)) continue;
-    const std::string name = column_name(grid.quantity, grid.units);
+    const std::string name = column_integral_name(grid.quantity, grid.units);
     line("cloudy columns", fmt::format("{}: {}", name, format_spread(cloud.column)));
     line("all columns", fmt::format("{}: mean {:.6g}", name, cloud.column.mean * cloud.cover));
     if (const auto& depth = grid.optical_depth) {

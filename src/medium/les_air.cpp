@@ -17,6 +17,7 @@ constexpr double kPotentialExponent = 2.0 / 7;
 constexpr double kTellingExtent = 200;  // m over which air gets thinner by 2 %, more than it varies sideways
 constexpr double kWrfBase = 300;        // K, which WRF subtracts from the potential temperature
 
+constexpr double kLeastDensity = 0.01, kLargestDensity = 2;  // kg/m3
 constexpr const char* kNameDensity = "name --air-density (a variable, a number in kg/m3, or us-1976)";
 
 std::vector<float> scaled(std::vector<float> value, double factor, double offset = 0) {
@@ -102,8 +103,13 @@ bool LesAir::set_density_as_given() {
   }
   const auto number = number_in(given);
   if (!number || file_.input.find(given) != nullptr) return false;
+  if (!(*number >= kLeastDensity && *number <= kLargestDensity)) {
+    file_.fail(
+        "--air-density has the value {:.6g} kg/m3 (allowed {} to {} kg/m3, a variable, or us-1976) air at the "
+        "ground has about 1.2",
+        *number, kLeastDensity, kLargestDensity);
+  }
   density_.assign(levels * columns(), static_cast<float>(*number));
-  check_range("--air-density", density_, 0.01, 2, "kg/m3", "");
   file_.note("air density: {} kg/m3 everywhere, as --air-density says", *number);
   return true;
 }
@@ -115,7 +121,8 @@ void LesAir::set_density_of(const NetcdfVariable& variable) {
   }
   const double unit = file_.factor(variable, kDensity, 1, "kg/m3");
   density_ = scaled(grid_.read(variable, "air density"), unit);
-  check_range(variable.name, density_, 0.01, 2, "kg/m3", "is it the air's density, in the unit that the file says?");
+  check_range(variable.name, density_, kLeastDensity, kLargestDensity, "kg/m3",
+              "is it the air's density, in the unit that the file says?");
   check_levels_ascend(variable.name, density_);
   file_.note("air density: '{}'", variable.name);
 }

@@ -29,7 +29,7 @@ double decimal_of(float value) { return number_in(fmt::format("{}", value)).valu
 LesGrid::LesGrid(LesFile& file, const NetcdfVariable& variable) : file_(file) {
   assign_axes(variable);
   check_time(variable);
-  set_columns();
+  set_columns(variable);
   set_levels();
   check_counts();
 }
@@ -177,7 +177,7 @@ LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* v
   return found;
 }
 
-void LesGrid::set_columns() {
+void LesGrid::set_columns(const NetcdfVariable& variable) {
   const auto& given = file_.options.voxel_size_m;
   std::array<std::string, 2> problem;
   for (std::size_t a = 0; a < 2; ++a) {
@@ -187,12 +187,12 @@ void LesGrid::set_columns() {
       if (given) size_m_[a] = (*given)[a];
       continue;
     }
-    const NetcdfVariable* variable = coordinate_variable(a);
-    if (given && variable == nullptr) {
+    const NetcdfVariable* coordinate = coordinate_variable(a);
+    if (given && coordinate == nullptr) {
       size_m_[a] = (*given)[a];
       continue;
     }
-    Coordinates centre = coordinates(a, variable);
+    Coordinates centre = coordinates(a, coordinate);
     is_reversed_[a] = centre.descend;
     if (given) {
       size_m_[a] = (*given)[a];
@@ -201,7 +201,7 @@ void LesGrid::set_columns() {
                           std::abs(std::abs(centre.value[1] - centre.value[0]) - size_m_[a]) > 1e-3 * size_m_[a];
       if (differ) {
         file_.note("columns: {:.6g} m along {}, as --voxel-size-m says, in place of '{}'", size_m_[a], kAxisNames[a],
-                   variable->name);
+                   coordinate->name);
       }
       continue;
     }
@@ -218,7 +218,7 @@ void LesGrid::set_columns() {
     }
     if (is_reversed_[a]) {
       std::reverse(centre.value.begin(), centre.value.end());
-      file_.note("columns: '{}' descends, the field is turned so that {} ascends", variable->name, kAxisNames[a]);
+      file_.note("columns: '{}' descends, the field is turned so that {} ascends", coordinate->name, kAxisNames[a]);
     }
     size_m_[a] = uniform_spacing(file_.options.file, axis.name, centre.value);
     low_m_[a] = centre.value.front() - 0.5 * size_m_[a];
@@ -226,6 +226,12 @@ void LesGrid::set_columns() {
   // A single row or column is as wide as the other way.
   for (std::size_t a = 0; a < 2; ++a) {
     if (size_m_[a] == 0 && axes_[a].length == 1) size_m_[a] = size_m_[1 - a];
+  }
+  if (!axes_[0].is_there && !axes_[1].is_there && !(size_m_[0] > 0)) {
+    file_.fail(
+        "'{}' is a profile (found no axis but {}, allowed y and x beside it) name another with --variable, or "
+        "give the width of its one column with --voxel-size-m; fields in the file: {}",
+        variable.name, axes_[2].name, file_.fields_there());
   }
   for (std::size_t a = 0; a < 2; ++a) {
     if (!(size_m_[a] > 0)) {

@@ -51,7 +51,7 @@ class LesGrid {
   void check_time(const NetcdfVariable& variable);
   Coordinates coordinates(std::size_t axis, const NetcdfVariable* variable);
   const NetcdfVariable* coordinate_variable(std::size_t axis) const;
-  void set_columns();
+  void set_columns(const NetcdfVariable& variable);
   void set_levels();
   std::optional<Heights> find_heights();
   std::vector<double> edges_by_bounds(const NetcdfVariable& variable) const;

@@ -171,12 +171,21 @@ class Grading {
   double half_;
 };
 
+/// No level thinner than what heights resolve.
+/// @param depth optical, of as many metres as the stretch is far from height 0
+LevelOptions resolved(LevelOptions options, double depth) {
+  options.edge_optical_depth =
+      std::max(options.edge_optical_depth, 64 * std::numeric_limits<double>::epsilon() * depth);
+  options.max_optical_depth = std::max(options.max_optical_depth, options.edge_optical_depth);
+  return options;
+}
+
 /// Edges inside (edges[k], edges[k+1]) for the levels k of one stretch [begin, end) of the same optics.
 void cut_stretch(const std::vector<double>& edges, int begin, int end, double extinction, const LevelOptions& options,
                  std::vector<double>& out) {
   const double bottom = edges[begin];
   const double depth = extinction * (edges[end] - bottom);
-  const Grading grading(options, depth);
+  const Grading grading(resolved(options, extinction * std::max(std::abs(bottom), std::abs(edges[end]))), depth);
   const double total = grading.count(depth);
   const double refine = std::max(1.0, options.min_levels / total);
   // Thinner than one edge level: nothing to grade, equal levels.

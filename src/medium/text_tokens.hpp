@@ -10,38 +10,15 @@
 #include <vector>
 
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/core/number_text.hpp"
 #include "import_parts.hpp"
 
 namespace cloudbow {
-
-/// Words between blanks, tabs and commas.
-inline std::vector<std::string_view> split_words(std::string_view line) {
-  constexpr std::string_view separators = " \t\r,";
-  std::vector<std::string_view> words;
-  for (std::size_t at = line.find_first_not_of(separators); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(separators, end);
-  }
-  return words;
-}
 
 /// Blank, or a comment.
 inline bool is_comment(std::string_view line) {
   const auto at = line.find_first_not_of(" \t\r,");
   return at == std::string_view::npos || line[at] == '#';
-}
-
-/// The number that the whole word is; none if it is something else. "nan" and "inf" are numbers here, and Fortran's
-/// exponents of double precision: "1.0D-1".
-inline std::optional<double> number_in(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  std::string plain(word);
-  if (const auto at = plain.find_first_of("dD"); at != std::string::npos && at > 0) plain[at] = 'e';
-  double value = 0;
-  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
-  if (error != std::errc() || end != plain.data() + plain.size()) return std::nullopt;
-  return value;
 }
 
 /// What a word of Fortran's list-directed output stands for: "3*280" is 280 three times.

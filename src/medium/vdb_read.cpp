@@ -405,6 +405,11 @@ std::vector<float> read_companion(const std::filesystem::path& path, const Cloud
   const Place where{path, options.grid};
   VdbInput input(path, options.grid);
   const auto& entry = input.find(options.grid);
+  const std::string quantity = text_metadata(*entry.grid, "quantity");
+  if (!options.companion_quantity.empty() && !quantity.empty() && quantity != options.companion_quantity) {
+    where.fail("holds something else by its metadata (found the quantity {}, allowed {}) name the grid that holds it",
+               quantity, options.companion_quantity);
+  }
   const Placement placement = place(entry.grid->transform(), options, where);
   std::array<std::int64_t, 3> first{};
   for (int a = 0; a < 3; ++a) {

@@ -44,6 +44,12 @@ std::string check_moments(const std::vector<double>& moments, double radius) {
 
 }  // namespace
 
+void check_tabulated_radius(double radius_um) {
+  if (radius_um >= smallest_tabulated_radius_um && radius_um <= largest_tabulated_radius_um) return;
+  throw InputError(fmt::format("effective radius: out of range (found {} um, allowed {} to {} um)", radius_um,
+                               smallest_tabulated_radius_um, largest_tabulated_radius_um));
+}
+
 std::string check_droplet_table(const DropletTable& table) {
   std::string first_note;
   const std::size_t rows = table.size();
@@ -57,9 +63,7 @@ std::string check_droplet_table(const DropletTable& table) {
   }
   for (std::size_t n = 0; n < rows; ++n) {
     const double radius = table.effective_radius_um[n];
-    if (!(radius > 0) || std::isinf(radius)) {
-      throw InputError(fmt::format("effective radius out of range (found {} um, allowed > 0)", radius));
-    }
+    check_tabulated_radius(radius);
     if (n > 0 && !(radius > table.effective_radius_um[n - 1])) {
       throw InputError(fmt::format("effective radii do not ascend (found {} um after {} um)", radius,
                                    table.effective_radius_um[n - 1]));

@@ -39,6 +39,7 @@ void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {
   if (!(recipe.density_g_cm3 >= 1e-3 && recipe.density_g_cm3 <= 100))
     reject("density", recipe.density_g_cm3, "0.001 to 100 g/cm3");
   if (radii.empty()) throw InputError("effective radius: none given (allowed at least one)");
+  for (const double radius : radii) check_tabulated_radius(radius);
   for (std::size_t n = 1; n < radii.size(); ++n) {
     if (!(radii[n] > radii[n - 1])) reject("effective radius", radii[n], "radii that ascend");
   }

@@ -225,7 +225,7 @@ FloatImage draw_numbers(const RenderReport& report, const std::vector<FluxImage>
 
 void check_options(const RenderOptions& options) {
   if (options.scale < 0) throw InputError(fmt::format("scale: {} is not a number of pixels >= 1", options.scale));
-  check_outputs({{options.image_file, "the picture"}}, std::span(&options.result_file, 1));
+  check_outputs({{options.image_file, "the picture", OutputKind::picture}}, std::span(&options.result_file, 1));
 }
 
 }  // namespace
@@ -235,8 +235,7 @@ RenderReport render(const RenderOptions& options) {
   display_level(tone, 0);  // tells of an unknown name
   auto colour = make_colormap(options.colormap.empty() ? "grey" : options.colormap, kColours);
   check_options(options);
-  const bool is_exr =
-      picture_format(options.image_file, {PictureFormat::png, PictureFormat::exr}) == PictureFormat::exr;
+  const bool is_exr = picture_format(options.image_file, OutputKind::picture) == PictureFormat::exr;
   RenderReport report;
   const std::optional<Channels> channels = find_channels(options);
   report.image = channels

@@ -156,6 +156,27 @@ def export_commands(folder):
     yield "zenith 181", [result, "--zenith-deg", "181"], ["--zenith-deg", "181", "0 to 180"]
 
 
+def import_commands(folder):
+    """(name, arguments, words of the message) of `cloudbow cloud import`: options that the file's format has no use for."""
+    import numpy
+    at3d, array, columns, les = folder / "at3d.csv", folder / "array.npy", folder / "columns.txt", folder / "les.nc"
+    at3d.write_text("#a\n2,2,2\n0.1,0.1\n0.1,0.2\nx,y,z,lwc,reff\n0,0,0,0.1,10\n")
+    numpy.save(array, numpy.ones((2, 2, 2), "float32"))
+    columns.write_text("0 0 0 1\n")
+    size = ["--voxel-size-m", "100"]
+    for option, value in (("--time", "0"), ("--units", "g/kg"), ("--variable", "x"), ("--x-axis", "x"), ("--time-axis", "x"), ("--air-density", "1"), ("--pressure", "p"), ("--temperature", "t"), ("--fill", "error"),
+                          ("--droplet-number", "n"), ("--droplet-number-cm3", "100"), ("--radius-ratio-cubed", "0.8"), ("--effective-radius", "r")):
+        yield f"AT3D with {option}", [at3d, option, value], [f"{option}:", "at3d.csv", "found", "at3d", "allowed les"]
+    yield "AT3D with --quantity", [at3d, "--quantity", "extinction"], ["--quantity:", "at3d", "les, columns, numpy"]
+    yield "LES with --columns", [les, "--columns", "4", "4"], ["--columns:", "les.nc", "les", "columns, optics-csv"]
+    yield "LES with --phase-functions", [les, "--phase-functions", columns], ["--phase-functions:", "les", "shdom, optics-csv"]
+    yield "NumPy with --time", [array, *size, "--time", "1"], ["--time:", "array.npy", "numpy", "allowed les"]
+    yield "text with --units", [columns, *size, "--units", "g/kg"], ["--units:", "columns", "allowed les"]
+    yield "text called LES", [columns, *size, "--format", "shdom", "--time", "1"], ["--time:", "shdom", "allowed les"]
+    yield "factor of no moments", [at3d, "--moment-factor", "included"], ["--moment-factor", "--phase-functions"]
+    yield "VDB", [folder / "cloud.vdb"], ["cloud.vdb", "an OpenVDB file already", "cloud.file", "cloud info"]
+
+
 class Checker:
     def __init__(self, program, folder):
         self.program = program
@@ -228,6 +249,12 @@ def main():
         crashing = Path(__file__).resolve().parents[1] / "data" / "les_that_crashes_hdf5.nc"
         checker.expect_error("import: a file on which HDF5 crashes", ["cloud", "import", crashing, "--quiet", "-o", folder / "output.vdb"],
                              [crashing.name, "damaged"], folder / "output.vdb")
+        for name, arguments, words in import_commands(folder):
+            checker.expect_error(f"import: {name}", ["cloud", "import", *arguments, "--quiet", "-o", folder / "output.vdb"], words, folder / "output.vdb")
+        for option, more in (("-o", []), ("--checkpoint", ["-o", output]), ("--resume", ["-o", output]), ("--set", ["-o", output])):
+            checker.expect_error(f"an empty {option}", ["run", scene, "--quiet", *more, option, ""], [option, "empty"], output)
+        checker.expect_error("an empty scene", ["run", "", "-o", output], ["scene: empty"], output)
+        checker.expect_error("an empty --plot", ["cloud", "info", cloud, "--plot", ""], ["--plot: empty"], output)
         for size, found in (("1e-320", "1e-320"), ("1e-300", "1e-300 m3"), ("1e308", "1e+308")):
             checker.expect_error(f"cloud make: voxels of {size} m", ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", size, "1", "1", "-o", folder / "output.vdb"],
                                  ["voxel-size-m", found], folder / "output.vdb")
@@ -246,6 +273,25 @@ def main():
             scene.write_text(text)
             subprocess.run([options.cloudbow, "run", str(scene), "--quiet", "-o", str(folder / f"{name}.h5"), "--set", 'output.fields=["fluxes","actinic"]', *more], check=True)
         vdb = folder / "output.vdb"
+        checker.expect_error("render: a wavelength of no spectrum", ["render", folder / "result.h5", "--wavelength-um", "0.5", "-o", folder / "output.png"],
+                             ["result.h5", "--wavelength-um", "spectrum", "0.5"], folder / "output.png")
+        slab = ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "9", "9", "9"]
+        for name, ending, command, words in (
+                ("mie", "toml", ["mie", "--wavelength-um", "0.55", "--effective-radius-um", "1", "-o"], ["the table", ".h5"]),
+                ("cloud make", "h5", [*slab, "-o"], ["the cloud", ".vdb"]),
+                ("cloud import", "nc", ["cloud", "import", folder / "at3d.csv", "-o"], ["the cloud", ".vdb"]),
+                ("export", "png", ["export", folder / "result.h5", "--actinic", "--vdb"], ["the grids", ".vdb"]),
+                ("run", "vdb", ["run", scene, "-o"], ["the result", ".h5"]),
+                ("dry run", "csv", ["run", scene, "--dry-run", "-o"], ["the result", ".h5"]),
+                ("checkpoint", "vdb", ["run", scene, "-o", folder / "r.h5", "--checkpoint"], ["the checkpoint", ".ckpt"]),
+                ("output.file", "png", ["run", scene, "--set"], ["the result", ".h5"]),
+                ("phase", "png", ["phase", "rayleigh", "-o"], ["the file of all figures", ".h5"]),
+                ("phase plot", "h5", ["phase", "rayleigh", "--plot"], ["the plot", ".png"]),
+                ("tradeoff table", "png", ["tradeoff", scene, "--csv"], ["the table", ".csv"]),
+                ("tradeoff plot", "csv", ["tradeoff", scene, "--plot"], ["the plot", ".png"]),
+                ("render", "h5", ["render", folder / "result.h5", "-o"], ["the picture", ".png, .exr"])):
+            file = folder / f"output.{ending}"
+            checker.expect_error(f"ending of another kind: {name}", [*command, f'output.file="{file}"' if name == "output.file" else file], [file.name, f"found .{ending}", *words], file)
         for ending in ("jpg", "pdf", "gif"):
             picture = folder / f"output.{ending}"
             checker.expect_error(f"render: {ending}", ["render", folder / "result.h5", "-o", picture], [picture.name, ".png", ".exr"], picture)

@@ -2,16 +2,16 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+
+#include "cloudbow/core/output_files.hpp"
 
 namespace cloudbow {
 
 enum class PictureFormat { png, exr };
 
 /// By the ending of the name, in letters of any size; a name without one asks for PNG.
-/// @param written the kinds that the caller can write
-/// @throws InputError for any other ending: a PNG file by the name of a JPEG deceives whoever opens it.
-PictureFormat picture_format(const std::filesystem::path& file,
-                             const std::vector<PictureFormat>& written = {PictureFormat::png});
+/// @param kind plot, which is PNG alone, or picture
+/// @throws InputError for any other ending (check_ending())
+PictureFormat picture_format(const std::filesystem::path& file, OutputKind kind = OutputKind::plot);
 
 }  // namespace cloudbow

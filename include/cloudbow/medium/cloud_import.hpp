@@ -51,6 +51,10 @@ struct CloudImportOptions {
 
 const std::vector<std::string>& cloud_import_formats();
 
+/// That of the options, or what the file's first bytes say: one of cloud_import_formats(), not "auto".
+/// @throws InputError for a file of another kind
+std::string cloud_import_format(const CloudImportOptions& options);
+
 struct ImportedCloud {
   CloudField field;
   std::vector<VdbCompanion> companions;      ///< "reff", "single_scattering_albedo", "phase_index"

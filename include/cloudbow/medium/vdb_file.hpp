@@ -32,6 +32,8 @@ struct VdbReadOptions {
   double scale = 1.0;  ///< multiplies the stored number; > 0
   /// How far a background other than 0 reaches where the grid's metadata do not say it.
   std::optional<VdbDomain> domain_m{};
+  /// What a companion's metadata `quantity` has to be where it is there; empty: anything.
+  std::string companion_quantity{};
   bool ignores_background = false;  ///< the active values alone: of a grid that describes the voxels of another
   /// Largest memory that reading may take; 0: half of the machine's.
   std::uint64_t memory_limit_bytes = 0;
@@ -62,8 +64,8 @@ VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions&
 /// grid's numbers. Where the grid has no active value its background counts if it is not 0: a background other than 0
 /// states what holds elsewhere.
 /// @param lowest, highest the range allowed, ends included, after scaling.
-/// @throws InputError as read_cloud_vdb does, and where the voxels do not coincide with the cloud's, a value is missing
-/// or out of range.
+/// @throws InputError as read_cloud_vdb does, and where the metadata contradict companion_quantity, the voxels do not
+/// coincide with the cloud's, a value is missing or out of range.
 std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options,
                                       double lowest = std::numeric_limits<double>::lowest(),
@@ -119,6 +121,10 @@ struct Spread {
   double mean = 0;
   double max = 0;
 };
+
+/// What vertical integrals of a quantity in these units are: "optical depth", "liquid water path [g/m2]" or, in units
+/// that make something else of it, "vertical integral".
+std::string column_integral_name(const std::string& quantity, const std::string& units);
 
 /// What a grid holds when it is read as a cloud with z up.
 struct CloudSummary {

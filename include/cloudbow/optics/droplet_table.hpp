@@ -8,6 +8,10 @@
 
 namespace cloudbow {
 
+/// Effective radii in tables [um]: below are molecules, above no drops; both are metres or nanometres taken for um.
+inline constexpr double smallest_tabulated_radius_um = 1e-3;
+inline constexpr double largest_tabulated_radius_um = 5000;
+
 /// One row for each effective radius. Whoever made it, the table obeys check_droplet_table().
 struct DropletTable {
   double wavelength_um = 0;                      ///< 0: not known
@@ -19,6 +23,9 @@ struct DropletTable {
 
   std::size_t size() const { return effective_radius_um.size(); }
 };
+
+/// @throws InputError if the radius is out of the range above.
+void check_tabulated_radius(double radius_um);
 
 /// @throws InputError "PROBLEM (found X, allowed Y)": no row, rows of different number, radii that do not ascend,
 /// values out of range, chi_0 not 1 or |chi_l| > 1 (to 1e-4, the digits of text tables), moments of which the last

@@ -113,6 +113,7 @@ std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, 
                                          VdbReadOptions options) {
   const SceneCloud& cloud = *scene.cloud;
   options.grid = cloud.effective_radius_grid;
+  options.companion_quantity = "effective_radius";
   constexpr double rounding = 1e-6;  // of grids of floats
   if (cloud.droplets != nullptr) {
     return files.companion(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
@@ -240,6 +241,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
                                      : static_cast<int>(scene.phase_functions.size());
   if (!cloud.single_scattering_albedo_grid.empty()) {
     companion.grid = cloud.single_scattering_albedo_grid;
+    companion.companion_quantity = "single_scattering_albedo";
     const std::vector<float> albedo = files.companion(cloud.file, field, companion, 0, 1);
     opened.optics.voxel_single_scattering_albedo.assign(albedo.begin(), albedo.end());
   } else if (cloud.single_scattering_albedo) {
@@ -248,6 +250,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   }
   if (cloud.phase_set != nullptr) {
     companion.grid = cloud.phase_set->index_grid;
+    companion.companion_quantity = "phase_index";
     const std::vector<float> number =
         files.companion(cloud.file, field, companion, 1, static_cast<double>(cloud.phase_set->function.size()));
     apply_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, companion.grid), opened);

@@ -1,5 +1,6 @@
 #include "app/commands/cloud_commands.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <memory>
@@ -54,7 +55,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
     action = [options] {
       std::copy(options->cells.begin(), options->cells.end(), options->maker.cells.begin());
       std::copy(options->voxel_size_m.begin(), options->voxel_size_m.end(), options->maker.voxel_size_m.begin());
-      check_outputs({{options->output, "the cloud"}});
+      check_outputs({{options->output, "the cloud", OutputKind::vdb}});
       write_cloud_vdb(options->output, make_cloud(options->maker), options->write);
       fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->output)));
       return kExitDone;
@@ -73,6 +74,44 @@ struct ImportCommand {
   std::filesystem::path output;
   bool quiet = false;
 };
+
+/// Options that count in some formats alone.
+struct OptionOfFormats {
+  const char* name;
+  std::vector<std::string> formats;
+};
+
+const std::vector<OptionOfFormats>& options_of_formats() {
+  const std::vector<std::string> les{"les"};
+  static const std::vector<OptionOfFormats> options{{"--columns", {"columns", "optics-csv"}},
+                                                    {"--quantity", {"les", "columns", "numpy"}},
+                                                    {"--phase-functions", {"shdom", "optics-csv"}},
+                                                    {"--variable", les},
+                                                    {"--units", les},
+                                                    {"--time", les},
+                                                    {"--x-axis", les},
+                                                    {"--y-axis", les},
+                                                    {"--z-axis", les},
+                                                    {"--time-axis", les},
+                                                    {"--air-density", les},
+                                                    {"--pressure", les},
+                                                    {"--temperature", les},
+                                                    {"--fill", les},
+                                                    {"--droplet-number", les},
+                                                    {"--droplet-number-cm3", les},
+                                                    {"--radius-ratio-cubed", les},
+                                                    {"--effective-radius", les}};
+  return options;
+}
+
+void check_options_of_format(const CLI::App& app, const CloudImportOptions& import, const std::string& format) {
+  for (const OptionOfFormats& option : options_of_formats()) {
+    if (app.get_option(option.name)->count() == 0 || std::ranges::count(option.formats, format) > 0) continue;
+    throw InputError(fmt::format("{}: no option of this format (found {} to be of the format {}, allowed {}){}",
+                                 option.name, import.file.string(), format, joined(option.formats),
+                                 import.format == "auto" ? "; --format says another" : ""));
+  }
+}
 
 /// "cloud.vdb" has its phase functions in "cloud.phase.csv".
 std::filesystem::path phase_set_beside(std::filesystem::path output) { return output.replace_extension(".phase.csv"); }
@@ -113,7 +152,7 @@ void check_indices(const ImportedCloud& cloud, std::size_t functions) {
   }
 }
 
-int import_to_vdb(const ImportCommand& command) {
+int import_to_vdb(const CLI::App& app, const ImportCommand& command) {
   CloudImportOptions options = command.import;
   if (!command.voxel_size_m.empty()) {
     const std::vector<double>& size = command.voxel_size_m;
@@ -126,10 +165,13 @@ int import_to_vdb(const ImportCommand& command) {
   }
   if (!command.columns.empty()) options.columns = {command.columns[0], command.columns[1]};
   const std::array<std::filesystem::path, 2> inputs{options.file, command.phase_functions};
-  const std::array<OutputFile, 2> outputs{OutputFile{command.output, "the cloud"},
-                                          OutputFile{phase_set_beside(command.output), "its phase functions"}};
+  const std::array<OutputFile, 2> outputs{
+      OutputFile{command.output, "the cloud", OutputKind::vdb},
+      OutputFile{phase_set_beside(command.output), "its phase functions", OutputKind::csv}};
   check_distinct(outputs, inputs);
   check_writable(command.output);
+  options.format = cloud_import_format(options);
+  check_options_of_format(app, command.import, options.format);
 
   ImportedCloud cloud = import_cloud(options);
   const auto moments = phase_functions_of(command, cloud);
@@ -176,10 +218,12 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   app->add_option("--quantity", options.quantity,
                   "Text columns: extinction [1/m] (default) or liquid_water_content [g/m3]. LES: which of them")
       ->check(CLI::IsMember({"extinction", "liquid_water_content"}));
-  app->add_option("--phase-functions", command->phase_functions, "Legendre moments, one column a phase function")
-      ->type_name("MOMENTS");
+  auto* moments = app->add_option("--phase-functions", command->phase_functions,
+                                  "SHDOM, text with optics: Legendre moments, one column a phase function")
+                      ->type_name("MOMENTS");
   app->add_option("--moment-factor", command->moment_factor,
                   "Whether they hold the factor 2l+1: auto, included, excluded")
+      ->needs(moments)
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "included", "excluded"}));
   app->add_option("--variable", options.variable, "LES: liquid water (default: a usual name)");
@@ -211,16 +255,15 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   app->add_option("--effective-radius", options.effective_radius, "LES: effective radius");
   app->add_flag("--half", command->write.half, "Store the cloud with 16 bits a value");
   app->add_flag("--quiet", command->quiet, "Nothing but errors");
-  app->callback([&action, command] { action = [command] { return import_to_vdb(*command); }; });
+  app->callback([&action, app, command] { action = [app, command] { return import_to_vdb(*app, *command); }; });
 }
 
 void plot_columns(const std::filesystem::path& file, const std::filesystem::path& image) {
-  const CloudField field = read_cloud_vdb(file);
+  const VdbCloud field = read_cloud_vdb(file);
   ColumnPlot plot;
   plot.title = file.filename().string();
-  plot.label = field.quantity == "extinction"             ? "optical depth"
-               : field.quantity == "liquid_water_content" ? "liquid water path [g/m^{2}]"
-                                                          : "vertical integral";
+  plot.label = column_integral_name(field.quantity, field.units);
+  if (const auto unit = plot.label.find("m2]"); unit != std::string::npos) plot.label.replace(unit, 2, "m^{2}");
   plot.columns = {field.cells[0], field.cells[1]};
   plot.column_size_m = {field.cell_size_m[0], field.cell_size_m[1]};
   plot.min_m = {field.min_m[0], field.min_m[1]};
@@ -241,7 +284,7 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
       ->type_name("FILE");
   app->callback([&action, options] {
     action = [options] {
-      check_outputs({{options->plot, "the plot"}}, std::span(&options->file, 1));
+      check_outputs({{options->plot, "the plot", OutputKind::plot}}, std::span(&options->file, 1));
       const CloudInfo info = describe_cloud_vdb(options->file);
       fmt::print("{}", format_cloud_info(info));
       for (const std::string& doubt : doubts_about(info)) tell("cloudbow: warning: {}\n", printable(doubt));

@@ -226,6 +226,18 @@ void check_printed() {
   throw InputError(fmt::format("stdout: can't be written ({})", std::generic_category().message(errno)));
 }
 
+/// An empty word is a variable of a script that was not set, and would be taken for an option not given.
+void check_no_empty_words(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& word : option->results()) {
+      if (word.empty())
+        throw InputError(fmt::format("{}: empty (found \"\", allowed a value, or leave the option out)",
+                                     option->get_name(true, true)));
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands()) check_no_empty_words(*command);
+}
+
 int parse_and_act(int argc, const char* const* argv) {
   CLI::App app("Sunlight in cloudy air, solved deterministically", "cloudbow");
   app.set_version_flag("--version", version_text());
@@ -251,6 +263,7 @@ int parse_and_act(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", usage_error(app, error)));
   }
+  check_no_empty_words(app);
   const int code = action();
   check_printed();
   return code;

@@ -107,7 +107,7 @@ int make_mie_file(const MieOptions& options) {
   const std::vector<double> wavelengths = parse_wavelengths(options.wavelength_um);
   std::vector<DropletRecipe> recipes;
   for (const double wavelength : wavelengths) recipes.push_back(make_recipe(options, wavelength));
-  check_outputs({{options.output, "the table"}});
+  check_outputs({{options.output, "the table", OutputKind::hdf5}});
 
   const InterruptGuard guard;
   std::vector<DropletTable> tables;

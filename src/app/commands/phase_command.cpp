@@ -19,7 +19,6 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/io/phase_file.hpp"
-#include "cloudbow/io/picture_format.hpp"
 #include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/plots/phase_plot.hpp"
 #include "cloudbow/sphere/scaled_vector.hpp"
@@ -130,8 +129,9 @@ int phase(const Options& options) {
   const OrdinateSet ordinates =
       make_ordinate_set(options.ordinates.empty() ? usual_ordinates(points.size()) : options.ordinates);
   const std::filesystem::path input = options.file.value_or("");
-  check_outputs({{options.plot, "the plot"}, {options.output, "the file of all figures"}}, std::span(&input, 1));
-  if (!options.plot.empty()) picture_format(options.plot);
+  check_outputs(
+      {{options.plot, "the plot", OutputKind::plot}, {options.output, "the file of all figures", OutputKind::hdf5}},
+      std::span(&input, 1));
 
   const DeltaM scaled = delta_m(function, options.delta_m_order);
   PhaseReport report{title, options.delta_m_order, scaled.forward_fraction, points, ordinates.name, fit, {}};

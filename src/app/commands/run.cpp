@@ -116,7 +116,7 @@ void tell_notes(const std::vector<Scene>& scenes) {
   std::set<std::string> told;
   for (const Scene& scene : scenes) {
     for (const std::string& note : scene.notes) {
-      if (told.insert(note).second) tell("cloudbow: {}\n", note);
+      if (told.insert(note).second) tell("cloudbow: {}\n", printable(note));
     }
   }
 }
@@ -184,22 +184,23 @@ void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
 /// Nothing that a run writes may land on what it reads or on something else that it writes.
 void check_files(const RunOptions& options, std::size_t solves, const std::filesystem::path& output,
                  const Scene& scene) {
-  std::vector<OutputFile> outputs{{output, "the result"}};
+  std::vector<OutputFile> outputs{{output, "the result", OutputKind::hdf5}};
   std::vector<std::filesystem::path> files = scene.inputs;
   for (std::size_t of = 0; of < solves; ++of) {
     const std::filesystem::path kept = checkpoint_file(options.checkpoint, of, solves);
     const std::filesystem::path resumed = checkpoint_file(options.resume, of, solves);
-    outputs.push_back({kept, "the checkpoint"});
+    outputs.push_back({kept, "the checkpoint", OutputKind::checkpoint});
     // A solve may keep its state in the file that it goes on from, but in that of no other solve.
     if (!same_file(kept, resumed)) files.push_back(resumed);
   }
+  std::vector<std::filesystem::path> all = files;
+  for (const OutputFile& file : outputs) all.push_back(file.path);
+  check_not_of_cache(all);
   if (options.dry_run) {
     check_distinct(outputs, files);
   } else {
     check_outputs(outputs, files);
   }
-  for (const OutputFile& file : outputs) files.push_back(file.path);
-  check_not_of_cache(files);
 }
 
 }  // namespace

@@ -17,8 +17,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr const char* kHeader = "cloudbow machine 1";  // its number goes up when predict_seconds() changes
-constexpr double kLeast = .01, kMost = 100;            // beyond, it is no measurement
+constexpr double kLeast = .01, kMost = 100;  // beyond, it is no measurement
 
 std::filesystem::path speed_file() {
   const std::filesystem::path folder = cache_directory();
@@ -27,13 +26,21 @@ std::filesystem::path speed_file() {
 
 }  // namespace
 
+std::pair<Problem, SolverOptions> calibration_solve() {
+  SolverOptions options = field_options("draft");
+  options.threads = 0;
+  options.absorption = false;
+  return {field_problem(uneven_field(48, 48, 16, .5), 1, PhaseFunction::henyey_greenstein(.85), sun_at(.5, 30)),
+          options};
+}
+
 double machine_slowness() {
   const std::filesystem::path path = speed_file();
   if (!unreadable_reason(path).empty()) return 1;
   std::ifstream file(path);
   std::string header;
   double factor = 0;
-  if (!std::getline(file, header) || header != kHeader || !(file >> factor)) return 1;
+  if (!std::getline(file, header) || header != kMachineSpeedHeader || !(file >> factor)) return 1;
   return std::isfinite(factor) && factor >= kLeast && factor <= kMost ? factor : 1;
 }
 
@@ -41,11 +48,7 @@ double calibrate_machine() {
   const std::filesystem::path path = speed_file();
   if (path.empty())
     throw InputError("--calibrate: no folder for caches (found neither XDG_CACHE_HOME nor HOME, allowed either)");
-  const Problem problem =
-      field_problem(uneven_field(48, 48, 16, .5), 1, PhaseFunction::henyey_greenstein(.85), sun_at(.5, 30));
-  SolverOptions options = field_options("draft");
-  options.threads = 0;
-  options.absorption = false;
+  const auto [problem, options] = calibration_solve();
   const double predicted = predict_seconds(SolvePlan(problem, options));
   double least = 0;
   for (int n = 0; n < 3; ++n) {
@@ -54,7 +57,7 @@ double calibrate_machine() {
     least = n == 0 ? seconds : std::min(least, seconds);
   }
   const double factor = std::clamp(least / predicted, kLeast, kMost);
-  write_file_atomically(path, fmt::format("{}\n{:.4g}\n", kHeader, factor));
+  write_file_atomically(path, fmt::format("{}\n{:.4g}\n", kMachineSpeedHeader, factor));
   return factor;
 }
 

@@ -1,7 +1,18 @@
 // How quick this machine is beside the one that predict_seconds() was made on.
 #pragma once
 
+#include <utility>
+
+#include "cloudbow/transport/solution.hpp"
+
 namespace cloudbow {
+
+/// First line of the file that keeps the factor. Its number goes up when predict_seconds() or the solve that is
+/// measured changes, which makes factors of before mean something else (test_machine_speed.cpp notices the former).
+inline constexpr const char* kMachineSpeedHeader = "cloudbow machine 2";
+
+/// The solve that is measured.
+std::pair<Problem, SolverOptions> calibration_solve();
 
 /// Factor on predicted seconds: what `cloudbow verify --calibrate` has stored beside the table cache, else 1.
 double machine_slowness();

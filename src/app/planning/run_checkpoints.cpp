@@ -8,6 +8,7 @@
 #include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
+#include "cloudbow/core/printable.hpp"
 
 namespace cloudbow {
 namespace {
@@ -44,6 +45,7 @@ RunCheckpoints::RunCheckpoints(const RunOptions& options, std::size_t of, std::s
 }
 
 Checkpoints::Found RunCheckpoints::find(const StateKey& key) {
+  used_ = true;
   if (!input_) return Found::nothing;
   if (input_->key().layout != key.layout) {
     throw InputError(
@@ -81,7 +83,7 @@ void RunCheckpoints::save(const StateKey& key, std::span<const StateArray> state
     write_checkpoint(to_, source_, of_this_version(key, source_), state);
     if (InterruptGuard::noted() && !quiet_) tell("cloudbow: the run can go on with --resume {}\n", to_.string());
   } catch (const InputError& error) {
-    tell("cloudbow: no checkpoint: {}\n", error.what());
+    tell("cloudbow: no checkpoint: {}\n", printable(error.what()));
   }
   last_ = std::chrono::steady_clock::now();
   InterruptGuard::check();

@@ -25,8 +25,11 @@ class RunCheckpoints : public Checkpoints {
   /// A file that cannot be written is told of, and no reason to end the run.
   /// @throws Interrupted once it is written, where a signal has come.
   void save(const StateKey& key, std::span<const StateArray> state) override;
+  /// Whether the solve had a state to go on from or to keep: columns that are solved without iteration have none.
+  bool used() const { return used_; }
 
  private:
+  bool used_ = false;
   bool quiet_;
   std::filesystem::path to_;    // empty: nothing is kept
   std::filesystem::path from_;  // empty: nothing to resume from

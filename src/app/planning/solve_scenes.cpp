@@ -51,6 +51,12 @@ Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunO
     if (!options.checkpoint.empty() || !options.resume.empty())
       checkpoints.emplace(options, solved.solutions.size(), scenes.size());
     solved.solutions.push_back(solve_shown(planned.plan, checkpoints ? &*checkpoints : nullptr));
+    if (checkpoints && !checkpoints->used() && solved.solutions.size() == 1 && !options.quiet) {
+      tell("cloudbow: {} not used: the columns of this scene are solved without iteration\n",
+           options.checkpoint.empty() ? "--resume is"
+           : options.resume.empty()   ? "--checkpoint is"
+                                      : "--checkpoint and --resume are");
+    }
     if (scene.output.error_estimate) solved.errors.push_back(estimate(scene, planned, solved.solutions.back()));
     if (options.compare) {
       // A single column is its own independent column.

@@ -19,7 +19,6 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/io/boundary_result.hpp"
-#include "cloudbow/io/picture_format.hpp"
 #include "cloudbow/plots/tradeoff_report.hpp"
 #include "cloudbow/results/tradeoff.hpp"
 
@@ -113,8 +112,7 @@ void check_options(const TradeoffOptions& options, const Scene& scene) {
   }
   std::vector<std::filesystem::path> inputs = scene.inputs;
   inputs.push_back(options.reference);
-  check_outputs({{options.csv, "the table"}, {options.plot, "the plot"}}, inputs);
-  if (!options.plot.empty()) picture_format(options.plot);
+  check_outputs({{options.csv, "the table", OutputKind::csv}, {options.plot, "the plot", OutputKind::plot}}, inputs);
 }
 
 /// Empty for a level that can be solved.

@@ -6,7 +6,8 @@
 //   d1 = (Z + N) s1 - N s2 + a - b,    -d2 = (Z + N) s2 - N s1 + a + b                                     (Eq. 37)
 // with symmetric Z, N of no negative eigenvalue, and vectors a, b of its sources: as if s were voltages, d currents, Z
 // shunts and N series conductances of a ladder. Nothing is subtracted that is nearly equal, so that energy is kept to
-// rounding in float.
+// rounding in float. The first axis of vectors is isotropic light: without absorption the first row of Z is 0, and N
+// beside it keeps all its digits however thick the layer is.
 //
 // Symmetric matrices are given by their lower triangles, row by row; "factors" are such a triangle that holds L of L D
 // L^T below the diagonal and 1/D on it.
@@ -144,6 +145,7 @@ struct Layer {
   Triangle<Real> series;  ///< N
   Vector<Real> a;
   Vector<Real> b;
+  Vector<Real> at_bottom;  ///< a + b, in thick layers much less than either
   /// 4 pi times the mean radiance in it is mean . (s1 + s2)/2 + own_mean.
   Vector<Real> mean;
   Lanes<Real> own_mean;
@@ -185,6 +187,7 @@ inline void make_thin_layer(int n, const Matter<Real>& matter, const Lanes<Real>
   for (int i = 0; i < n; ++i) {
     layer.a[i] = slope * bent[i] - h * left * (matter.source_of_sum[i] - third * product[place(n, i)]);
     layer.b[i] = slope * matter.source_of_sum[i] - left * reach[i];
+    layer.at_bottom[i] = layer.a[i] + layer.b[i];
     layer.mean[i] = mean_radiance[i] - third * product[place(n + 1, i)];
     layer.own_mean += slope * mean_radiance[i] * matter.source_of_difference[i];
   }
@@ -204,8 +207,9 @@ inline void double_layer(int n, const Lanes<Real>& passed, const Lanes<Real>& lo
   Matrix<Real> x;
   fill<Real>(n, layer.shunt, x);
   const Lanes<Real> both = Real(1) + passed;
+  const auto thin = passed > Real(.5);
   for (int i = 0; i < n; ++i) {
-    x[i][n] = both * layer.a[i] + lost * layer.b[i];
+    x[i][n] = thin ? both * layer.a[i] + lost * layer.b[i] : layer.at_bottom[i] + passed * (layer.a[i] - layer.b[i]);
     x[i][n + 1] = layer.mean[i];
   }
   forward<Real>(n, n + 2, factors, x);
@@ -228,8 +232,13 @@ inline void double_layer(int n, const Lanes<Real>& passed, const Lanes<Real>& lo
     x[k][k] = pivot - x[k][k];
     for (int j = k + 1; j < n; ++j) x[k][j] = pivot * factors[place(j, k)] - x[k][j];
   }
-  gram<Real>(n, n, factors, x, layer.series);
+  gram<Real>(n, n + 1, factors, x, layer.series);
   for (int e = 0; e < entries(n); ++e) layer.series[e] *= Real(.5);
+  for (int i = 0; i < n; ++i) {
+    const Lanes<Real> at_bottom = passed * layer.at_bottom[i] + Real(.5) * layer.series[place(n, i)];
+    layer.at_bottom[i] = thin ? layer.a[i] + layer.b[i] : at_bottom;
+    layer.a[i] = thin ? layer.a[i] : at_bottom - layer.b[i];
+  }
 }
 
 /// Everything below a level, seen from above: d = G s + c.
@@ -239,7 +248,8 @@ struct Below {
   Vector<Real> source;         ///< c
 };
 
-/// What the way down needs of a layer: s2 = s1 - (N + H)^-1 (H s1 + r), H = G + Z. Lies in an array of lanes.
+/// What the way down needs of a layer, H = G + Z: s2 = s1 - (N + H)^-1 (H s1 + r), or (N + H)^-1 (N s1 - r) in lanes
+/// where this is the smaller, so that neither is a difference of nearly equal numbers. Lies in an array of lanes.
 template <class Real>
 struct Passage {
   Passage(int n, Lanes<Real>* at)
@@ -249,16 +259,18 @@ struct Passage {
         mean(source + n),
         net(mean + n),
         own_mean(net + n),
-        own_net(own_mean + 1) {}
-  static constexpr std::size_t size(int n) { return 2 * entries(n) + 3 * n + 2; }
+        own_net(own_mean + 1),
+        kept(own_net + 1) {}
+  static constexpr std::size_t size(int n) { return 2 * entries(n) + 3 * n + 3; }
 
   Lanes<Real>* factors;  ///< of N + H
-  Lanes<Real>* load;     ///< H
+  Lanes<Real>* load;     ///< H or -N
   Lanes<Real>* source;   ///< r
   Lanes<Real>* mean;
   Lanes<Real>* net;  ///< net downward flux at face 2 is net . s2 + own_net
   Lanes<Real>* own_mean;
   Lanes<Real>* own_net;
+  Lanes<Real>* kept;  ///< 1 where load is H, else 0
 };
 
 /// Puts the layer on top of what is below (Eq. 40).
@@ -276,23 +288,29 @@ inline void stack(int n, const Layer<Real>& layer, const Lanes<Real>* flux, cons
   }
   add_product<Real>(n, below.conductance, flux, passage.net);
 
+  const auto thick = layer.series[0] < below.conductance[0] + layer.shunt[0];
+  const Lanes<Real> zero{};
+  *passage.kept = thick ? zero : zero + Real(1);
   for (int e = 0; e < entries(n); ++e) {
-    passage.load[e] = below.conductance[e] + layer.shunt[e];
-    passage.factors[e] = layer.series[e] + passage.load[e];
+    const Lanes<Real> load = below.conductance[e] + layer.shunt[e];
+    passage.factors[e] = layer.series[e] + load;
+    passage.load[e] = thick ? -layer.series[e] : load;
   }
   factorise<Real>(n, passage.factors);
   Matrix<Real> x;
   fill<Real>(n, passage.load, x);
-  for (int i = 0; i < n; ++i) x[i][n] = passage.source[i] = layer.a[i] + layer.b[i] + below.source[i];
+  for (int i = 0; i < n; ++i) x[i][n] = passage.source[i] = layer.at_bottom[i] + below.source[i];
   forward<Real>(n, n + 1, passage.factors, x);
   Triangle<Real> product;
   gram<Real>(n, n + 1, passage.factors, x, product);
   for (int i = 0; i < n; ++i) {
-    const Lanes<Real> source = layer.a[i] + layer.a[i] + below.source[i] - product[place(n, i)];
+    const Lanes<Real> either = thick ? -layer.b[i] : layer.a[i] + below.source[i];
+    const Lanes<Real> source = layer.a[i] + either - product[place(n, i)];
     below.source[i] = used ? source : below.source[i];
   }
   for (int e = 0; e < entries(n); ++e) {
-    const Lanes<Real> conductance = layer.shunt[e] + (passage.load[e] - product[e]);
+    const Lanes<Real> either = thick ? layer.series[e] : passage.load[e];
+    const Lanes<Real> conductance = layer.shunt[e] + (either - product[e]);
     below.conductance[e] = used ? conductance : below.conductance[e];
   }
 }
@@ -304,7 +322,7 @@ inline void pass(int n, const Passage<Real>& passage, const Lanes<Real>* above, 
   for (int i = 0; i < n; ++i) change[i] = passage.source[i];
   add_product<Real>(n, passage.load, above, change);
   solve<Real>(n, passage.factors, change);
-  for (int i = 0; i < n; ++i) below[i] = above[i] - change[i];
+  for (int i = 0; i < n; ++i) below[i] = *passage.kept * above[i] - change[i];
 }
 
 }  // namespace cloudbow::columns

@@ -45,6 +45,32 @@ struct Sums {
   double squared_imbalance = 0;
 };
 
+// A symmetric, orthogonal matrix that turns sqrt(w mu), which is isotropic light, to the first axis. In this basis the
+// first row of what absorbs (B, Z) is 0 where nothing absorbs, and the net flux is the first component of d: what a
+// very thick layer lets through stands beside no larger number.
+std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
+  const int n = streams.size();
+  std::vector<double> v;
+  double square = 0;
+  for (int i = 0; i < n; ++i) {
+    v.push_back(std::sqrt(streams.weight[i] * streams.cosine[i]));
+    square += v[i] * v[i];
+  }
+  for (double& component : v) component /= std::sqrt(square);
+  v[0] -= 1;
+  std::vector<std::vector<double>> turn(n, std::vector<double>(n, 0.));
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) turn[i][j] = (i == j ? 1. : 0.) + v[i] * v[j] / v[0];
+  }
+  return turn;
+}
+
+std::vector<double> turned(const std::vector<std::vector<double>>& turn, const std::vector<double>& vector) {
+  std::vector<double> result;
+  for (const auto& row : turn) result.push_back(std::inner_product(row.begin(), row.end(), vector.begin(), 0.));
+  return result;
+}
+
 template <class Real>
 class ColumnSolver {
  public:
@@ -64,23 +90,50 @@ class ColumnSolver {
         place_of_level_(problem.grid.box.nz() + 1, -1) {
     for (std::size_t f = 0; f < solution.flux_level.size(); ++f)
       place_of_level_[solution.flux_level[f]] = static_cast<int>(f);
+    const std::vector<std::vector<double>> turn = isotropic_first(streams);
+    std::vector<double> mean;
     for (int i = 0; i < n_; ++i) {
       const double mu = streams.cosine[i];
-      one_.push_back(std::sqrt(streams.weight[i] * mu));
-      flux_[i] = V{} + static_cast<Real>(2 * pi * one_[i]);
-      mean_[i] = V{} + static_cast<Real>(2 * pi * std::sqrt(streams.weight[i] / mu));
+      mean.push_back(2 * pi * std::sqrt(streams.weight[i] / mu));
+      isotropic_ += streams.weight[i] * mu;
+    }
+    isotropic_ = std::sqrt(isotropic_);
+    mean = turned(turn, mean);
+    for (int i = 0; i < n_; ++i) {
+      flux_[i] = V{} + static_cast<Real>(i == 0 ? 2 * pi * isotropic_ : 0);
+      mean_[i] = V{} + static_cast<Real>(mean[i]);
+      loss_of_isotropic_.push_back(static_cast<Real>(mean[i] / (2 * pi * isotropic_)));
+      for (int j = 0; j < n_; ++j) root_.push_back(static_cast<Real>(std::sqrt(streams.cosine[i]) * turn[i][j]));
+      for (int j = 0; j <= i; ++j) {
+        double sum = 0;
+        for (int k = 0; k < n_; ++k) sum += turn[i][k] * turn[j][k] / streams.cosine[k];
+        inverse_cosine_.push_back(static_cast<Real>(sum));
+      }
     }
     for (const auto& phase : streams.phase) {
       Shape shape;
+      std::vector<std::vector<double>> even(n_, std::vector<double>(n_));
+      std::vector<double> from_beam_even(n_, 0.), from_beam_odd(n_, 0.);
       for (int i = 0, e = 0; i < n_; ++i) {
         for (int j = 0; j <= i; ++j, ++e) {
-          shape.even.push_back(static_cast<Real>(phase.even[e] / std::sqrt(streams.cosine[i] * streams.cosine[j])));
+          even[i][j] = even[j][i] = phase.even[e] / std::sqrt(streams.cosine[i] * streams.cosine[j]);
           shape.odd.push_back(static_cast<Real>(phase.odd[e]));
         }
-        const double scale = problem.sun ? std::sqrt(streams.weight[i] / streams.cosine[i]) : 0;
-        shape.from_beam_even.push_back(problem.sun ? static_cast<Real>(scale * phase.from_beam_even[i]) : Real(0));
-        shape.from_beam_odd.push_back(problem.sun ? static_cast<Real>(scale * phase.from_beam_odd[i]) : Real(0));
+        if (!problem.sun) continue;
+        const double scale = std::sqrt(streams.weight[i] / streams.cosine[i]);
+        from_beam_even[i] = scale * phase.from_beam_even[i];
+        from_beam_odd[i] = scale * phase.from_beam_odd[i];
       }
+      for (auto& row : even) row = turned(turn, row);
+      for (int i = 0; i < n_; ++i) {
+        for (int j = 0; j <= i; ++j) {
+          double sum = 0;
+          for (int k = 0; k < n_; ++k) sum += turn[i][k] * even[k][j];
+          shape.even.push_back(static_cast<Real>(sum));
+        }
+      }
+      for (const double value : turned(turn, from_beam_even)) shape.from_beam_even.push_back(static_cast<Real>(value));
+      for (const double value : turned(turn, from_beam_odd)) shape.from_beam_odd.push_back(static_cast<Real>(value));
       shapes_.push_back(std::move(shape));
     }
   }
@@ -135,9 +188,13 @@ class ColumnSolver {
   Solution& solution_;
   std::size_t columns_;
   std::vector<int> place_of_level_;
-  columns::Vector<Real> flux_;  // of s and d
-  columns::Vector<Real> mean_;  // 4 pi mean radiance of s
-  std::vector<double> one_;     // radiance 1 in s
+  // In the basis whose first axis is isotropic light, as are s, d and all of columns::.
+  double isotropic_ = 0;                 // radiance 1 in s: its first component, the others are 0
+  columns::Vector<Real> flux_;           // of s and d
+  columns::Vector<Real> mean_;           // 4 pi mean radiance of s
+  std::vector<Real> loss_of_isotropic_;  // [n] first row of B where nothing scatters
+  std::vector<Real> inverse_cosine_;     // triangle of M^-1
+  std::vector<Real> root_;               // [n][n] M^1/2, rows as they were
   std::vector<Shape> shapes_;
 };
 
@@ -211,20 +268,19 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
       matter.source_of_difference[i] += cell.beam[p] * shape.from_beam_odd[i];
     }
   }
-  // The diagonal of B is what lets each direction lose to absorption alone (Eq. 36), to the last digit.
-  for (int j = 0; j < n; ++j) {
-    V sum = cell.absorbed * static_cast<Real>(std::sqrt(streams_.weight[j] / streams_.cosine[j]));
-    for (int i = 0; i < n; ++i) {
-      if (i != j) sum -= static_cast<Real>(one_[i]) * matter.loss[columns::place(std::max(i, j), std::min(i, j))];
+  // B: its first row is what isotropic light loses to absorption alone (Eq. 36), to the last digit.
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      V& loss = matter.loss[columns::place(i, j)];
+      loss = j == 0 ? cell.absorbed * loss_of_isotropic_[i] : loss + inverse_cosine_[columns::place(i, j)];
     }
-    matter.loss[columns::place(j, j)] = sum * static_cast<Real>(1 / one_[j]);
-    odd[columns::place(j, j)] += Real(1);
+    odd[columns::place(i, i)] += Real(1);
   }
   // A^-1 = M^1/2 (1 - K-)^-1 M^1/2
   columns::factorise<Real>(n, odd);
   columns::Matrix<Real> root;
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) root[i][j] = V{} + static_cast<Real>(i == j ? std::sqrt(streams_.cosine[i]) : 0);
+    for (int j = 0; j < n; ++j) root[i][j] = V{} + root_[i * n + j];
   }
   columns::forward<Real>(n, n, odd, root);
   columns::gram<Real>(n, n, odd, root, matter.length);
@@ -271,15 +327,14 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
     reflected[lane] = static_cast<Real>(albedo(column));
   }
 
-  // The ground: G = 1 - 2A/(1 + A) u u^T of the unit vector u, and c.
+  // The ground: G = 1 - 2A/(1 + A) u u^T of the first axis u, and c.
   columns::Below<Real> below;
-  const V back = Real(2) * reflected / (Real(1) + reflected);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      below.conductance[columns::place(i, j)] = V{} + Real(i == j) - back * static_cast<Real>(2 * one_[i] * one_[j]);
-    }
-    below.source[i] = -back * ground * static_cast<Real>(one_[i] / pi);
+    for (int j = 0; j <= i; ++j) below.conductance[columns::place(i, j)] = V{} + Real(i == j);
+    below.source[i] = V{};
   }
+  below.conductance[0] = (Real(1) - reflected) / (Real(1) + reflected);
+  below.source[0] = Real(-2) * reflected / (Real(1) + reflected) * ground * static_cast<Real>(isotropic_ / pi);
   std::vector<V> memory(height * columns::Passage<Real>::size(n));
   const auto passage = [&](std::size_t r) {
     return columns::Passage<Real>(n, memory.data() + r * columns::Passage<Real>::size(n));
@@ -296,7 +351,7 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
   columns::Vector<Real> s;
   for (int i = 0; i < n; ++i) {
     factors[columns::place(i, i)] += Real(1);
-    s[i] = static_cast<Real>(2 * problem_.sky_radiance * one_[i]) - below.source[i];
+    s[i] = static_cast<Real>(i == 0 ? 2 * problem_.sky_radiance * isotropic_ : 0) - below.source[i];
   }
   columns::factorise<Real>(n, factors);
   columns::solve<Real>(n, factors, s);
@@ -520,7 +575,7 @@ std::size_t columns_memory(const Problem& problem, const SolverOptions& options,
   const std::size_t fluxes = flux_levels(box, options).size();
   const std::size_t fields =
       4 * (3 * fluxes * box.columns() + ((options.absorption ? 1 : 0) + (options.actinic ? 1 : 0)) * cells);
-  const std::size_t batch = levels * lanes * real * (n * (n + 1) + 4 * n + 12 + 2 * problem.phase.size());
+  const std::size_t batch = levels * lanes * real * (n * (n + 1) + 4 * n + 13 + 2 * problem.phase.size());
   const std::size_t grid = 4 * active * (1 + problem.phase.size());
   const std::size_t bookkeeping = 8 * active + 64 * box.columns();
   // Rays of a beam are summed in four shares, two beams one after the other.

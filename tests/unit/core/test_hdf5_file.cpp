@@ -107,6 +107,11 @@ TEST_F(Hdf5File, ALinkToAnotherFileIsRefusedWithoutFollowingIt) {
   expect_refused("'group/away', a link to another file");
 }
 
+TEST_F(Hdf5File, NamesOfLinksDoNotReachTheTerminal) {
+  make_file([](hid_t file) { H5Lcreate_external("x", "/x", file, "a\x1b[2Jb", H5P_DEFAULT, H5P_DEFAULT); });
+  expect_refused("'a\\x1b[2Jb', a link to another file");
+}
+
 TEST_F(Hdf5File, AVirtualDatasetIsRefused) {
   make_file([](hid_t file) {
     make_dataset(file, "circle", [](hid_t properties) {

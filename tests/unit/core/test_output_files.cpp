@@ -51,6 +51,28 @@ TEST_F(OutputFiles, OneFileIsSeenUnderAllItsNames) {
   EXPECT_FALSE(same_file(folder_ / "coming", folder_ / "coming.1"));
 }
 
+TEST_F(OutputFiles, EachKindHasItsEndings) {
+  const std::vector<std::pair<OutputKind, std::vector<std::string>>> own{
+      {OutputKind::hdf5, {"a.h5", "a.HDF5", "a.nc", "a.nc4"}},
+      {OutputKind::checkpoint, {"a.h5", "a.hdf5", "a.ck", "a.ckpt", "a.checkpoint"}},
+      {OutputKind::vdb, {"a.vdb", "a.VDB"}},
+      {OutputKind::csv, {"a.csv", "a.txt"}},
+      {OutputKind::plot, {"a.png"}},
+      {OutputKind::picture, {"a.png", "a.exr"}}};
+  for (const auto& [kind, names] : own) {
+    for (const std::string& name : names) EXPECT_NO_THROW(check_ending({name, "it", kind})) << name;
+    for (const char* name : {"a", "depth_0.5", ".a", "a.", "x.png/a"})
+      EXPECT_NO_THROW(check_ending({name, "it", kind})) << name;
+    EXPECT_THROW(check_ending({"a.toml", "it", kind}), InputError);
+    EXPECT_THROW(check_ending({"a.png.jpg", "it", kind}), InputError);
+    EXPECT_THROW(check_ending({"a.h5x", "it", kind}), InputError);
+    EXPECT_THROW(check_ending({kind == OutputKind::vdb ? "a.h5" : "a.vdb", "it", kind}), InputError);
+  }
+  EXPECT_NO_THROW(check_ending({"a.toml", "it"}));
+  EXPECT_THAT(message_of({{folder_ / "a.png", "the result", OutputKind::hdf5}}, {}),
+              AllOf(HasSubstr("a.png: the result"), HasSubstr("found .png, allowed .h5")));
+}
+
 TEST_F(OutputFiles, AnInputIsNotOverwritten) {
   EXPECT_THAT(message_of({{folder_ / "new", "the plot"}, {folder_ / "hard", "the table"}},
                          {folder_ / "none", folder_ / "there"}),

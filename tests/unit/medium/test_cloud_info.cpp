@@ -76,6 +76,14 @@ TEST_F(CloudDescription, NumbersThatNoCloudHasAreDoubted) {
   EXPECT_THAT(format_cloud_info(info), HasSubstr("vertical integral"));
 }
 
+TEST_F(CloudDescription, IntegralsAreNamedByQuantityAndUnits) {
+  EXPECT_EQ(column_integral_name("extinction", "1/m"), "optical depth");
+  EXPECT_EQ(column_integral_name("extinction", ""), "optical depth");
+  EXPECT_EQ(column_integral_name("extinction", "1/km"), "vertical integral");
+  EXPECT_EQ(column_integral_name("liquid_water_content", "g/m3"), "liquid water path [g/m2]");
+  EXPECT_EQ(column_integral_name("liquid_water_content", "kg/m3"), "vertical integral");
+}
+
 TEST_F(CloudDescription, NamesOutOfFilesDoNotReachTheTerminal) {
   const auto grid = density_grid({{Coord(0, 0, 0), 1.0F}}, "den\x1b[2Jsity");
   grid->insertMeta("quantity", openvdb::StringMetadata("ex\ntinction"));

@@ -220,7 +220,16 @@ TEST_F(LesImport, PerturbationsAndOtherUnitsAreNoAir) {
   // Numbers of air that a user names are checked too.
   CloudImportOptions options = air("rho", "kg/m3", profile(density));
   options.air_density = "12";
-  EXPECT_THAT(error_of(options), HasSubstr("has the value 12 kg/m3"));
+  EXPECT_THAT(error_of(options), HasSubstr("--air-density has the value 12 kg/m3 (allowed 0.01 to 2 kg/m3, a variable, "
+                                           "or us-1976) air at the ground has about 1.2"));
+}
+
+TEST_F(LesImport, AProfileIsNoCloudOfColumnsWithoutWidth) {
+  CloudImportOptions options =
+      with([](NetcdfBuilder& file) { file.variable("rho", {"z"}, "kg/m3", profile(density)); });
+  options.variable = "rho";
+  EXPECT_THAT(error_of(options), AllOf(HasSubstr("'rho' is a profile"), HasSubstr("no axis but z"),
+                                       HasSubstr("--variable"), HasSubstr("--voxel-size-m")));
 }
 
 TEST_F(LesImport, WithoutDensityTheMessageNamesWaysThatWork) {

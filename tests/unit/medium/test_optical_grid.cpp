@@ -177,6 +177,13 @@ TEST(OpticalGrid, GradedLevels) {
   }
 }
 
+TEST(OpticalGrid, LevelsAreNoThinnerThanHeightsResolve) {
+  // An edge level of .02 in 1e20 would be 2e-19 m thick at a height of 1000 m.
+  const OpticalGrid grid = slab(1e20);
+  for (int k = 0; k < grid.box.nz(); ++k) ASSERT_GT(grid.box.thickness_m(k), 1e-12) << k;
+  EXPECT_NEAR(column_optical_depth(grid)[0], 1e20, 1e14);
+}
+
 TEST(OpticalGrid, DeltaMCoarsensLevels) {
   // Half of the light is scattered straight on: tau 100 is cut like tau 50.
   EXPECT_EQ(slab(100, 0.5).box.nz(), slab(50, 0).box.nz());

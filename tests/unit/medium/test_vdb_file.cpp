@@ -363,6 +363,22 @@ TEST_F(VdbFile, CompanionsComeInTheOrderOfTheCloud) {
   EXPECT_THAT(read_companion_vdb(path, turned_cloud, turned_albedo, 0, 1), ElementsAre(0.3F, 0.1F, 0.0F));
 }
 
+TEST_F(VdbFile, CompanionsAreWhatTheirMetadataSay) {
+  const auto cloud_grid = density_grid({{Coord(3, 0, 0), 1.0F}});
+  const auto other = density_grid({{Coord(3, 0, 0), 0.5F}}, "other");
+  const auto read = [&](const std::string& wanted) {
+    const auto path = write_seekable({cloud_grid, other});
+    return read_companion_vdb(path, read_cloud_vdb(path), {.grid = "other", .companion_quantity = wanted}, 0, 1);
+  };
+  EXPECT_THAT(read("single_scattering_albedo"), ElementsAre(0.5F));  // the file does not say
+  other->insertMeta("quantity", openvdb::StringMetadata("effective_radius"));
+  EXPECT_THAT(read(""), ElementsAre(0.5F));
+  EXPECT_THAT(read("effective_radius"), ElementsAre(0.5F));
+  EXPECT_THAT(message_of([&] { read("single_scattering_albedo"); }),
+              AllOf(HasSubstr("grid \"other\""), HasSubstr("found the quantity effective_radius"),
+                    HasSubstr("allowed single_scattering_albedo")));
+}
+
 TEST_F(VdbFile, CompanionsThatDoNotFitAreErrors) {
   const auto cloud_grid = density_grid({{Coord(3, 0, 0), 1.0F}, {Coord(0, 1, 0), 2.0F}});
   const auto partial = [&](float background) {

@@ -74,6 +74,10 @@ TEST(DropletTable, SaysWhatIsWrong) {
   DropletTable table = two_rows();
   table.effective_radius_um = {10, 5};
   EXPECT_THAT(message(table), HasSubstr("do not ascend"));
+  table.effective_radius_um = {5e-6, 1e-5};  // metres
+  EXPECT_THAT(message(table), HasSubstr("found 5e-06 um, allowed 0.001 to 5000 um"));
+  table.effective_radius_um = {4000, 6000};  // nanometres
+  EXPECT_THAT(message(table), HasSubstr("found 6000 um"));
   table = two_rows();
   table.moments[1][0] = 0.9;
   EXPECT_THAT(message(table), HasSubstr("wrong norm"));

@@ -81,7 +81,9 @@ TEST(MieTable, TinyDropletsAreRayleigh) {
 // width they vary by 1 %.
 // As above, near the smallest size that is allowed.
 TEST(MieTable, AtomsAreRayleighToo) {
-  const DropletTable table = table_of(DropletRecipe{}, {1e-11});
+  DropletRecipe recipe;
+  recipe.wavelength_um *= 1e8;
+  const DropletTable table = table_of(recipe, {1e-3});
   EXPECT_NEAR(table.moments[0][2], 0.1, 1e-12);
   EXPECT_EQ(table.moments[0].size(), 3u);
 }
@@ -180,7 +182,7 @@ TEST(MieTable, RefusesWhatItCannotDo) {
   EXPECT_THROW(table_of(good, {}), InputError);
   EXPECT_THROW(table_of(good, {2, 1}), InputError);
   EXPECT_THROW(table_of(good, {1e4}), InputError);
-  for (const double radius : {1e-20, 1e-300, 5e-324, 1e300})
+  for (const double radius : {1e-20, 1e-300, 5e-324, 1e300, 1e-5, 9e-4, 5001.})
     EXPECT_THROW(table_of(good, {radius}), InputError) << radius;
   for (const double wavelength : {1e-300, 1e300}) {
     bad = good;

@@ -221,6 +221,22 @@ TEST(CommandLine, RunsASlab) {
   EXPECT_EQ(quiet.output + quiet.errors, "");
 }
 
+TEST(CommandLine, CheckpointsOfColumnsWithoutIterationAreSaidToBeUnused) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("slab.toml", kSlab);
+  const std::vector<std::string> run{"run", scene, "-o", folder / "slab.h5", "--checkpoint", folder / "state.h5"};
+  const Outcome columns = cloudbow(run);
+  EXPECT_EQ(columns.exit_code, 0);
+  EXPECT_THAT(columns.errors, HasSubstr("--checkpoint is not used"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "state.h5"));
+  auto in_3d = run;
+  for (const char* word : {"--set", "solver.mode=3d"}) in_3d.push_back(word);
+  const Outcome iterated = cloudbow(in_3d);
+  EXPECT_EQ(iterated.exit_code, 0) << iterated.errors;
+  EXPECT_THAT(iterated.errors, testing::Not(HasSubstr("not used")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "state.h5"));
+}
+
 TEST(CommandLine, OneColumnIsItsOwnIndependentColumn) {
   const TemporaryFolder folder;
   const auto scene = folder.write("slab.toml", kSlab);

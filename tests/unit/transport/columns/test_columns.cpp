@@ -122,6 +122,25 @@ TEST(Columns, ConservativeSlabsOfAnyDepthLoseNothing) {
   }
 }
 
+TEST(Columns, WhatAVeryThickSlabLetsThroughHasItsDigits) {
+  // Isotropic scattering without absorption under an overhead sun: T = H(1)/sqrt(3) / (depth + 2 q), H(1) = 2.90781,
+  // q = .710446 (Chandrasekhar 1950); 16 streams are good to 1e-4 of it. In double and in float, as one cell and as
+  // many.
+  for (const double depth : {1e3, 1e5, 1e8, 1e9, 1e12, 1e20, 1e30}) {
+    for (const int cells : {1, 7, 40}) {
+      for (const bool in_double : {true, false}) {
+        SolverOptions options = by_columns(16);
+        options.double_precision = in_double;
+        options.leave_out_uniform_axes = false;
+        const Solution solution = solve(slab(depth, 1, PhaseFunction::isotropic(), 1, cells), options);
+        EXPECT_NEAR(solution.downwelling_diffuse_flux[0] * (depth + 1.420892), 2.90781 / std::sqrt(3.), 3e-4)
+            << depth << " " << cells << " " << in_double;
+        EXPECT_LT(std::abs(solution.ledger.residual), in_double ? 1e-12 : 1e-5) << depth << " " << cells;
+      }
+    }
+  }
+}
+
 TEST(Columns, FurnaceStaysAtTheSkysRadiance) {
   Problem problem = random_columns(true, 5, 1, 1);
   problem.sun.reset();
