@@ -8,6 +8,7 @@
 
 #include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
@@ -17,12 +18,6 @@ struct PhaseClassReport {
   int functions = 0;
   int classes = 0;
   double estimated_error = 0;  ///< of the classes, fraction of the incident light
-};
-
-/// Vertical integrals over the columns of a cloud.
-struct ColumnFigures {
-  double sum = 0;      ///< over all columns
-  double largest = 0;  ///< of a single one
 };
 
 /// What a cloud amounts to, for the user to see a wrong unit by.
