@@ -1,3 +1,5 @@
+#include "cloudbow/io/checkpoint_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +12,8 @@
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "cloudbow/core/rehearsal.hpp"
-#include "cloudbow/io/checkpoint_file.hpp"
 #include "io/hdf5_handle.hpp"
 #include "io/netcdf4_file.hpp"
 
@@ -22,7 +24,7 @@ using hdf5::Handle;
 
 namespace {
 
-constexpr std::int32_t kFormat = 1;
+constexpr std::int32_t kFormat = 2;
 constexpr hsize_t kChunkValues = hsize_t{1} << 17;
 
 constexpr const char* kAllowed = "a file of run --checkpoint";
@@ -100,6 +102,13 @@ auto naming(const std::filesystem::path& path, const Use& use) {
   }
 }
 
+[[noreturn]] void fail_version(const std::filesystem::path& path, std::int64_t format, const std::string& source) {
+  throw InputError(
+      fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}) go on with the "
+                  "program that wrote it, or start without this checkpoint",
+                  path.string(), format, printable(source), kFormat));
+}
+
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const std::string& source, const StateKey& key,
@@ -128,9 +137,9 @@ CheckpointInput::CheckpointInput(const std::filesystem::path& path) : path_(path
   const auto open = [&] {
     opened_ = std::make_unique<Opened>(Opened{hdf5::open_file(path)});
     const std::int64_t format = hdf5::attribute_integer(opened_->file, "checkpoint_format");
-    if (format != kFormat) throw hdf5::Error(fmt::format("format {}, known is {}", format, kFormat));
-    key_ = {key_attribute(opened_->file, "layout"), key_attribute(opened_->file, "problem")};
     source_ = hdf5::attribute_text(opened_->file, "source");
+    if (format != kFormat) fail_version(path, format, source_);
+    key_ = {key_attribute(opened_->file, "layout"), key_attribute(opened_->file, "problem")};
   };
   rehearse(path, {.library = "HDF5"}, [&] {
     naming(path, [&] {
