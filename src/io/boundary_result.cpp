@@ -15,20 +15,15 @@ namespace cloudbow {
 namespace {
 
 using hdf5::attribute_numbers;
-using hdf5::check;
 using hdf5::exists;
 using hdf5::Handle;
 
 std::vector<double> read_coordinate(hid_t file, const char* name) {
-  const Handle dataset = hdf5::open_dataset(file, name);
-  const Handle space(H5Dget_space(dataset), H5Sclose, "read a coordinate");
-  std::vector<double> value(static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), "read a coordinate")));
-  check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), "read a coordinate");
-  return value;
+  return hdf5::read_all<double>(hdf5::open_dataset(file, name));
 }
 
 SolveCost read_cost(hid_t file) {
-  const Handle group(H5Gopen2(file, "solver", H5P_DEFAULT), H5Gclose, "open a group");
+  const Handle group = hdf5::open_group(file, "solver");
   const auto sum = [&group](const char* name) {
     const std::vector<double> value = attribute_numbers(group, name);
     return std::accumulate(value.begin(), value.end(), 0.0);
@@ -60,11 +55,12 @@ class Reader {
       if (!exists(file_, name)) fail(fmt::format("it is not a result file of cloudbow run (found no {})", name));
     }
     BoundaryResult result{path_, read_coordinate(file_, "x"), read_coordinate(file_, "y"), {}, {}, read_cost(file_)};
+    if (result.x_m.empty() || result.y_m.empty()) fail("it holds no column (found an empty coordinate x or y)");
     if (exists(file_, "wavelength")) result.wavelengths_um = read_coordinate(file_, "wavelength");
 
     const hsize_t levels = check_levels();
     const hsize_t columns = result.x_m.size() * result.y_m.size();
-    const Handle summary(H5Gopen2(file_, "summary", H5P_DEFAULT), H5Gclose, "open a group");
+    const Handle summary = hdf5::open_group(file_, "summary");
     const std::vector<double> reflectance = attribute_numbers(summary, "reflectance");
     const std::vector<double> transmittance = attribute_numbers(summary, "transmittance");
     const std::size_t wavelengths = std::max<std::size_t>(result.wavelengths_um.size(), 1);
@@ -102,23 +98,17 @@ class Reader {
   }
 
   std::vector<double> read_plane(const char* name, std::optional<std::size_t> wavelength, hsize_t level,
-                                 std::vector<hsize_t> shape) const {
-    std::vector<hsize_t> start = {level, 0, 0}, count = {1, shape[1], shape[2]};
+                                 const std::vector<hsize_t>& shape) const {
+    hdf5::Block block{{level, 0, 0}, {1, shape[1], shape[2]}};
     if (wavelength) {
-      start.insert(start.begin(), *wavelength);
-      count.insert(count.begin(), 1);
+      block.start.insert(block.start.begin(), *wavelength);
+      block.size.insert(block.size.begin(), 1);
     }
     const Handle dataset = hdf5::open_dataset(file_, name);
-    const Handle space(H5Dget_space(dataset), H5Sclose, "read a flux");
     const std::vector<hsize_t> found = hdf5::shape_of(dataset);
-    if (found.size() != start.size() || !std::equal(shape.rbegin(), shape.rend(), found.rbegin()))
+    if (found.size() != block.start.size() || !std::equal(shape.rbegin(), shape.rend(), found.rbegin()))
       fail(fmt::format("{} is damaged (its shape does not fit the coordinates)", name));
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "read a flux");
-    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose,
-                        "read a flux");
-    std::vector<double> value(shape[1] * shape[2]);
-    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, value.data()), "read a flux");
-    return value;
+    return hdf5::read_block<double>(dataset, block);
   }
 
   std::string path_;

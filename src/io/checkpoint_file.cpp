@@ -12,6 +12,7 @@
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/core/printable.hpp"
 #include "cloudbow/core/rehearsal.hpp"
 #include "io/hdf5_handle.hpp"
 #include "io/netcdf4_file.hpp"
@@ -23,7 +24,7 @@ using hdf5::Handle;
 
 namespace {
 
-constexpr std::int32_t kFormat = 1;
+constexpr std::int32_t kFormat = 2;
 constexpr hsize_t kChunkValues = hsize_t{1} << 17;
 
 constexpr const char* kAllowed = "a file of run --checkpoint";
@@ -37,26 +38,11 @@ hid_t type_of(std::size_t value_bytes) {
 
 std::vector<hsize_t> shape_of(const StateArray& array) { return {array.rows.size(), array.length}; }
 
-Handle space_of(const std::vector<hsize_t>& shape) {
-  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "make a shape"};
-}
-
-/// Calls transfer(memory space, file space, number of the row) for each row.
-template <class Transfer>
-void for_each_row(hid_t dataset, const std::vector<hsize_t>& shape, const Transfer& transfer) {
-  const Handle memory = space_of({shape[1]});
-  const Handle file(H5Dget_space(dataset), H5Sclose, "read a shape");
-  for (hsize_t r = 0; r < shape[0]; ++r) {
-    const hsize_t begin[2] = {r, 0};
-    const hsize_t count[2] = {1, shape[1]};
-    check(H5Sselect_hyperslab(file, H5S_SELECT_SET, begin, nullptr, count, nullptr), "choose a row");
-    transfer(memory, file, r);
-  }
-}
+hdf5::Block row_of(const std::vector<hsize_t>& shape, hsize_t r) { return {{r, 0}, {1, shape[1]}}; }
 
 void write_array(hid_t file, const StateArray& array) {
   const std::vector<hsize_t> shape = shape_of(array);
-  const Handle space = space_of(shape);
+  const Handle space = hdf5::dataspace(shape);
   const Handle creation = hdf5::property_list(H5P_DATASET_CREATE);
   check(H5Pset_obj_track_times(creation, false), "leave out times");
   const hsize_t chunk[2] = {1, std::clamp<hsize_t>(array.length, 1, kChunkValues)};
@@ -65,19 +51,12 @@ void write_array(hid_t file, const StateArray& array) {
   const hid_t type = type_of(array.value_bytes);
   Handle dataset(H5Dcreate2(file, array.name.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,
                  "create a dataset");
-  for_each_row(dataset, shape, [&](hid_t memory, hid_t row, hsize_t r) {
-    check(H5Dwrite(dataset, type, memory, row, H5P_DEFAULT, array.rows[r]), "write a dataset");
-  });
+  for (hsize_t r = 0; r < shape[0]; ++r) hdf5::write_block(dataset, row_of(shape, r), type, array.rows[r]);
   dataset.close();
 }
 
 std::uint64_t key_attribute(hid_t file, const char* name) {
   return static_cast<std::uint64_t>(hdf5::attribute_integer(file, name));
-}
-
-std::size_t value_bytes_of(hid_t dataset) {
-  const Handle type(H5Dget_type(dataset), H5Tclose, "read a type");
-  return H5Tget_size(type);
 }
 
 template <class Number>
@@ -98,24 +77,17 @@ bool all_finite(const void* values, std::size_t count, std::size_t value_bytes) 
 
 /// Row by row as load() does, for the child process in which a damaged file may crash HDF5.
 void read_every_value(hid_t file, std::uintmax_t file_bytes) {
-  std::vector<std::string> names;
-  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* result) -> herr_t {
-    static_cast<std::vector<std::string>*>(result)->emplace_back(name);
-    return 0;
-  };
-  check(H5Literate(file, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, take, &names), "list a file");
-  for (const std::string& name : names) {
+  for (const std::string& name : hdf5::member_names(file, H5_INDEX_NAME)) {
     const Handle dataset = hdf5::open_dataset(file, name.c_str());
     const std::vector<hsize_t> shape = hdf5::shape_of(dataset);
-    const std::size_t value_bytes = value_bytes_of(dataset);
+    const std::size_t value_bytes = hdf5::value_bytes(dataset);
     if (shape.size() != 2 || !is_known_size(value_bytes)) throw hdf5::Error(fmt::format("{} has another shape", name));
     const std::uintmax_t most = file_bytes / value_bytes;  // nothing is compressed
     if (shape[1] > most || shape[0] > most / std::max<hsize_t>(shape[1], 1))
       throw hdf5::Error(fmt::format("{} is larger than its file", name));
     std::vector<std::uint8_t> row(shape[1] * value_bytes);
-    for_each_row(dataset, shape, [&](hid_t memory, hid_t selection, hsize_t) {
-      check(H5Dread(dataset, type_of(value_bytes), memory, selection, H5P_DEFAULT, row.data()), "read a dataset");
-    });
+    for (hsize_t r = 0; r < shape[0]; ++r)
+      hdf5::read_block(dataset, row_of(shape, r), type_of(value_bytes), row.data());
   }
 }
 
@@ -130,6 +102,13 @@ auto naming(const std::filesystem::path& path, const Use& use) {
   }
 }
 
+[[noreturn]] void fail_version(const std::filesystem::path& path, std::int64_t format, const std::string& source) {
+  throw InputError(
+      fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}) go on with the "
+                  "program that wrote it, or start without this checkpoint",
+                  path.string(), format, printable(source), kFormat));
+}
+
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const std::string& source, const StateKey& key,
@@ -142,8 +121,7 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& sour
                                      {"layout", static_cast<std::int64_t>(key.layout)},
                                      {"problem", static_cast<std::int64_t>(key.problem)}});
     for (const StateArray& array : state) write_array(file, array);
-    check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
-    file.close();
+    hdf5::finish_file(file);
   } catch (const hdf5::Error& error) {
     throw_unwritable(path, error.what());
   }
@@ -159,9 +137,9 @@ CheckpointInput::CheckpointInput(const std::filesystem::path& path) : path_(path
   const auto open = [&] {
     opened_ = std::make_unique<Opened>(Opened{hdf5::open_file(path)});
     const std::int64_t format = hdf5::attribute_integer(opened_->file, "checkpoint_format");
-    if (format != kFormat) throw hdf5::Error(fmt::format("format {}, known is {}", format, kFormat));
-    key_ = {key_attribute(opened_->file, "layout"), key_attribute(opened_->file, "problem")};
     source_ = hdf5::attribute_text(opened_->file, "source");
+    if (format != kFormat) fail_version(path, format, source_);
+    key_ = {key_attribute(opened_->file, "layout"), key_attribute(opened_->file, "problem")};
   };
   rehearse(path, {.library = "HDF5"}, [&] {
     naming(path, [&] {
@@ -178,14 +156,13 @@ void CheckpointInput::load(const StateArray& array) const {
   naming(path_, [&] {
     const Handle dataset = hdf5::open_dataset(opened_->file, array.name.c_str());
     const std::vector<hsize_t> shape = hdf5::shape_of(dataset);
-    if (shape != shape_of(array) || value_bytes_of(dataset) != array.value_bytes)
+    if (shape != shape_of(array) || hdf5::value_bytes(dataset) != array.value_bytes)
       throw hdf5::Error(fmt::format("{} has another shape", array.name));
-    for_each_row(dataset, shape, [&](hid_t memory, hid_t row, hsize_t r) {
-      void* const values = array.rows[r];
-      check(H5Dread(dataset, type_of(array.value_bytes), memory, row, H5P_DEFAULT, values), "read a dataset");
-      if (!all_finite(values, array.length, array.value_bytes))
+    for (hsize_t r = 0; r < shape[0]; ++r) {
+      hdf5::read_block(dataset, row_of(shape, r), type_of(array.value_bytes), array.rows[r]);
+      if (!all_finite(array.rows[r], array.length, array.value_bytes))
         throw hdf5::Error(fmt::format("{}: row {} holds numbers that are not finite", array.name, r));
-    });
+    }
   });
 }
 

@@ -133,8 +133,7 @@ void write_all(const std::filesystem::path& path, std::span<const DropletTable> 
       {{"units", "1"}, {"long_name", "chi_l of P(mu) = sum (2l+1) chi_l P_l(mu), without the factor 2l+1; chi_0 = 1"}});
   write("phase_function", {kRadius, "angle"}, [&](const DropletTable& t) { return phase_functions_of(t, angle); },
         {{"units", "1"}, {"long_name", "phase function, mean over the sphere 1"}});
-  hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
-  file.close();
+  hdf5::finish_file(file);
 }
 
 /// One wavelength of several.
@@ -158,25 +157,18 @@ std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, 
                                  shape.size(), rank + before, at ? " with the wavelength" : "",
                                  at ? at->count : hsize_t{rows}));
   }
-  std::vector<hsize_t> start(shape.size(), 0), size = shape;
+  hdf5::Block block{std::vector<hsize_t>(shape.size(), 0), shape};
   if (at) {
-    start[0] = at->index;
-    size[0] = 1;
+    block.start[0] = at->index;
+    block.size[0] = 1;
   }
   std::size_t count = 1;
-  for (const hsize_t length : size) {
+  for (const hsize_t length : block.size) {
     if (length > kLargestTable / std::max<std::size_t>(count, 1))
       throw InputError(fmt::format("'{}': too large", name));
     count *= length;
   }
-  std::vector<double> value(count);
-  const hdf5::Handle space(H5Dget_space(dataset), H5Sclose, "read a variable");
-  hdf5::check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
-              "choose a part of a variable");
-  const hdf5::Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose,
-                            "create a dataspace");
-  hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, value.data()), "read a variable");
-  return value;
+  return hdf5::read_block<double>(dataset, block);
 }
 
 double read_number_attribute(hid_t file, const char* name) {

@@ -36,11 +36,7 @@ std::string dimension_name(hid_t dataset, unsigned axis) {
 }
 
 std::vector<double> read_coordinate(hid_t file, const std::string& name) {
-  const Handle dataset = hdf5::open_dataset(file, name.c_str());
-  const Handle space(H5Dget_space(dataset), H5Sclose, "read a coordinate");
-  std::vector<double> value(static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), "read a coordinate")));
-  check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), "read a coordinate");
-  return value;
+  return hdf5::read_all<double>(hdf5::open_dataset(file, name.c_str()));
 }
 
 /// That of a dimension of this length.
@@ -84,30 +80,13 @@ bool is_image(hid_t file, const char* name) {
 }
 
 std::vector<std::string> images(hid_t file) {
-  std::vector<std::string> names;
-  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* result) -> herr_t {
-    static_cast<std::vector<std::string>*>(result)->emplace_back(name);
-    return 0;
-  };
-  check(H5Literate(file, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, take, &names), "list a file");
+  std::vector<std::string> names = hdf5::member_names(file, H5_INDEX_CRT_ORDER);
   std::erase_if(names, [file](const std::string& name) { return !is_image(file, name.c_str()); });
   return names;
 }
 
 std::vector<double> wavelengths(hid_t file) {
   return hdf5::exists(file, "wavelength") ? read_coordinate(file, "wavelength") : std::vector<double>();
-}
-
-/// A block of a variable: from `start` on, of `size`.
-std::vector<float> read_block(hid_t dataset, const std::vector<hsize_t>& start, const std::vector<hsize_t>& size) {
-  const Handle space(H5Dget_space(dataset), H5Sclose, "read a variable");
-  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
-        "choose a part of a variable");
-  const Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose,
-                      "create a dataspace");
-  std::vector<float> value(static_cast<std::size_t>(check(H5Sget_select_npoints(space), "read a variable")));
-  check(H5Dread(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, value.data()), "read a variable");
-  return value;
 }
 
 std::size_t find_level(const std::vector<double>& height, const std::string& level, const std::string& where) {
@@ -201,7 +180,7 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
     image.column_width_m = x.size() > 1 ? dx : dy;
     image.row_edge_m = name == "z" ? read_axis(file, where, "z_edge", size[vertical] + 1)
                                    : edges_between(read_axis(file, where, name, size[vertical]));
-    image.value = read_block(dataset, start, size);
+    image.value = hdf5::read_block<float>(dataset, {start, size});
     return image;
   }
   if (kind.levels) {
@@ -212,7 +191,7 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
   }
   image.columns = static_cast<int>(x.size());
   image.rows = static_cast<int>(y.size());
-  image.value = read_block(dataset, start, size);
+  image.value = hdf5::read_block<float>(dataset, {start, size});
   if (kind.camera) {
     image.place = "camera";
     image.value = upside_down(image.value, image.rows, image.columns);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
+#include <limits>
 
 namespace cloudbow::hdf5 {
 
@@ -36,6 +38,14 @@ Number one_number(hid_t object, const char* name, hid_t type) {
   return value;
 }
 
+Handle selected(hid_t dataset, const Block& block) {
+  assert(block.start.size() == block.size.size());
+  Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, block.start.data(), nullptr, block.size.data(), nullptr),
+        "choose a part of a dataset");
+  return space;
+}
+
 }  // namespace
 
 Handle property_list(hid_t type) { return {H5Pcreate(type), H5Pclose, "create a property list"}; }
@@ -53,19 +63,72 @@ Handle create_file(const std::filesystem::path& path) {
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, "create a file"};
 }
 
+void finish_file(Handle& file) {
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
+  file.close();
+}
+
 Handle open_dataset(hid_t location, const char* name) {
   return {H5Dopen2(location, name, H5P_DEFAULT), H5Dclose, "open a dataset"};
+}
+
+Handle open_group(hid_t location, const char* name) {
+  return {H5Gopen2(location, name, H5P_DEFAULT), H5Gclose, "open a group"};
 }
 
 bool exists(hid_t location, const char* name) { return check(H5Lexists(location, name, H5P_DEFAULT), "look") > 0; }
 
 bool has_attribute(hid_t object, const char* name) { return check(H5Aexists(object, name), "look") > 0; }
 
+std::vector<std::string> member_names(hid_t group, H5_index_t order) {
+  std::vector<std::string> names;
+  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* result) -> herr_t {
+    static_cast<std::vector<std::string>*>(result)->emplace_back(name);
+    return 0;
+  };
+  check(H5Literate(group, order, H5_ITER_INC, nullptr, take, &names), "list a file");
+  return names;
+}
+
+Handle dataspace(const std::vector<hsize_t>& shape) {
+  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "create a dataspace"};
+}
+
 std::vector<hsize_t> shape_of(hid_t dataset) {
   const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
   std::vector<hsize_t> shape(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read a shape")));
   if (!shape.empty()) check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), "read a shape");
   return shape;
+}
+
+std::size_t value_count(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+  return static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), "read a shape"));
+}
+
+std::size_t value_bytes(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose, "read a type");
+  return H5Tget_size(type);
+}
+
+std::size_t Block::values() const {
+  std::size_t count = 1;
+  for (const hsize_t length : size) {
+    if (length > std::numeric_limits<std::size_t>::max() / std::max<std::size_t>(count, 1))
+      throw Error("a dataset is larger than any memory");
+    count *= length;
+  }
+  return count;
+}
+
+void read_block(hid_t dataset, const Block& block, hid_t memory_type, void* values) {
+  const Handle space = selected(dataset, block), memory = dataspace(block.size);
+  check(H5Dread(dataset, memory_type, memory, space, H5P_DEFAULT, values), "read a dataset");
+}
+
+void write_block(hid_t dataset, const Block& block, hid_t memory_type, const void* values) {
+  const Handle space = selected(dataset, block), memory = dataspace(block.size);
+  check(H5Dwrite(dataset, memory_type, memory, space, H5P_DEFAULT, values), "write a dataset");
 }
 
 std::vector<double> attribute_numbers(hid_t object, const char* name) {

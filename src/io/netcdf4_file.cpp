@@ -16,7 +16,9 @@
 namespace cloudbow::netcdf4 {
 
 using hdf5::check;
+using hdf5::dataspace;
 using hdf5::Handle;
+using hdf5::memory_type;
 
 namespace {
 
@@ -24,23 +26,11 @@ constexpr unsigned kCreationOrder = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXE
 constexpr std::size_t kCompressFromBytes = 1 << 16;  // below, chunks cost more than they save
 
 template <typename T>
-hid_t memory_type() {
-  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
-  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
-  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
-  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
-}
-
-template <typename T>
 hid_t file_type() {
   if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
   if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
   if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
-}
-
-Handle dataspace(const std::vector<hsize_t>& shape) {
-  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "create a dataspace"};
 }
 
 void write_array(hid_t object, const std::string& name, hid_t stored, hid_t memory, const void* value, hid_t space) {
@@ -77,8 +67,7 @@ void write(hid_t group, const char* name, const std::vector<std::string>& dimens
   std::vector<hsize_t> shape;
   for (const std::string& dimension : dimensions) {
     scales.push_back(hdf5::open_dataset(group, dimension.c_str()));
-    const Handle space(H5Dget_space(scales.back()), H5Sclose, "read a dimension");
-    shape.push_back(static_cast<hsize_t>(check(H5Sget_simple_extent_npoints(space), "read a dimension")));
+    shape.push_back(hdf5::value_count(scales.back()));
   }
   assert(std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>()) == values.size());
 

@@ -103,8 +103,7 @@ void write_phase_file(const std::filesystem::path& path, const PhaseReport& repo
                                      {"travel_y", travel.y()},
                                      {"travel_z", travel.z()}});
     for (const FittedFunction& fitted : report.functions) write_function(file, fitted, report);
-    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
-    file.close();
+    hdf5::finish_file(file);
   } catch (const hdf5::Error& error) {
     throw_unwritable(path, error.what());
   }

@@ -132,10 +132,7 @@ class ResultWriter {
     write_images(file);
     write_camera_images(file);
     if (first_.radiance_field) write_radiance_field(file);
-    // After a failed write closing may report success and leave zeros in the file: what is still in memory goes out
-    // here, checked.
-    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file");
-    file.close();
+    hdf5::finish_file(file);
   }
 
  private:

@@ -29,10 +29,6 @@ hsize_t chunk_rows(hid_t dataset) {
   return chunk[0];
 }
 
-void read_all(hid_t dataset, hid_t memory_type, void* values) {
-  check(H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "read a variable");
-}
-
 }  // namespace
 
 ResultInput::ResultInput(const std::filesystem::path& path) : path_(path.string()), file_(hdf5::open_file(path)) {
@@ -50,8 +46,7 @@ std::vector<double> ResultInput::coordinate(const char* name) const {
   if (shape.size() != 1 || shape[0] == 0 || shape[0] > std::numeric_limits<std::int32_t>::max()) {
     fail(fmt::format("coordinate {} is damaged (found the shape {}, allowed one dimension)", name, shape));
   }
-  std::vector<double> value(shape[0]);
-  read_all(dataset, H5T_NATIVE_DOUBLE, value.data());
+  const std::vector<double> value = hdf5::read_all<double>(dataset);
   const auto bad = [](double a, double b) { return !(a < b); };
   if (std::adjacent_find(value.begin(), value.end(), bad) != value.end() || !std::isfinite(value.front()) ||
       !std::isfinite(value.back())) {
@@ -103,9 +98,7 @@ std::vector<float> ResultInput::cell_field(const char* name, const char* field) 
   const std::vector<hsize_t> wanted = {static_cast<hsize_t>(box_.nz()), static_cast<hsize_t>(box_.ny),
                                        static_cast<hsize_t>(box_.nx)};
   if (shape != wanted) fail(fmt::format("{} is damaged (found the shape {}, allowed {})", name, shape, wanted));
-  std::vector<float> value(wanted[0] * box_.columns());
-  read_all(dataset, H5T_NATIVE_FLOAT, value.data());
-  return value;
+  return hdf5::read_all<float>(dataset);
 }
 
 namespace {
@@ -139,8 +132,9 @@ RadianceFieldInput::RadianceFieldInput(const ResultInput& result)
                                 const std::array<std::int32_t, 3>& end) {
     const Handle dataset = hdf5::open_dataset(result_.file_, fmt::format("radiance_field/{}", name).c_str());
     triple.resize(rows_of(dataset, name));
-    if (!triple.empty()) read_all(dataset, H5T_NATIVE_INT32, triple.front().data());
-    for (const auto& index : triple) {
+    const std::vector<std::int32_t> number = hdf5::read_all<std::int32_t>(dataset);
+    for (std::size_t n = 0; n < triple.size(); ++n) {
+      const auto& index = triple[n] = {number[3 * n], number[3 * n + 1], number[3 * n + 2]};
       for (int a = 0; a < 3; ++a) {
         if (index[a] < 0 || index[a] >= end[a]) {
           result_.fail(fmt::format("radiance_field/{} is damaged (found the index {}, allowed 0 to {})", name, index[a],
@@ -151,8 +145,8 @@ RadianceFieldInput::RadianceFieldInput(const ResultInput& result)
   };
 
   const Handle direction = hdf5::open_dataset(result_.file_, "radiance_field/direction");
-  std::vector<double> number(3 * rows_of(direction, "direction"));
-  read_all(direction, H5T_NATIVE_DOUBLE, number.data());
+  rows_of(direction, "direction");
+  const std::vector<double> number = hdf5::read_all<double>(direction);
   for (std::size_t n = 0; n < number.size(); n += 3) {
     direction_.emplace_back(number[n], number[n + 1], number[n + 2]);
     if (!(std::abs(direction_.back().norm() - 1) < 1e-6)) {
@@ -192,16 +186,12 @@ void RadianceFieldInput::for_each_cell(Use use) const {
   const hsize_t points = direction_.size();
   const hsize_t chunk = chunk_rows(dataset_);
   const hsize_t most = std::max<hsize_t>(1, block_values / points / chunk) * chunk;
-  std::vector<float> block;
-  const Handle space(H5Dget_space(dataset_), H5Sclose, "read a variable");
+  std::vector<float> value;
   for (hsize_t begin = 0; begin < cell_.size(); begin += most) {
-    const hsize_t start[2] = {begin, 0};
-    const hsize_t size[2] = {std::min<hsize_t>(most, cell_.size() - begin), points};
-    block.resize(size[0] * points);
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, size, nullptr), "choose a part of a variable");
-    const Handle memory(H5Screate_simple(2, size, nullptr), H5Sclose, "create a dataspace");
-    check(H5Dread(dataset_, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, block.data()), "read a variable");
-    for (hsize_t c = 0; c < size[0]; ++c) use(begin + c, block.data() + c * points);
+    const hdf5::Block block{{begin, 0}, {std::min<hsize_t>(most, cell_.size() - begin), points}};
+    value.resize(block.values());
+    hdf5::read_block(dataset_, block, H5T_NATIVE_FLOAT, value.data());
+    for (hsize_t c = 0; c < block.size[0]; ++c) use(begin + c, value.data() + c * points);
   }
 }
 

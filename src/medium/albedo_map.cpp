@@ -1,9 +1,12 @@
 #include "cloudbow/medium/albedo_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "albedo_map_readers.hpp"
+#include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/rehearsal.hpp"
 
@@ -52,6 +55,18 @@ AlbedoMap read_albedo_map(const std::filesystem::path& file) {
     check_values(file, map);
     return map;
   });
+}
+
+void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m) {
+  const std::array<int, 2> cells{map.nx, map.ny};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double slack = std::max(0.01, 1.0 / cells[axis]);
+    if (!map.length_m[axis] || std::abs(*map.length_m[axis] / domain_m[axis] - 1) <= slack) continue;
+    throw InputError(
+        fmt::format("{}: not the size of the domain (found {:.6g} m along {} by its coordinates, allowed {:.6g} m, to "
+                    "1 % or a cell) cut the map to the domain, or leave its coordinates out",
+                    file.string(), *map.length_m[axis], axis == 0 ? "x" : "y", domain_m[axis]));
+  }
 }
 
 std::vector<float> area_means(const AlbedoMap& map, int nx, int ny) {

@@ -10,6 +10,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "vdb_module.hpp"
 
@@ -94,8 +95,7 @@ void add_optical_depth(const std::filesystem::path& path, const std::string& rad
   CloudField field = read_cloud_vdb(path, {.grid = water.name});
   const std::vector<float> radius =
       read_companion_vdb(path, field, {.grid = radius_grid}, smallest_effective_radius_um, largest_effective_radius_um);
-  for (std::size_t n = 0; n < radius.size(); ++n)
-    field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
+  water_to_extinction_by_radius(field, radius);
   const CloudSummary summary = summarize(field);
   water.optical_depth = summary.column;
   water.largest_voxel_depth = summary.value.max * field.cell_size_m[2];

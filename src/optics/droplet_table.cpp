@@ -99,26 +99,29 @@ DropletMixture mixture_for(const DropletTable& table, double effective_radius_um
   return {static_cast<std::size_t>(above - radius.begin()) - 1, (1 / low - 1 / r) / (1 / low - 1 / high)};
 }
 
-DropletOptics droplet_optics(const DropletTable& table, double effective_radius_um) {
-  const auto [lower, share] = mixture_for(table, effective_radius_um);
+MixedDroplets mix(const DropletTable& table, const DropletMixture& mixture) {
+  const auto [lower, share] = mixture;
   const std::size_t upper = std::min(lower + 1, table.size() - 1);
   const double lower_extinction = (1 - share) * table.extinction_m2_per_g[lower];
   const double upper_extinction = share * table.extinction_m2_per_g[upper];
   const double lower_scattering = lower_extinction * table.single_scattering_albedo[lower];
   const double upper_scattering = upper_extinction * table.single_scattering_albedo[upper];
-  const double extinction = lower_extinction + upper_extinction;
-  const double scattering = lower_scattering + upper_scattering;
+  return {lower_extinction + upper_extinction, lower_scattering + upper_scattering, upper_scattering};
+}
 
-  const std::vector<double>& a = table.moments[lower];
-  const std::vector<double>& b = table.moments[upper];
-  const double weight = scattering > 0 ? upper_scattering / scattering : share;
+DropletOptics droplet_optics(const DropletTable& table, double effective_radius_um) {
+  const DropletMixture mixture = mixture_for(table, effective_radius_um);
+  const MixedDroplets water = mix(table, mixture);
+  const std::vector<double>& a = table.moments[mixture.lower];
+  const std::vector<double>& b = table.moments[std::min(mixture.lower + 1, table.size() - 1)];
+  const double weight = water.upper_share_of_scattering(mixture.upper_share);
   std::vector<double> moments(weight > 0 ? std::max(a.size(), b.size()) : a.size(), 0.0);
   for (std::size_t l = 0; l < moments.size(); ++l) {
     const double mixed = (l < a.size() ? (1 - weight) * a[l] : 0) + (l < b.size() ? weight * b[l] : 0);
     moments[l] = std::clamp(mixed, -1.0, 1.0);
   }
   moments[0] = 1;
-  return {extinction, scattering / extinction, PhaseFunction::legendre(std::move(moments))};
+  return {water.extinction_m2_per_g, water.single_scattering_albedo(), PhaseFunction::legendre(std::move(moments))};
 }
 
 }  // namespace cloudbow

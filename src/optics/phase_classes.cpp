@@ -1,4 +1,4 @@
-#include "cloudbow/optics/phase_classes.hpp"
+#include "phase_classes.hpp"
 
 #include <algorithm>
 #include <array>

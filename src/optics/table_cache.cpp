@@ -17,7 +17,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::string_view magic = "cloudbow scattering table 3\n";
+constexpr std::string_view magic = "cloudbow scattering table 4\n";
 constexpr std::string_view name_begin = "scattering-", name_end = ".table";
 
 std::uint64_t digest_of(std::string_view text) {

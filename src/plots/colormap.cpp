@@ -4,11 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/plots/render.hpp"
+#include "plots/colormap_tables.hpp"
 
 namespace cloudbow {
 
@@ -45,19 +48,51 @@ Rgb grey(double t) { return srgb(100 * t, 0, 0); }
 /// is exact.
 Rgb blue_yellow(double t) { return srgb(20 + 72 * t, 25 + 22 * t * t * t, 290 - 195 * t); }
 
+int hex_digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
+
+/// A colour of a published list, linearly between its neighbours. @param t 0 to 1
+Rgb listed(std::string_view hexadecimal, double t) {
+  constexpr std::size_t kDigits = 6;  // of a colour
+  const std::size_t last = hexadecimal.size() / kDigits - 1;
+  const double place = t * static_cast<double>(last);
+  const std::size_t low = std::min(static_cast<std::size_t>(place), last - 1);
+  const double share = place - static_cast<double>(low);
+  const auto byte = [&](std::size_t colour, std::size_t channel) {
+    const std::string_view digits = hexadecimal.substr(kDigits * colour + 2 * channel, 2);
+    return 16 * hex_digit(digits[0]) + hex_digit(digits[1]);
+  };
+  Rgb colour;
+  for (std::size_t c = 0; c < colour.size(); ++c)
+    colour[c] = static_cast<std::uint8_t>(std::lround((1 - share) * byte(low, c) + share * byte(low + 1, c)));
+  return colour;
+}
+
+Rgb viridis(double t) { return listed(kViridis, t); }
+Rgb cividis(double t) { return listed(kCividis, t); }
+
+struct Colormap {
+  const char* name;
+  Rgb (*colour)(double t);  ///< of 0 to 1
+};
+constexpr std::array<Colormap, 4> kColormaps{
+    {{"grey", grey}, {"blue-yellow", blue_yellow}, {"viridis", viridis}, {"cividis", cividis}}};
+
 }  // namespace
 
-std::vector<std::string> colormap_names() { return {"grey", "blue-yellow"}; }
+std::vector<std::string> colormap_names() {
+  std::vector<std::string> names;
+  for (const Colormap& map : kColormaps) names.emplace_back(map.name);
+  return names;
+}
 
 std::vector<Rgb> make_colormap(const std::string& name, int size) {
-  const auto names = colormap_names();
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
-    throw InputError(fmt::format("colormap: \"{}\" is not one of {}", name, fmt::join(names, ", ")));
-  }
+  const auto map = std::find_if(kColormaps.begin(), kColormaps.end(), [&](const auto& m) { return m.name == name; });
+  if (map == kColormaps.end())
+    throw InputError(fmt::format("colormap: \"{}\" is not one of {}", name, fmt::join(colormap_names(), ", ")));
   std::vector<Rgb> colour;
   for (int i = 0; i < size; ++i) {
     const double t = static_cast<double>(i) / (size - 1);
-    colour.push_back(name == "grey" ? grey(t) : blue_yellow(t));
+    colour.push_back(map->colour(t));
   }
   return colour;
 }

@@ -1,4 +1,5 @@
-// Colour tables, computed: equal steps of value are equal steps of lightness L* (CIE 1976), as the eye sees them.
+// Colour maps: computed ones, in which equal steps of value are equal steps of lightness L* (CIE 1976), and published
+// ones.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@ namespace cloudbow {
 std::uint8_t srgb_byte(double linear);
 
 /// `size` sRGB colours from dark to light. "grey": L* 0 to 100 without colour; "blue-yellow": L* 20 to 92, from blue
-/// over green to yellow.
+/// over green to yellow; "viridis" and "cividis": as published (colormap_tables.hpp), to 1/255 if `size` is not 256.
 /// @throws InputError for another name.
 std::vector<Rgb> make_colormap(const std::string& name, int size);
 

@@ -1,6 +1,6 @@
 // Text files of phase functions: Legendre moments, tables over the angle, sets.
-#include "app/scene/phase_function_file.hpp"
-#include "app/scene/phase_set_file.hpp"
+#include "cloudbow/io/phase_function_file.hpp"
+#include "cloudbow/io/phase_set_file.hpp"
 #include "fuzz_input.hpp"
 
 namespace fuzz = cloudbow::fuzz;

@@ -27,6 +27,7 @@ THIRD_PARTY = {
     r"netcdf\.h": {"medium", "io"},
     r"png\.h": {"medium", "io"},
     r"zlib\.h": {"io"},
+    r"xxh(ash|3)\.h": {"core"},
     r"toml\+\+/|toml\.hpp": {"app"},
     r"CLI/": {"app"},
     r"(Clp|Coin)\w*\.(hpp|h)": {"optics", "sphere"},

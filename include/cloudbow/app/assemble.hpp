@@ -6,8 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
+#include "cloudbow/medium/cloud_files.hpp"
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
@@ -17,12 +18,6 @@ struct PhaseClassReport {
   int functions = 0;
   int classes = 0;
   double estimated_error = 0;  ///< of the classes, fraction of the incident light
-};
-
-/// Vertical integrals over the columns of a cloud.
-struct ColumnFigures {
-  double sum = 0;      ///< over all columns
-  double largest = 0;  ///< of a single one
 };
 
 /// What a cloud amounts to, for the user to see a wrong unit by.
@@ -51,8 +46,5 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes);
 /// @param levels_m as LevelOptions::levels_m
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, CloudFiles& files,
                         const std::vector<double>& levels_m);
-
-/// Direction in which sunlight travels, from where the sun stands.
-Direction sun_travel(const SceneSun& sun);
 
 }  // namespace cloudbow

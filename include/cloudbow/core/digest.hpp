@@ -1,17 +1,27 @@
-// A number that stands for data: other data have another one, but for a chance of 2^-64. No defence against intent.
+// 64-bit non-cryptographic hash (XXH3) of data that come piece by piece.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <type_traits>
 
 namespace cloudbow {
 
+/// Two different inputs have the same value with a probability of about 2^-64. The value depends on the bytes alone and
+/// not on how many at a time are added. Files keep values, so whatever changes them raises the format numbers of
+/// checkpoints and cached tables.
 class Digest {
  public:
+  Digest();
+  ~Digest();
+  Digest(const Digest&) = delete;
+  Digest& operator=(const Digest&) = delete;
+
   void add_bytes(const void* bytes, std::size_t count);
 
+  /// The number of values, then the values, so that the ends of arrays count.
   template <class T>
   void add(std::span<const T> values) {
     static_assert(std::is_arithmetic_v<T>);  // other types may hold padding
@@ -22,10 +32,12 @@ class Digest {
   requires std::is_arithmetic_v<T>
   void add(T value) { add_bytes(&value, sizeof value); }
 
-  std::uint64_t value() const { return value_; }
+  /// Of everything added so far. More may be added afterwards.
+  std::uint64_t value() const;
 
  private:
-  std::uint64_t value_ = 14695981039346656037u;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace cloudbow

@@ -17,7 +17,7 @@ void write_checkpoint(const std::filesystem::path& file, const std::string& sour
 
 class CheckpointInput {
  public:
-  /// @throws InputError where there is no such file, or it is none of write_checkpoint().
+  /// @throws InputError if there is no such file, or write_checkpoint() of this version did not make it.
   explicit CheckpointInput(const std::filesystem::path& file);
   ~CheckpointInput();
   CheckpointInput(const CheckpointInput&) = delete;

@@ -29,6 +29,11 @@ struct AlbedoMap {
 /// pictures in colour, transparent pixels, missing values, values outside 0 to 1.
 AlbedoMap read_albedo_map(const std::filesystem::path& file);
 
+/// A map of another size, by its own coordinates, is that of another place.
+/// @param file for the message
+/// @throws InputError if the map has coordinates and they are off by more than 1 % or a cell.
+void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m);
+
 /// Means over nx x ny equal cells that cover the map's area: the map's mean is kept.
 std::vector<float> area_means(const AlbedoMap& map, int nx, int ny);
 

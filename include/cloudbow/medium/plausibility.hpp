@@ -10,10 +10,6 @@ namespace cloudbow {
 inline constexpr double smallest_effective_radius_um = 0.1;
 inline constexpr double largest_effective_radius_um = 5000;
 
-/// Extinction coefficient of droplets, 3 LWC / (2 rho_w r_e) with an extinction efficiency of 2: in 1/m for LWC in
-/// g/m3, r_e in um and rho_w = 1e6 g/m3.
-constexpr double extinction_per_liquid_water(double effective_radius_um) { return 1.5 / effective_radius_um; }
-
 /// A sentence about a liquid water content above 20 g/m3; none below.
 std::optional<std::string> doubt_water_content(double largest_g_m3);
 

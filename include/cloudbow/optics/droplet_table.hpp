@@ -49,6 +49,20 @@ struct DropletMixture {
 /// the share of water. @throws InputError where the radius is outside the table.
 DropletMixture mixture_for(const DropletTable& table, double effective_radius_um);
 
+/// Extinction and scattering of a mixture, per mass of its water; both add up over the rows.
+struct MixedDroplets {
+  double extinction_m2_per_g;
+  double scattering_m2_per_g;
+  double upper_scattering_m2_per_g;  ///< part of the scattering that row `lower + 1` does
+
+  double single_scattering_albedo() const { return scattering_m2_per_g / extinction_m2_per_g; }
+  /// Share of the scattering in row `lower + 1`, by which phase functions mix; `if_black` without any scattering.
+  double upper_share_of_scattering(double if_black) const {
+    return scattering_m2_per_g > 0 ? upper_scattering_m2_per_g / scattering_m2_per_g : if_black;
+  }
+};
+MixedDroplets mix(const DropletTable& table, const DropletMixture& mixture);
+
 /// Optics of that mixture: extinction and scattering add up, and phase functions by the light that each scatters.
 DropletOptics droplet_optics(const DropletTable& table, double effective_radius_um);
 

@@ -6,10 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <numbers>
 
 #include "app/assembly/open_cloud.hpp"
 #include "app/process/cache_directory.hpp"
@@ -17,6 +15,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/albedo_map.hpp"
 #include "cloudbow/optics/delta_m.hpp"
+#include "cloudbow/sphere/travel.hpp"
 #include "cloudbow/transport/solve_plan.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
 
@@ -177,9 +176,8 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.actinic = scene.output.actinic;
   options.radiance_field = scene.output.radiance_field;
   for (const SceneRadiance& radiance : scene.radiances) {
-    const SceneSun place{radiance.zenith_deg, radiance.azimuth_deg,
-                         0};  // light travels towards where the sensor stands
-    options.views.push_back({radiance.name, -sun_travel(place), radiance.width, radiance.height});
+    const Direction to_sensor = -travel_from(radiance.zenith_deg, radiance.azimuth_deg);
+    options.views.push_back({radiance.name, to_sensor, radiance.width, radiance.height});
   }
   options.cameras = scene.cameras;
   return options;
@@ -214,23 +212,10 @@ void check_cameras(const Scene& scene, double ground_m) {
   }
 }
 
-/// A map of another size, by its own coordinates, is that of another place.
-void check_map_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m) {
-  const std::array<int, 2> cells{map.nx, map.ny};
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    const double slack = std::max(0.01, 1.0 / cells[axis]);
-    if (!map.length_m[axis] || std::abs(*map.length_m[axis] / domain_m[axis] - 1) <= slack) continue;
-    throw InputError(
-        fmt::format("{}: not the size of the domain (found {:.6g} m along {} by its coordinates, allowed {:.6g} m, to "
-                    "1 % or a cell) cut the map to the domain, or leave its coordinates out",
-                    file.string(), *map.length_m[axis], axis == 0 ? "x" : "y", domain_m[axis]));
-  }
-}
-
 std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, const Domain& domain) {
   try {
     const AlbedoMap map = read_albedo_map(scene.albedo_map);
-    check_map_covers(map, scene.albedo_map, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]});
+    check_covers(map, scene.albedo_map, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]});
     return area_means(map, box.nx, box.ny);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.where("surface.albedo_map"), error.what()));
@@ -238,12 +223,6 @@ std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, con
 }
 
 }  // namespace
-
-Direction sun_travel(const SceneSun& sun) {
-  const double zenith = sun.zenith_deg * std::numbers::pi / 180;
-  const double azimuth = sun.azimuth_deg * std::numbers::pi / 180;
-  return {-std::sin(zenith) * std::cos(azimuth), -std::sin(zenith) * std::sin(azimuth), -std::cos(zenith)};
-}
 
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   CloudFiles files(false);
@@ -271,7 +250,8 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
   problem.phase.insert(problem.phase.end(), cloud.varying_phase.begin(), cloud.varying_phase.end());
   assembled.phase_classes = cloud.phase_classes;
   if (scene.cloud) assembled.cloud = cloud.figures;
-  if (scene.sun) problem.sun = Sun{sun_travel(*scene.sun), scene.sun->irradiance_w_m2};
+  if (scene.sun)
+    problem.sun = Sun{travel_from(scene.sun->zenith_deg, scene.sun->azimuth_deg), scene.sun->irradiance_w_m2};
   problem.sky_radiance = scene.sky_radiance;
   problem.surface = scene.surface;
 

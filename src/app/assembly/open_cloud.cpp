@@ -4,104 +4,57 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include "app/scene/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
-#include "cloudbow/optics/phase_classes.hpp"
+#include "cloudbow/optics/phase_family.hpp"
 
 namespace cloudbow {
 namespace {
 
-/// The phase function of a voxel: a member of a family or, with a share of the scattering, the next one.
-struct FamilyMember {
-  std::size_t member;
-  double next_share;
-};
-
-/// Few phase functions for a family of them.
-void apply_classes(const std::vector<PhaseFunction>& family, const std::vector<FamilyMember>& voxel, double tolerance,
-                   OpenedCloud& cloud) {
-  std::vector<double> weight(family.size(), 0);
-  for (std::size_t n = 0; n < voxel.size(); ++n) {
-    const std::vector<double>& albedo = cloud.optics.voxel_single_scattering_albedo;
-    const double scattering =
-        cloud.field.value[n] * (albedo.empty() ? cloud.optics.single_scattering_albedo : albedo[n]);
-    weight[voxel[n].member] += (1 - voxel[n].next_share) * scattering;
-    if (voxel[n].next_share > 0) weight[voxel[n].member + 1] += voxel[n].next_share * scattering;
-  }
-  const PhaseClasses classes(family, weight, tolerance);
-  for (const std::size_t member : classes.members()) cloud.varying_phase.push_back(family[member]);
-  const bool all_black = std::all_of(weight.begin(), weight.end(), [](double w) { return w == 0; });
-  for (const FamilyMember& of_voxel : voxel) {
-    const bool is_black = !all_black && weight[of_voxel.member] == 0 && of_voxel.next_share == 0;
-    const ClassMixture mixture = is_black ? ClassMixture{0, 0} : classes.mixture(of_voxel.member, of_voxel.next_share);
-    cloud.optics.voxel_phase_function.push_back(static_cast<std::uint16_t>(mixture.lower));
-    cloud.optics.voxel_next_share.push_back(static_cast<float>(mixture.next_share));
-  }
-  const auto used = std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; });
+/// Takes few phase functions for those of the voxels, weighted by what each voxel scatters.
+void take_classes(const PhaseFamily& family, double tolerance, OpenedCloud& cloud) {
+  const std::vector<double>& albedo = cloud.optics.voxel_single_scattering_albedo;
+  std::vector<double> scattering;
+  scattering.reserve(family.voxel.size());
+  for (std::size_t n = 0; n < family.voxel.size(); ++n)
+    scattering.push_back(cloud.field.value[n] * (albedo.empty() ? cloud.optics.single_scattering_albedo : albedo[n]));
+  VoxelClasses classes = classes_of_voxels(family, scattering, tolerance);
   cloud.phase_classes =
-      PhaseClassReport{static_cast<int>(used), static_cast<int>(classes.members().size()), classes.estimated_error()};
+      PhaseClassReport{classes.functions, static_cast<int>(classes.function.size()), classes.estimated_error};
+  cloud.varying_phase = std::move(classes.function);
+  cloud.optics.voxel_phase_function = std::move(classes.lower);
+  cloud.optics.voxel_next_share = std::move(classes.next_share);
 }
 
-/// Droplets of the voxels' own effective radius: each voxel a mixture of two neighbouring rows of the table.
-void apply_droplets(const DropletTable& table, const std::vector<float>& radius_um, bool field_is_water,
-                    double tolerance, OpenedCloud& cloud) {
-  std::vector<DropletMixture> mixture;
-  std::size_t first = table.size(), last = 0;
-  for (const float radius : radius_um) {
-    mixture.push_back(mixture_for(table, radius));
-    first = std::min(first, mixture.back().lower);
-    last = std::max(last, std::min(mixture.back().lower + 1, table.size() - 1));
-  }
-  std::vector<PhaseFunction> family;
-  for (std::size_t row = first; row <= last; ++row) {
-    family.push_back(droplet_optics(table, table.effective_radius_um[row]).phase_function);
-  }
-  std::vector<FamilyMember> voxel;
-  for (std::size_t n = 0; n < mixture.size(); ++n) {
-    const std::size_t lower = mixture[n].lower, upper = std::min(lower + 1, table.size() - 1);
-    const double share = mixture[n].upper_share;
-    const double lower_extinction = (1 - share) * table.extinction_m2_per_g[lower];
-    const double upper_extinction = share * table.extinction_m2_per_g[upper];
-    const double upper_scattering = upper_extinction * table.single_scattering_albedo[upper];
-    const double scattering = lower_extinction * table.single_scattering_albedo[lower] + upper_scattering;
-    const double extinction = lower_extinction + upper_extinction;
-    if (field_is_water) cloud.field.value[n] = static_cast<float>(cloud.field.value[n] * extinction);
-    cloud.optics.voxel_single_scattering_albedo.push_back(scattering / extinction);
-    voxel.push_back({lower - first, scattering > 0 ? upper_scattering / scattering : 0});
-  }
-  apply_classes(family, voxel, tolerance, cloud);
+void take_droplets(const DropletTable& table, const std::vector<float>& radius_um, bool field_is_water,
+                   double tolerance, OpenedCloud& cloud) {
+  VoxelDroplets droplets = droplets_of_voxels(table, radius_um);
+  if (field_is_water) water_to_extinction(cloud.field, droplets.extinction_m2_per_g);
+  cloud.optics.voxel_single_scattering_albedo = std::move(droplets.single_scattering_albedo);
+  take_classes(droplets.phase, tolerance, cloud);
 }
 
-/// Voxels that choose from a set by number. Ordered by asymmetry, neighbours in a set differ little.
-void apply_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, double tolerance,
-                     const std::string& where, OpenedCloud& cloud) {
-  std::vector<std::size_t> order(set.function.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return set.function[a].asymmetry_parameter() < set.function[b].asymmetry_parameter();
-  });
-  std::vector<std::size_t> place(order.size());
-  std::vector<PhaseFunction> family;
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    place[order[n]] = n;
-    family.push_back(set.function[order[n]]);
-  }
-  std::vector<FamilyMember> voxel;
+/// @param number of its phase function for each voxel, from 1
+/// @param where the message about another number begins
+void take_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, double tolerance,
+                    const std::string& where, OpenedCloud& cloud) {
+  std::vector<std::size_t> index;
+  index.reserve(number.size());
   for (const float found : number) {
     const double whole = std::round(found);
     if (std::abs(found - whole) > 1e-3) {
       throw InputError(
           fmt::format("{}: not a number of a phase function (found {}, allowed whole numbers from 1 to {})", where,
-                      found, order.size()));
+                      found, set.function.size()));
     }
-    voxel.push_back({place[static_cast<std::size_t>(whole) - 1], 0});
+    index.push_back(static_cast<std::size_t>(whole) - 1);
   }
-  apply_classes(family, voxel, tolerance, cloud);
+  take_classes(family_of_set(set.function, index), tolerance, cloud);
 }
 
 /// Where the message about a grid begins.
@@ -160,20 +113,6 @@ std::string quantity_of(const Scene& scene, const VdbCloud& field) {
                   water_to_extinction ? "; cloud.effective_radius_um makes extinction of liquid water" : ""));
 }
 
-/// Means and largest values over columns, while `field` holds water or extinction.
-ColumnFigures column_figures(const CloudField& field, double factor) {
-  ColumnFigures figures;
-  for (const double column : column_integrals(field)) {
-    figures.sum += column * factor;
-    figures.largest = std::max(figures.largest, column * factor);
-  }
-  return figures;
-}
-
-double largest_value(const CloudField& field) {
-  return static_cast<double>(*std::max_element(field.value.begin(), field.value.end()));
-}
-
 /// The corners of the scene's domain, where it has both.
 std::optional<VdbDomain> given_domain(const SceneDomain& domain) {
   if (!domain.min_m || !domain.max_m) return std::nullopt;
@@ -217,15 +156,13 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
     opened.figures.effective_radius_um = {*cloud.effective_radius_um, *cloud.effective_radius_um};
   }
   if (cloud.droplets != nullptr) {
-    apply_droplets(*cloud.droplets, radius, is_water, class_error, opened);
+    take_droplets(*cloud.droplets, radius, is_water, class_error, opened);
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
   } else if (is_water && cloud.effective_radius_um) {
     opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
   } else if (is_water && !radius.empty()) {
-    for (std::size_t n = 0; n < radius.size(); ++n) {
-      field.value[n] = static_cast<float>(field.value[n] * extinction_per_liquid_water(radius[n]));
-    }
+    water_to_extinction_by_radius(field, radius);
   } else if (is_water) {
     throw InputError(
         fmt::format("{}: missing (found quantity liquid_water_content, allowed with effective_radius_um "
@@ -253,7 +190,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
     companion.companion_quantity = "phase_index";
     const std::vector<float> number =
         files.companion(cloud.file, field, companion, 1, static_cast<double>(cloud.phase_set->function.size()));
-    apply_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, companion.grid), opened);
+    take_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, companion.grid), opened);
   }
   return opened;
 }

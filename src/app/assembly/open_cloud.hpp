@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cloudbow/app/assemble.hpp"
-#include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/medium/cloud_files.hpp"
 
 namespace cloudbow {
 

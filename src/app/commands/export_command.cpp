@@ -9,9 +9,9 @@
 
 #include "app/commands/command_checks.hpp"
 #include "app/process/exit_codes.hpp"
-#include "cloudbow/app/assemble.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/io/field_export.hpp"
+#include "cloudbow/sphere/travel.hpp"
 
 namespace cloudbow {
 namespace {
@@ -37,7 +37,7 @@ int export_vdb(const Options& options) {
     if (*options.zenith_deg > 180) {
       throw InputError(fmt::format("--zenith-deg: {} is out of range (allowed: 0 to 180)", *options.zenith_deg));
     }
-    fields.travel = -sun_travel({*options.zenith_deg, options.azimuth_deg, 0});
+    fields.travel = -travel_from(*options.zenith_deg, options.azimuth_deg);
   }
   if (!fields.travel && !fields.all_directions && !fields.actinic && !fields.absorption) {
     throw InputError(

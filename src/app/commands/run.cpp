@@ -18,7 +18,6 @@
 #include "app/process/messages.hpp"
 #include "app/process/version.hpp"
 #include "cloudbow/app/assemble.hpp"
-#include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/available_memory.hpp"
@@ -27,6 +26,7 @@
 #include "cloudbow/core/printable.hpp"
 #include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/io/result_file.hpp"
+#include "cloudbow/medium/cloud_files.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/results/summary.hpp"
 

@@ -8,8 +8,8 @@
 
 #include "app/planning/error_calibration.hpp"
 #include "cloudbow/app/assemble.hpp"
-#include "cloudbow/app/cloud_files.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/medium/cloud_files.hpp"
 #include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {

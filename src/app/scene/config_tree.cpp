@@ -9,7 +9,10 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <sstream>
+#include <type_traits>
+#include <utility>
 
 #include "app/scene/toml_depth.hpp"
 #include "app/scene/toml_hint.hpp"
@@ -113,6 +116,7 @@ ConfigNode convert(const toml::node& node, const std::string& place_of_file) {
   return result;
 }
 
+/// For messages, as the two below.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -153,51 +157,40 @@ std::string key_text(const std::string& key) {
 /// For messages.
 std::string shortened(const std::string& text) { return text.size() <= 80 ? text : text.substr(0, 77) + "..."; }
 
-std::string inline_text(const ConfigNode& node) {
-  std::string text;
-  switch (node.kind) {
-    case ConfigNode::Kind::scalar:
-      return scalar_text(node.scalar);
-    case ConfigNode::Kind::array:
-      for (const ConfigNode& item : node.items) text += (text.empty() ? "" : ", ") + inline_text(item);
-      return fmt::format("[{}]", text);
-    case ConfigNode::Kind::table:
-      for (std::size_t n = 0; n < node.items.size(); ++n) {
-        text += (text.empty() ? "" : ", ") + key_text(node.keys[n]) + " = " + inline_text(node.items[n]);
-      }
-      return fmt::format("{{{}}}", text);
-  }
-  return text;
+template <class Value>
+std::unique_ptr<toml::node> scalar_node(const Value& value) {
+  return std::make_unique<toml::value<Value>>(value);
 }
 
-bool is_array_of_tables(const ConfigNode& node) {
-  return node.kind == ConfigNode::Kind::array && !node.items.empty() &&
-         std::all_of(node.items.begin(), node.items.end(),
-                     [](const ConfigNode& item) { return item.kind == ConfigNode::Kind::table; });
+std::unique_ptr<toml::node> scalar_node(const ConfigNode::OtherScalar& other) {
+  const toml::table parsed = toml::parse(fmt::format("value = {}", other.text));
+  return parsed.get("value")->visit([](const auto& value) -> std::unique_ptr<toml::node> {
+    return std::make_unique<std::decay_t<decltype(value)>>(value);
+  });
 }
 
-/// Keys of the table first, then its tables under their headers.
-void write_table(const ConfigNode& table, const std::string& path, std::string& out) {
-  const auto has_header = [](const ConfigNode& node) {
-    return node.kind == ConfigNode::Kind::table || is_array_of_tables(node);
-  };
-  for (std::size_t n = 0; n < table.items.size(); ++n) {
-    if (!has_header(table.items[n])) out += key_text(table.keys[n]) + " = " + inline_text(table.items[n]) + "\n";
+/// The other way round from convert().
+std::unique_ptr<toml::node> toml_node(const ConfigNode& node) {
+  if (node.kind == ConfigNode::Kind::table) {
+    auto table = std::make_unique<toml::table>();
+    for (std::size_t n = 0; n < node.items.size(); ++n)
+      table->insert_or_assign(node.keys[n], std::move(*toml_node(node.items[n])));
+    return table;
   }
-  for (std::size_t n = 0; n < table.items.size(); ++n) {
-    const ConfigNode& item = table.items[n];
-    if (!has_header(item)) continue;
-    const std::string name = path.empty() ? key_text(table.keys[n]) : path + "." + key_text(table.keys[n]);
-    if (item.kind == ConfigNode::Kind::table) {
-      out += fmt::format("\n[{}]\n", name);
-      write_table(item, name, out);
-    } else {
-      for (const ConfigNode& entry : item.items) {
-        out += fmt::format("\n[[{}]]\n", name);
-        write_table(entry, name, out);
-      }
-    }
+  if (node.kind == ConfigNode::Kind::array) {
+    auto array = std::make_unique<toml::array>();
+    for (const ConfigNode& item : node.items) array->push_back(std::move(*toml_node(item)));
+    return array;
   }
+  return std::visit([](const auto& value) { return scalar_node(value); }, node.scalar);
+}
+
+/// TOML in which each value is written so that it reads back as the same bits.
+std::string toml_text(const ConfigNode& root) {
+  const std::unique_ptr<toml::node> node = toml_node(root);
+  std::ostringstream text;
+  text << toml::toml_formatter(*node, toml::format_flags::allow_unicode_strings) << '\n';
+  return text.str();
 }
 
 /// "VALUE" as TOML if it is one value, else as the string that stands there.
@@ -289,10 +282,7 @@ ConfigTree read_config(const std::filesystem::path& path, std::span<const std::s
   }
   tree.root.place = path.string();
   for (const std::string& assignment : overrides) apply_override(tree.root, assignment);
-  if (!overrides.empty()) {
-    tree.text.clear();
-    write_table(tree.root, "", tree.text);
-  }
+  if (!overrides.empty()) tree.text = toml_text(tree.root);
   return tree;
 }
 

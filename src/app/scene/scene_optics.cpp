@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/scene/phase_set_file.hpp"
 #include "app/scene/scene_reader.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/io/droplet_table_file.hpp"
+#include "cloudbow/io/phase_set_file.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/rayleigh.hpp"

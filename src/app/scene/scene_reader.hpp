@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "app/scene/config_reader.hpp"
-#include "app/scene/phase_function_file.hpp"
 #include "cloudbow/app/scene.hpp"
+#include "cloudbow/io/phase_function_file.hpp"
 
 namespace cloudbow {
 

@@ -63,7 +63,7 @@ double open_energy() { return std::abs(solve(uneven_problem(1, .3, false), field
 
 // The beam comes in through the sunlit sides, 5 m and 6 m wide and 4 m high, as large as the sun sees them.
 double beam_through_sides() {
-  const Direction sun = sun_travel(sun_at(kMu0, 37));
+  const Direction sun = beam_travel(kMu0, 37);
   const double through_sides = 4 * (5 * std::abs(sun.x()) + 6 * std::abs(sun.y())) / (30 * kMu0);
   const Solution solution = solve(uneven_problem(1, 0, false), field_options("balanced"));
   return std::abs(solution.ledger.side_gain / through_sides - 1);

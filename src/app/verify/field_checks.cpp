@@ -26,7 +26,7 @@ double step_cloud(double mu0, double reflectance) {
   Problem problem;
   problem.grid = make_optical_grid(&cloud, {}, {}, {0, 0, 0}, {500, 500, 250}, true, 1, {0.}, {});
   problem.phase = {droplets()};
-  problem.sun = Sun{sun_travel(sun_at(mu0, 180)), 1};
+  problem.sun = Sun{beam_travel(mu0, 180), 1};
   const Solution solution = solve(problem, field_options("balanced"));
   Worst worst;
   worst.meet(solution.ledger.reflectance, reflectance);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "app/scene/accuracy.hpp"
+#include "cloudbow/sphere/travel.hpp"
 
 namespace cloudbow {
 namespace {
@@ -23,7 +24,9 @@ SolverOptions without_cache(SolverOptions options) {
 
 SceneSun sun_at(double mu0, double azimuth_deg) { return {zenith_deg(mu0), azimuth_deg, 1}; }
 
-Direction travel_to_sensor(double mu, double azimuth_deg) { return -sun_travel({zenith_deg(mu), azimuth_deg, 0}); }
+Direction beam_travel(double mu0, double azimuth_deg) { return travel_from(zenith_deg(mu0), azimuth_deg); }
+
+Direction travel_to_sensor(double mu, double azimuth_deg) { return -travel_from(zenith_deg(mu), azimuth_deg); }
 
 Problem layer_problem(double optical_depth, double single_scattering_albedo, const PhaseFunction& phase, double mu0,
                       double azimuth_deg) {
@@ -32,7 +35,7 @@ Problem layer_problem(double optical_depth, double single_scattering_albedo, con
   problem.grid =
       make_optical_grid(nullptr, {}, {layer}, {0, 0, 0}, {1, 1, 1000}, true, 1, {0.}, LevelOptions::layers_only());
   problem.phase = {phase};
-  problem.sun = Sun{sun_travel(sun_at(mu0, azimuth_deg)), 1};
+  problem.sun = Sun{beam_travel(mu0, azimuth_deg), 1};
   return problem;
 }
 
@@ -59,7 +62,7 @@ Problem field_problem(const ExtinctionField& field, double single_scattering_alb
   problem.grid = make_optical_grid(&cloud, optics, {}, {0, 0, 0}, {cloud.max_m(0), cloud.max_m(1), cloud.max_m(2)},
                                    periodic, 1, {0.}, levels);
   problem.phase = {phase};
-  problem.sun = Sun{sun_travel(sun), sun.irradiance_w_m2};
+  problem.sun = Sun{travel_from(sun.zenith_deg, sun.azimuth_deg), sun.irradiance_w_m2};
   return problem;
 }
 

@@ -10,6 +10,8 @@ namespace cloudbow {
 
 /// A sun that shines from where a scene would say it stands. Its zenith's cosine is mu0.
 SceneSun sun_at(double mu0, double azimuth_deg);
+/// Direction in which its light travels.
+Direction beam_travel(double mu0, double azimuth_deg);
 
 /// Direction in which light travels towards a sensor that stands there; mu < 0: below the scene.
 Direction travel_to_sensor(double mu, double azimuth_deg);

@@ -157,6 +157,23 @@ TEST_F(SpoiledCheckpoint, SeveralValuesInPlaceOfOneAreRefused) {
   }
 }
 
+TEST_F(SpoiledCheckpoint, AnotherFormatIsOfAnotherVersion) {
+  // Format 1 had keys by another hash; 3 is of the future.
+  for (const std::int32_t format : {1, 3}) {
+    write_checkpoint(path_, "cloudbow test", key_, state_.arrays());
+    const std::string message = message_after([format](hid_t file) {
+      const hid_t attribute = H5Aopen(file, "checkpoint_format", H5P_DEFAULT);
+      H5Awrite(attribute, H5T_NATIVE_INT32, &format);
+      H5Aclose(attribute);
+    });
+    EXPECT_NE(message.find(path_.string() + ": is a checkpoint of another version (found format " +
+                           std::to_string(format) + " by cloudbow test, allowed format 2)"),
+              std::string::npos)
+        << message;
+    EXPECT_EQ(message.find("damaged"), std::string::npos) << message;
+  }
+}
+
 TEST_F(SpoiledCheckpoint, ValuesAreReadInTheChildFirst) {
   // More than its file can hold: HDF5 would fill with zeros what was never written.
   const std::string message = message_after([](hid_t file) {

@@ -353,6 +353,25 @@ TEST_F(AlbedoMapInHdf5, SaysWhatIsWrong) {
   EXPECT_THAT(message(whole), HasSubstr("not a PNG that can be read"));
 }
 
+TEST(CheckCovers, MapsWithCoordinatesHaveTheSizeOfTheDomain) {
+  AlbedoMap map{200, 2, std::vector<float>(400, .5F), {}};
+  EXPECT_NO_THROW(check_covers(map, "m.nc", {1, 1}));  // no coordinates: any size
+  map.length_m = {1000, 500};
+  EXPECT_NO_THROW(check_covers(map, "m.nc", {1009, 740}));  // along y a cell is half of the map
+  EXPECT_NO_THROW(check_covers(map, "m.nc", {991, 500}));
+  const auto told = [&map](double x, double y) {
+    try {
+      check_covers(map, "m.nc", {x, y});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(told(1012, 500), HasSubstr("m.nc: not the size of the domain (found 1000 m along x by its coordinates, "
+                                         "allowed 1012 m"));
+  EXPECT_THAT(told(1000, 1010), HasSubstr("found 500 m along y"));
+}
+
 TEST(AreaMeans, KeepTheMeanAndTheValuesOfEqualCells) {
   const AlbedoMap map{3, 2, {0, 1, 2, 3, 4, 5}, {}};
   EXPECT_EQ(area_means(map, 3, 2), map.value);

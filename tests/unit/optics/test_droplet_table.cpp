@@ -51,6 +51,19 @@ TEST(DropletTable, BetweenRowsStandsTheirMixture) {
   EXPECT_NEAR(optics.phase_function.moment(3), (2 * 0.008 + 0.002) / 3, 1e-15);
 }
 
+// The same mixture: scattering .2/2 of the lower row and .1/2 of the upper one.
+TEST(DropletTable, ScatteringOfAMixtureAddsUp) {
+  const MixedDroplets mixed = mix(two_rows(), {0, 0.5});
+  EXPECT_NEAR(mixed.extinction_m2_per_g, 0.25, 1e-15);
+  EXPECT_NEAR(mixed.scattering_m2_per_g, 0.15, 1e-15);
+  EXPECT_NEAR(mixed.single_scattering_albedo(), 0.6, 1e-15);
+  EXPECT_NEAR(mixed.upper_share_of_scattering(7), 1. / 3, 1e-15);
+  DropletTable black = two_rows();
+  black.single_scattering_albedo = {0, 0};
+  EXPECT_EQ(mix(black, {0, 0.5}).upper_share_of_scattering(7), 7);
+  EXPECT_EQ(mix(black, {1, 0}).extinction_m2_per_g, 0.1);  // the last row has no row above it
+}
+
 TEST(DropletTable, OutsideIsAnError) {
   EXPECT_THROW(mixture_for(two_rows(), 4.9), InputError);
   EXPECT_THROW(mixture_for(two_rows(), 10.1), InputError);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "cloudbow/optics/phase_classes.hpp"
+#include "optics/phase_classes.hpp"
 
 namespace cloudbow {
 namespace {

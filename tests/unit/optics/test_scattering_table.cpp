@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
@@ -296,6 +297,32 @@ TEST_F(TableCacheTest, RemakesDamagedFiles) {
   damage([](std::string& text) { text[text.size() / 2] ^= 1; });
   damage([](std::string& text) { text = "something else altogether"; });
   damage([](std::string& text) { text += "more"; });
+}
+
+TEST_F(TableCacheTest, RemakesTablesOfAnotherVersion) {
+  const ScatteringTable fresh = make();
+  const auto change_version = [&](char from, char to) {
+    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+      std::ifstream in(entry.path(), std::ios::binary);
+      std::string text{std::istreambuf_iterator<char>(in), {}};
+      in.close();
+      const std::string begin = "cloudbow scattering table ";
+      ASSERT_EQ(text.substr(0, begin.size() + 1), begin + from);
+      text[begin.size()] = to;
+      // The hash of all before it ends the file: only the version tells this one from a table of today.
+      text.resize(text.size() - sizeof(std::uint64_t));
+      Digest digest;
+      digest.add_bytes(text.data(), text.size());
+      const std::uint64_t hash = digest.value();
+      text.append(reinterpret_cast<const char*>(&hash), sizeof hash);
+      std::ofstream(entry.path(), std::ios::binary) << text;
+    }
+  };
+  change_version('4', '3');
+  const ScatteringTable remade = make();
+  EXPECT_FALSE(remade.report.from_cache);
+  expect_equal(fresh, remade);
+  EXPECT_TRUE(make().report.from_cache);
 }
 
 TEST_F(TableCacheTest, LeavesNothingButFinishedFiles) {

@@ -49,13 +49,6 @@ class AssembleTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST(SunTravel, OppositeToWhereTheSunStands) {
-  const double s = std::sin(std::acos(-1.0) / 3);  // 60 degrees
-  EXPECT_NEAR((sun_travel({60, 0, 1}) - Direction(-s, 0, -0.5)).norm(), 0, 1e-15);
-  EXPECT_NEAR((sun_travel({60, 90, 1}) - Direction(0, -s, -0.5)).norm(), 0, 1e-15);
-  EXPECT_EQ(sun_travel({0, 123, 1}).z(), -1);
-}
-
 TEST_F(AssembleTest, GridIsTheFilesDomain) {
   const AssembledScene scene = assembled("");
   const BoxGrid& box = scene.problem.grid.box;

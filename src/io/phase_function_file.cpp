@@ -1,4 +1,4 @@
-#include "app/scene/phase_function_file.hpp"
+#include "cloudbow/io/phase_function_file.hpp"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 #include <numbers>
 #include <utility>
 
-#include "app/scene/number_rows.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/printable.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/phase_table.hpp"
+#include "io/number_rows.hpp"
 
 namespace cloudbow {
 namespace {

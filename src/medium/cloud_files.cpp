@@ -1,4 +1,4 @@
-#include "cloudbow/app/cloud_files.hpp"
+#include "cloudbow/medium/cloud_files.hpp"
 
 #include <fmt/format.h>
 

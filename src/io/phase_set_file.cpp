@@ -1,4 +1,4 @@
-#include "app/scene/phase_set_file.hpp"
+#include "cloudbow/io/phase_set_file.hpp"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "app/scene/number_rows.hpp"
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
+#include "io/number_rows.hpp"
 
 namespace cloudbow {
 namespace {

@@ -1,4 +1,4 @@
-#include "app/scene/number_rows.hpp"
+#include "io/number_rows.hpp"
 
 #include <cmath>
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <string>
 
-#include "app/scene/phase_function_file.hpp"
-#include "app/scene/phase_set_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/io/phase_function_file.hpp"
+#include "cloudbow/io/phase_set_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace cloudbow {
