@@ -162,7 +162,7 @@ template <bool linear, class Real>
   const Real* __restrict const y = cells.gradient[1] + first;
   const Real* __restrict const z = cells.gradient[2] + first;
   std::array<Real, lanes> faded;
-  for_lanes<Real>(count, [&, sent, sum, sigma, x, y, z](int i, bool active) {
+  for_lanes<Real>(count, [=, &faded](int i, bool active) {
     const Crossing<Real> crossing(active ? optical_path(sigma[i], g.length) : Real(0));
     Real emitted = crossing.phi.phi1;
     if constexpr (linear) emitted = crossing.emitted(g.at_entry(x[i], y[i], z[i]), g.at_exit(x[i], y[i], z[i]));
