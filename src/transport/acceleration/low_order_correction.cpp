@@ -186,7 +186,7 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
   TransportSystem<Real> low;
   low.vertical = full.vertical;
   low.ordinates = make_ordinate_set(low_directions);
-  low.linear_source = !full.cells->varied;  // a correction need not be finer where cells are many
+  low.linear_source = full.linear_source && !full.cells->varied;  // a correction need not be finer where cells are many
   low.truncated_asymmetry = full.truncated_asymmetry;
   if (coarse) {
     const std::vector<double> truncated(full.scattering.size(), 0.);  // its coefficients are so already

@@ -103,7 +103,18 @@ struct Cells {
 template <class Real>
 struct CellView {
   const Real* extinction;
-  std::array<const Real*, 3> gradient;  ///< relative, of the source
+  std::array<const Real*, 3> gradient{};  ///< relative, of the source; null: it is constant in each cell
+
+  CellView(const Real* extinction_of, const std::array<const Real*, 3>& gradient_of)
+      : extinction(extinction_of), gradient(gradient_of) {}
+  /// @param x, y, z gradient along the march's axes, [n + lane_padding]; empty: the source is constant.
+  CellView(const Real* extinction_of, const std::vector<Real>& x, const std::vector<Real>& y,
+           const std::vector<Real>& z)
+      : extinction(extinction_of) {
+    if (!x.empty()) gradient = {x.data(), y.data(), z.data()};
+  }
+
+  bool is_linear() const { return gradient[0] != nullptr; }
 };
 
 /// @param forward_fraction [p] f of each phase function.

@@ -4,9 +4,13 @@
 
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #ifdef __AVX__
 #include <immintrin.h>
 #endif
+
+// Without AVX, compilers warn of functions that take or return eight values. All of these are inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace cloudbow {
 
@@ -47,5 +51,34 @@ template <class Real>
   constexpr LaneMask place = {0, 1, 2, 3, 4, 5, 6, 7};
   return place < n;
 }
+
+/// Cells that a kernel takes at a time, so that it is written once for both precisions: `lanes` in float, one in
+/// double.
+template <class Real>
+struct Pack {
+  using Value = Real;
+  using Mask = bool;
+
+  /// Steps of i += 1 in which a kernel takes `count` <= lanes cells.
+  static int steps(int count) { return count; }
+  static Mask first(int) { return true; }
+  [[gnu::always_inline]] static Value load(const Real* from) { return *from; }
+  [[gnu::always_inline]] static void store(Mask, const Value& v, Real* to) { *to = v; }
+};
+template <>
+struct Pack<float> {
+  using Value = Lanes<float>;
+  using Mask = LaneMask;
+
+  static int steps(int) { return 1; }
+  [[gnu::always_inline]] static Mask first(int count) { return first_lanes(count); }
+  /// Reads up to lane_padding values behind the last of the cells.
+  [[gnu::always_inline]] static Value load(const float* from) {
+    Value v;
+    load_lanes(from, v);
+    return v;
+  }
+  [[gnu::always_inline]] static void store(const Mask& mask, const Value& v, float* to) { store_masked(mask, v, to); }
+};
 
 }  // namespace cloudbow

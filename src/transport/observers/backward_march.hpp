@@ -34,6 +34,28 @@ struct GatherWorkspace {
   std::vector<Real> source, transmitted, ground;
 };
 
+/// `count` <= lanes rays, going back from the plane, meet as many cells: `sum` takes what these send there, and what is
+/// transmitted fades (docs/theory.md, Eq. 20). Light leaves a cell by the end of the segment that is nearest the plane.
+/// @param sent the cells' source; @param transmitted of each ray, from the plane to here, weighted.
+template <bool linear, class Real>
+[[gnu::always_inline]] inline void meet_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
+                                              std::size_t cell, const Real* __restrict sent,
+                                              Real* __restrict transmitted, Real* __restrict sum) {
+  const Real* __restrict const sigma = cells.extinction + cell;
+  const std::size_t first = linear ? cell : 0;
+  const Real* __restrict const x = cells.gradient[0] + first;
+  const Real* __restrict const y = cells.gradient[1] + first;
+  const Real* __restrict const z = cells.gradient[2] + first;
+  for_lanes<Real>(count, [=](int i, bool active) {
+    const Crossing<Real> crossing(active ? optical_path(sigma[i], g.length) : Real(0));
+    Real emitted = crossing.phi.phi1;
+    if constexpr (linear) emitted = crossing.emitted(g.at_exit(x[i], y[i], z[i]), g.at_entry(x[i], y[i], z[i]));
+    const Real seen = crossing.t * transmitted[i];
+    sum[i] += seen * sent[i] * emitted;
+    transmitted[i] -= seen * crossing.phi.phi1;
+  });
+}
+
 /// Rays leave the plane against the light's travel, as `pattern` says; what they meet, times `weight`, is added to
 /// `gathered`.
 /// @param source along `travel`.
@@ -58,26 +80,6 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       const std::size_t first_cell = rows.level_cell[level];
       source.fill(first_cell, rows.level_cell[level + 1] - first_cell, work.source.data());
       const double chord = pattern.chord_m[step];
-      const auto begin = [&](const Segment& segment) {
-        return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          Real* __restrict const sum = of_band + ray;
-          Real* __restrict const transmitted = through + ray;
-          const Real* __restrict const s = sent + (cell - first_cell);
-          const Real* __restrict const sigma = cells.extinction + cell;
-          const Real* __restrict const gx = cells.gradient[0] + cell;
-          const Real* __restrict const gy = cells.gradient[1] + cell;
-          const Real* __restrict const gz = cells.gradient[2] + cell;
-          for_lanes<Real>(count, [=](int i, bool active) {
-            const Real t = std::min(sigma[i] * g.length, static_cast<Real>(largest_optical_path));
-            const auto phi = exponential_functions(t);
-            const Real near = 1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i];
-            const Real far = 1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i];
-            const Real seen = active ? t * transmitted[i] : Real(0);
-            sum[i] += seen * s[i] * (phi.phi2 * near + (phi.phi1 - phi.phi2) * far);
-            transmitted[i] -= seen * phi.phi1;
-          });
-        };
-      };
       const auto leave = [&](const Segment& segment, double at) {
         if (box.periodic) return;
         const int lower = pattern.upward ? level : level + 1;  // interface where this step begins
@@ -88,7 +90,14 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
           through[m] = 0;
         });
       };
-      cross_level(pattern, step, level, rows, begin, leave);
+      for_source_of(cells, [&](auto linear) {
+        const auto begin = [&](const Segment& segment) {
+          return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+            meet_cells<linear>(g, count, cells, cell, sent + (cell - first_cell), through + ray, of_band + ray);
+          };
+        };
+        cross_level(pattern, step, level, rows, begin, leave);
+      });
     }
   }
   // Beyond the last level: the sky for light that comes down, the lit surface for light that goes up.

@@ -89,9 +89,9 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
                                        const SideRadiance& side) {
   std::vector<CameraImage> images;
   if (options.cameras.empty()) return images;
-  const LinearSource<Real> mean = mean_source(problem, *system.cells, sight, source, first_row, beams);
-  const SightScene<Real> scene(system.box, *system.cells,
-                               {mean.gradient[0].data(), mean.gradient[1].data(), mean.gradient[2].data()}, ground,
+  LinearSource<Real> mean;
+  if (system.linear_source) mean = mean_source(problem, *system.cells, sight, source, first_row, beams);
+  const SightScene<Real> scene(system.box, *system.cells, mean.view(*system.cells).gradient, ground,
                                problem.sky_radiance, side);
   // A beam's intensity and depth, side by side in memory.
   std::vector<std::vector<std::array<float, 2>>> lit(beams.size());

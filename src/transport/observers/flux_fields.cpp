@@ -107,7 +107,12 @@ class FluxFields {
   }
 
   GatherScene<Real> peak_scene() const {
-    return {system_.box, *system_.cells, &*peak_source_, {}, 0., nullptr, carried_extinction_, true};
+    return {.box = system_.box,
+            .cells = *system_.cells,
+            .source = &*peak_source_,
+            .own_extinction = carried_extinction_,
+            .fill_columns = true,
+            .linear_source = system_.linear_source};
   }
 
   // The beam's light that is not direct, at a plane, from `peak` as gathered; `flux` holds that on the sun's own line.
@@ -119,7 +124,13 @@ class FluxFields {
   }
 
   GatherScene<Real> gather_scene() const {
-    return {system_.box, *system_.cells, source_, side_radiance_, problem_.sky_radiance, ground_ ? &*ground_ : nullptr};
+    return {.box = system_.box,
+            .cells = *system_.cells,
+            .source = source_,
+            .side_radiance = side_radiance_,
+            .sky_radiance = problem_.sky_radiance,
+            .ground = ground_ ? &*ground_ : nullptr,
+            .linear_source = system_.linear_source};
   }
 
   void report_progress(double fraction) const {

@@ -37,12 +37,13 @@ struct GatherScene {
   const BoxGrid& box;
   const Cells<Real>& cells;
   const DirectionalSource<Real>* source;  ///< needed for fluxes
-  SideRadiance side_radiance;             ///< asked only where the box is open; may be empty
+  SideRadiance side_radiance{};           ///< asked only where the box is open; may be empty
   double sky_radiance = 0;
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
   std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
 
   bool fill_columns = false;  ///< rays start in another place of their columns for each direction
+  bool linear_source = true;  ///< as the system's
 
   const Real* extinction() const { return own_extinction.empty() ? cells.extinction.data() : own_extinction.data(); }
 };

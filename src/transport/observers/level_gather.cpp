@@ -150,6 +150,31 @@ std::size_t groups_for(const BoxGrid& box) {
   return std::clamp(static_cast<std::size_t>(most_sum_bytes / group), std::size_t{1}, most_groups);
 }
 
+// `count` <= lanes rays cross as many cells: `sum` takes what these send (docs/theory.md, Eq. 20), every array of
+// `carried` fades.
+template <bool linear, class Real>
+[[gnu::always_inline]] inline void cross_sums(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
+                                              std::size_t cell, const Real* __restrict sent, std::size_t ray,
+                                              Real* __restrict sum, std::span<Real* const> carried) {
+  const Real* __restrict const sigma = cells.extinction + cell;
+  const std::size_t first = linear ? cell : 0;
+  const Real* __restrict const x = cells.gradient[0] + first;
+  const Real* __restrict const y = cells.gradient[1] + first;
+  const Real* __restrict const z = cells.gradient[2] + first;
+  std::array<Real, lanes> faded;
+  for_lanes<Real>(count, [=, &faded](int i, bool active) {
+    const Crossing<Real> crossing(active ? optical_path(sigma[i], g.length) : Real(0));
+    Real emitted = crossing.phi.phi1;
+    if constexpr (linear) emitted = crossing.emitted(g.at_entry(x[i], y[i], z[i]), g.at_exit(x[i], y[i], z[i]));
+    faded[i] = crossing.absorbed();
+    sum[i] = crossing.leaving(sum[i], sent[i] * emitted);
+  });
+  for (Real* const slot : carried) {
+    Real* __restrict const light = slot + ray;
+    for_lanes<Real>(count, [&, light](int i, bool active) { light[i] -= active ? faded[i] * light[i] : Real(0); });
+  }
+}
+
 // What one group of directions works with, and its sums.
 template <class Real>
 struct Workspace {
@@ -307,31 +332,6 @@ class LevelGather {
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     const double chord = pattern.chord_m[step];
-    const auto begin = [&](const Segment& segment) {
-      return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-        Real* __restrict const sum = fresh + ray;
-        const Real* __restrict const s = sent + (cell - first_cell);
-        const Real* __restrict const sigma = cells.extinction + cell;
-        const Real* __restrict const gx = cells.gradient[0] + cell;
-        const Real* __restrict const gy = cells.gradient[1] + cell;
-        const Real* __restrict const gz = cells.gradient[2] + cell;
-        std::array<Real, lanes> faded;
-        for_lanes<Real>(count, [&, sum, s, sigma, gx, gy, gz](int i, bool active) {
-          const Real t = std::min(sigma[i] * g.length, static_cast<Real>(largest_optical_path));
-          const auto phi = exponential_functions(t);
-          const Real entry = 1 + g.from_x * gx[i] + g.from_y * gy[i] + g.from_z * gz[i];
-          const Real exit = 1 + g.to_x * gx[i] + g.to_y * gy[i] + g.to_z * gz[i];
-          const Real seen = active ? t : Real(0);
-          faded[i] = seen * phi.phi1;
-          sum[i] += seen * (s[i] * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry) - phi.phi1 * sum[i]);
-        });
-        for (Real* const slot : carried) {
-          Real* __restrict const light = slot + ray;
-          for_lanes<Real>(count,
-                          [&, light](int i, bool active) { light[i] -= active ? faded[i] * light[i] : Real(0); });
-        }
-      };
-    };
     const auto enter = [&](const Segment& segment, double at) {
       if (box_.periodic) return;
       for_rays_through_side(segment, box_.nx, box_.ny, [&](std::size_t ray) {
@@ -340,7 +340,14 @@ class LevelGather {
         from_beyond[ray] = outside(at);
       });
     };
-    cross_level(pattern, step, level, rows_, begin, enter);
+    for_source_of(cells, [&](auto linear) {
+      const auto begin = [&](const Segment& segment) {
+        return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+          cross_sums<linear>(g, count, cells, cell, sent + (cell - first_cell), ray, fresh + ray, carried);
+        };
+      };
+      cross_level(pattern, step, level, rows_, begin, enter);
+    });
   }
 
   // Light counts for the column that its ray is in after the step.

@@ -13,7 +13,7 @@
 namespace cloudbow {
 
 /// Gradient of the source, relative to it: of the mean over directions of one quadrant if cells are varied, else of
-/// each direction's own.
+/// each direction's own. None if the source is constant in each cell.
 template <class Real>
 class SourceGradients {
  public:
@@ -21,7 +21,7 @@ class SourceGradients {
 
   /// For the directions that along() will be asked for next.
   void prepare(std::span<const GatherDirection> directions) {
-    if (!scene_.cells.varied) return;
+    if (!scene_.linear_source || !scene_.cells.varied) return;
     const DirectionalSource<Real>& source = *scene_.source;
     for (int q = 0; q < quadrants; ++q) {
       std::vector<double> of_point(source.points.size(), 0.);
@@ -43,9 +43,10 @@ class SourceGradients {
   /// @param own holds the gradient where it is the direction's own.
   CellView<Real> along(const Direction& travel, LinearSource<Real>& own) const {
     const Cells<Real>& cells = scene_.cells;
+    if (!scene_.linear_source) return {scene_.extinction(), {}};
     if (cells.varied) {
       const Gradient& gradient = gradient_[quadrant(travel)];
-      return {scene_.extinction(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+      return {scene_.extinction(), gradient[0], gradient[1], gradient[2]};
     }
     own.resize(cells.size());
     scene_.source->query(travel, own.value.data());

@@ -32,7 +32,7 @@ std::vector<double> Surroundings::march_in(const DirectionalSource<double>& from
   LinearSource<double> source;
   source.resize(system_.cells->size());
   from.query(travel, source.value.data());
-  source.make_gradient(*system_.cells);
+  if (system_.linear_source) source.make_gradient(*system_.cells);
   std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
   march<double, false>(
       pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), nullptr,

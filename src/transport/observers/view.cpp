@@ -61,11 +61,10 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
     LinearSource<Real> linear;
     linear.resize(system.cells->size());
     std::copy_n(row, system.cells->size(), linear.value.begin());
-    linear.make_gradient(*system.cells);
+    if (system.linear_source) linear.make_gradient(*system.cells);
     if (view.width > 0) {
-      const SightScene<Real> exact(box, *system.cells,
-                                   {linear.gradient[0].data(), linear.gradient[1].data(), linear.gradient[2].data()},
-                                   ground, problem.sky_radiance, side);
+      const SightScene<Real> exact(box, *system.cells, linear.view(*system.cells).gradient, ground,
+                                   problem.sky_radiance, side);
       images.push_back({view, {}});
       fill_pixels(exact, view, row, rays, images.back().radiance);
       continue;

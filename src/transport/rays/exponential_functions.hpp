@@ -37,7 +37,8 @@ template <class Value>
   return {n * inverse, b * inverse, c * inverse};
 }
 
-[[gnu::always_inline]] inline ExponentialFunctions<float> exponential_functions(float t) {
+template <class Value>
+[[gnu::always_inline]] inline ExponentialFunctions<Value> exponential_functions(const Value& t) {
   return rational_exponential_functions(t);
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "transport/grid/cells.hpp"
-#include "transport/rays/exponential_functions.hpp"
+#include "transport/rays/crossing.hpp"
 #include "transport/rays/path_pattern.hpp"
 
 namespace cloudbow {
@@ -169,17 +169,15 @@ inline double plane_sum(const Real* values, std::size_t n) {
 template <class Real>
 struct LinearSource {
   std::vector<Real> value;                    ///< [n + lane_padding]
-  std::array<std::vector<Real>, 3> gradient;  ///< [n + lane_padding] relative, along x, y, z
+  std::array<std::vector<Real>, 3> gradient;  ///< [n + lane_padding] relative, along x, y, z; empty: constant in cells
 
-  void resize(std::size_t n) {
-    value.resize(n + lane_padding);
-    for (auto& axis : gradient) axis.resize(n + lane_padding);
-  }
+  void resize(std::size_t n) { value.resize(n + lane_padding); }
   void make_gradient(const Cells<Real>& cells) {
+    for (auto& axis : gradient) axis.resize(cells.size() + lane_padding);
     source_gradient(cells, 0, cells.size(), value.data(), gradient[0].data(), gradient[1].data(), gradient[2].data());
   }
   CellView<Real> view(const Cells<Real>& cells) const {
-    return {cells.extinction.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+    return {cells.extinction.data(), gradient[0], gradient[1], gradient[2]};
   }
 };
 
@@ -200,7 +198,24 @@ struct SegmentGeometry {
         to_x(static_cast<Real>(segment.to[0])),
         to_y(static_cast<Real>(segment.to[1])),
         to_z(static_cast<Real>(segment.to[2])) {}
+
+  /// Source relative to the cell's mean, of a relative gradient (x, y, z), at the segment's two ends (docs/theory.md,
+  /// Eq. 20a).
+  template <class Value>
+  [[gnu::always_inline]] Value at_entry(const Value& x, const Value& y, const Value& z) const {
+    return 1 + from_x * x + from_y * y + from_z * z;
+  }
+  template <class Value>
+  [[gnu::always_inline]] Value at_exit(const Value& x, const Value& y, const Value& z) const {
+    return 1 + to_x * x + to_y * y + to_z * z;
+  }
 };
+
+/// Calls use(std::true_type()) for cells of linear source, else use(std::false_type()): kernels are made for both.
+template <class Real, class Use>
+[[gnu::always_inline]] inline auto for_source_of(const CellView<Real>& cells, const Use& use) {
+  return cells.is_linear() ? use(std::true_type()) : use(std::false_type());
+}
 
 /// Calls `use(i, active)` for i = 0 .. count - 1 <= lanes with active = true, and in float beyond that, to the end of a
 /// vector of lanes, with active = false: runs of a few cells then cost a vector operation, not a scalar loop. What
@@ -216,72 +231,48 @@ template <class Real, class Use>
   }
 }
 
-/// `count` <= lanes rays cross as many cells of linear source (S1 where they enter, S2 where they leave;
-/// docs/theory.md, "March along a ray"):
-///   I_out  = I_in + t [phi2 S2 + (phi1 - phi2) S1 - phi1 I_in]
-///   I_mean = phi1 I_in + t [(phi2 - phi3) S1 + phi3 S2]
-/// In float all arrays can be read and written up to lane_padding elements beyond.
-/// @param linear false: the source is constant in the cell.
+/// `count` <= lanes rays cross as many cells. In float all arrays can be read and written up to lane_padding elements
+/// beyond.
+/// @param linear false: the source is constant in the cell, and no gradient is read.
 template <class Real, bool keep_mean, bool linear>
 [[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
                                                std::size_t cell, const Real* source, Real* ray, Real* mean) {
-  const auto cross = [&g](const auto& t, const auto& phi, const auto& s, const auto& x, const auto& y, const auto& z,
-                          const auto& in, [[maybe_unused]] auto& more, auto& out) {
+  using Cell = Pack<Real>;
+  using Value = typename Cell::Value;
+  const auto active = Cell::first(count);
+  for (int i = 0; i < Cell::steps(count); ++i) {
+    const Crossing<Value> crossing(optical_path(Cell::load(cells.extinction + cell + i), g.length));
+    const Value s = Cell::load(source + cell + i);
+    const Value in = Cell::load(ray + i);
+    Value out, held;
     if constexpr (linear) {
-      const auto entry = s * (1 + g.from_x * x + g.from_y * y + g.from_z * z);
-      const auto exit = s * (1 + g.to_x * x + g.to_y * y + g.to_z * z);
-      if constexpr (keep_mean) more = g.share * (phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit));
-      out = in + t * (phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry - phi.phi1 * in);
+      const Value x = Cell::load(cells.gradient[0] + cell + i);
+      const Value y = Cell::load(cells.gradient[1] + cell + i);
+      const Value z = Cell::load(cells.gradient[2] + cell + i);
+      const Value entry = s * g.at_entry(x, y, z);
+      const Value exit = s * g.at_exit(x, y, z);
+      held = crossing.mean(in, entry, exit);
+      out = crossing.leaving(in, crossing.emitted(entry, exit));
     } else {
-      if constexpr (keep_mean) more = g.share * (phi.phi1 * in + t * phi.phi2 * s);
-      out = in + t * phi.phi1 * (s - in);
+      held = crossing.mean_constant(in, s);
+      out = crossing.leaving_constant(in, s);
     }
-  };
-  if constexpr (std::is_same_v<Real, float>) {
-    const LaneMask active = first_lanes(count);
-    Lanes<float> t, s, in, x{}, y{}, z{}, more{}, out;
-    load_lanes(cells.extinction + cell, t);
-    load_lanes(source + cell, s);
-    load_lanes(ray, in);
-    if constexpr (linear) {
-      load_lanes(cells.gradient[0] + cell, x);
-      load_lanes(cells.gradient[1] + cell, y);
-      load_lanes(cells.gradient[2] + cell, z);
-    }
-    t *= g.length;
-    t = t < largest_optical_path ? t : largest_optical_path + Lanes<float>{};
-    cross(t, rational_exponential_functions(t), s, x, y, z, in, more, out);
-    if constexpr (keep_mean) {
-      Lanes<float> sum;
-      load_lanes(mean + cell, sum);
-      store_masked(active, sum + more, mean + cell);
-    }
-    store_masked(active, out, ray);
-  } else {
-    for (int i = 0; i < count; ++i) {
-      const Real t = std::min(cells.extinction[cell + i] * g.length, static_cast<Real>(largest_optical_path));
-      Real x = 0, y = 0, z = 0, more = 0, out = 0;
-      if constexpr (linear) {
-        x = cells.gradient[0][cell + i];
-        y = cells.gradient[1][cell + i];
-        z = cells.gradient[2][cell + i];
-      }
-      cross(t, exponential_functions(t), source[cell + i], x, y, z, ray[i], more, out);
-      if constexpr (keep_mean) mean[cell + i] += more;
-      ray[i] = out;
-    }
+    if constexpr (keep_mean) Cell::store(active, Cell::load(mean + cell + i) + g.share * held, mean + cell + i);
+    Cell::store(active, out, ray + i);
   }
 }
 
 /// Asks in time for what a chunk some way on in a list will take: short runs of cells are no streams that the processor
 /// follows by itself.
-template <class Real>
+template <bool linear, class Real>
 [[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
                                            const Real* mean) {
   const std::size_t cell = chunk->cell;
   __builtin_prefetch(cells.extinction + cell);
   __builtin_prefetch(source + cell);
-  for (const Real* gradient : cells.gradient) __builtin_prefetch(gradient + cell);
+  if constexpr (linear) {
+    for (const Real* gradient : cells.gradient) __builtin_prefetch(gradient + cell);
+  }
   if (mean != nullptr) __builtin_prefetch(mean + cell, 1);
 }
 
@@ -296,9 +287,8 @@ struct MarchTotals {
 /// before the first level and after each.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
-/// @param linear false: without gradients of the source.
 /// @param mean [n] voxel-mean radiance is added to it if keep_mean.
-template <class Real, bool keep_mean, bool linear = true, class AtLevel>
+template <class Real, bool keep_mean, class AtLevel>
 MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
                   std::span<const Real> side_radiance, const Real* source, Real* rays, Real* mean,
                   const AtLevel& at_level) {
@@ -306,11 +296,6 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
   at_level(0, rays);
   for (int step = 0; step < pattern.levels(); ++step) {
     const double chord = pattern.chord_m[step];
-    const auto begin = [&](const Segment& segment) {
-      return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-        cross_cells<Real, keep_mean, linear>(geometry, count, cells, cell, source, rays + ray, mean);
-      };
-    };
     const auto enter = [&](const Segment& segment, double at) {
       if (periodic) return;
       const Real outside = side_radiance.empty()
@@ -322,7 +307,14 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
         rays[ray] = outside;
       });
     };
-    cross_level(pattern, step, pattern.level(step), rows, begin, enter);
+    for_source_of(cells, [&](auto linear) {
+      const auto begin = [&](const Segment& segment) {
+        return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+          cross_cells<Real, keep_mean, linear>(geometry, count, cells, cell, source, rays + ray, mean);
+        };
+      };
+      cross_level(pattern, step, pattern.level(step), rows, begin, enter);
+    });
     at_level(step + 1, rays);
   }
   return totals;

@@ -158,7 +158,7 @@ class SidewaysMarch {
         const int slope = path_.upward ? 1 : -1;
         const int base = (path_.upward ? -path_.levels.first : path_.levels.last - 1) - crossed - first_row_;
         for (const Chunk& chunk : chunks) {
-          ask_for(&chunk + ahead, cells_, source_, mean_);
+          ask_for<linear>(&chunk + ahead, cells_, source_, mean_);
           const std::size_t row = static_cast<std::size_t>(base + slope * chunk.row) * columns_;
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
             cross_cells<Real, true, linear>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, mean_);
@@ -244,17 +244,14 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
 
 template <class Real>
 void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    bool linear, SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work) {
-  if (linear) {
-    SidewaysMarch<Real, true>(path, sheets, cells, source, planes, mean, work).run();
-  } else {
-    SidewaysMarch<Real, false>(path, sheets, cells, source, planes, mean, work).run();
-  }
+                    SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work) {
+  for_source_of(
+      cells, [&](auto linear) { SidewaysMarch<Real, linear>(path, sheets, cells, source, planes, mean, work).run(); });
 }
 
-template void march_sideways<float>(const SidewaysPath&, const Sheets&, const CellView<float>&, const float*, bool,
+template void march_sideways<float>(const SidewaysPath&, const Sheets&, const CellView<float>&, const float*,
                                     SidewaysPlanes<float>&, float*, SidewaysWorkspace<float>&);
-template void march_sideways<double>(const SidewaysPath&, const Sheets&, const CellView<double>&, const double*, bool,
+template void march_sideways<double>(const SidewaysPath&, const Sheets&, const CellView<double>&, const double*,
                                      SidewaysPlanes<double>&, double*, SidewaysWorkspace<double>&);
 
 }  // namespace cloudbow

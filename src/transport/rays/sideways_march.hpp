@@ -53,10 +53,9 @@ struct SidewaysWorkspace {
 };
 
 /// @param sheets along the axis, rows by level of the box, columns across.
-/// @param linear false: without gradients of the source.
 /// @param source, mean [n] as for march(), in the sheets' order of cells.
 template <class Real>
 void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    bool linear, SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work);
+                    SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work);
 
 }  // namespace cloudbow

@@ -40,15 +40,15 @@ std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& s
 
 template <class Real>
 CellView<Real> view_along_z(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.extinction.data(), {of.axis[0].data(), of.axis[1].data(), of.axis[2].data()}};
+  return {cells.extinction.data(), of.axis[0], of.axis[1], of.axis[2]};
 }
 template <class Real>
 CellView<Real> view_along_y(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.extinction.data(), {of.axis[0].data(), of.axis[2].data(), of.axis[1].data()}};
+  return {cells.extinction.data(), of.axis[0], of.axis[2], of.axis[1]};
 }
 template <class Real>
 CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.turned[0].extinction.data(), {of.turned[1].data(), of.turned[2].data(), of.turned[0].data()}};
+  return {cells.turned[0].extinction.data(), of.turned[1], of.turned[2], of.turned[0]};
 }
 
 // Gradient of the mean source of some ordinates. Called by all threads of a team.
@@ -174,17 +174,10 @@ class OrdinateMarch {
       if (passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
     };
     const CellView<Real> cells = view_along_z(*system_.cells, gradient);
-    const auto march_with = [&](const auto& marcher) {
-      const MarchTotals sides = marcher(pattern, system_.cells->rows, cells, system_.box.periodic, side, source.data(),
-                                        rays.data(), work_.mean.data(), at_level);
-      totals.sides.entered_sides += sides.entered_sides;
-      totals.sides.left_sides += sides.left_sides;
-    };
-    if (system_.linear_source) {
-      march_with([](const auto&... of) { return march<Real, true, true>(of...); });
-    } else {
-      march_with([](const auto&... of) { return march<Real, true, false>(of...); });
-    }
+    const MarchTotals sides = march<Real, true>(pattern, system_.cells->rows, cells, system_.box.periodic, side,
+                                                source.data(), rays.data(), work_.mean.data(), at_level);
+    totals.sides.entered_sides += sides.entered_sides;
+    totals.sides.left_sides += sides.left_sides;
     work_.plane.resize(columns + lane_padding);
     shift_columns(system_.box, pattern.x.back(), pattern.y.back(), rays.data(), work_.plane.data());
     rays.swap(work_.plane);
@@ -213,19 +206,18 @@ class OrdinateMarch {
     std::vector<double> at_level(record ? path.levels.last - path.levels.first + 1 : 0, 0.);
     planes.at_level = at_level;
     const TurnedCells<Real>& turned = cells.turned[path.axis];
-    const bool linear = system_.linear_source;
     if (along_x) {
       const std::size_t n = cells.size();
       work_.turned_source.resize(n + lane_padding);
       work_.turned_mean.assign(n + lane_padding, Real(0));
       const std::uint32_t* __restrict const cell = turned.cell.data();
       for (std::size_t c = 0; c < n; ++c) work_.turned_source[c] = source[cell[c]];
-      march_sideways(path, turned.sheets, view_along_x(cells, gradient), work_.turned_source.data(), linear, planes,
+      march_sideways(path, turned.sheets, view_along_x(cells, gradient), work_.turned_source.data(), planes,
                      work_.turned_mean.data(), work_.sideways);
       for (std::size_t c = 0; c < n; ++c) work_.mean[cell[c]] += work_.turned_mean[c];
     } else {
-      march_sideways(path, turned.sheets, view_along_y(cells, gradient), source.data(), linear, planes,
-                     work_.mean.data(), work_.sideways);
+      march_sideways(path, turned.sheets, view_along_y(cells, gradient), source.data(), planes, work_.mean.data(),
+                     work_.sideways);
     }
     std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
     totals.out = planes.left;

@@ -22,9 +22,9 @@ struct TransportSystem {
   bool vertical = false;  ///< independent columns
   std::shared_ptr<const Cells<Real>> cells;
   OrdinateSet ordinates;
-  std::vector<OrdinatePath> paths;               ///< [D]
-  bool linear_source = true;                     ///< within a cell; false: constant
-  std::vector<DenseMatrix<Real>> scattering;     ///< [p] D x D, ordinates from ordinates
+  std::vector<OrdinatePath> paths;            ///< [D]
+  bool linear_source = true;                  ///< within a cell; false: constant, and no gradient of any source is made
+  std::vector<DenseMatrix<Real>> scattering;  ///< [p] D x D, ordinates from ordinates
   std::optional<FoldedScattering<Real>> folded;  ///< the same where ordinates and matrices have the symmetry for it
   LowMoments<Real> low;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
@@ -70,7 +70,7 @@ struct SweepFluxes {
   std::vector<double> column_down;
 };
 
-/// Relative gradient of the mean source of some ordinates.
+/// Relative gradient of the mean source of some ordinates; empty if the source is constant in each cell.
 template <class Real>
 struct GroupGradient {
   std::vector<Real> source;                 ///< [n] their mean

@@ -71,11 +71,9 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
   TransportSystem<Real> system;
   system.box = problem.grid.box;
   system.vertical = options.independent_columns;
-  Cells<Real> cells = make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.vertical);
-  if (!options.linear_source) {
-    for (auto& axis : cells.scale) std::fill(axis.begin(), axis.end(), Real(0));
-  }
-  system.cells = std::make_shared<const Cells<Real>>(std::move(cells));
+  system.linear_source = options.linear_source;
+  system.cells = std::make_shared<const Cells<Real>>(
+      make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.vertical));
   system.ordinates = discretisation.ordinates;
   system.paths = make_ordinate_paths(system.box, *system.cells, system.ordinates.direction, system.vertical);
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {

@@ -92,6 +92,17 @@ TEST(SightLine, SourceIsLinearWithinACell) {
   EXPECT_NEAR(seen_along(sight, {0, 15, 25}, {1, 0, 0}, only_first), truth, 1e-7);
 }
 
+TEST(SightLine, ConstantSourceIsALinearOneWithoutSlopes) {
+  const Scene scene(true, .02);
+  const SightScene<double> constant(scene.box, scene.cells, {}, scene.ground, 5., {});
+  EXPECT_TRUE(constant.linear_cells.empty());
+  const auto by_cell = [](std::uint32_t cell) { return 1. + cell % 7; };
+  for (const Direction& line :
+       {Direction(0, 0, -1), Direction(.5, .7, -.2).normalized(), Direction(-1, 0, .3).normalized()})
+    EXPECT_NEAR(seen_along(constant, {13, 17, 23}, line, by_cell),
+                seen_along(scene.sight(5.), {13, 17, 23}, line, by_cell), 1e-13);
+}
+
 TEST(SightLine, TakesWallsAndCornersInItsStride) {
   const Scene scene(true, .01);
   const auto sight = scene.sight(1.);
