@@ -131,7 +131,7 @@ TEST(Columns, WhatAVeryThickSlabLetsThroughHasItsDigits) {
       for (const bool in_double : {true, false}) {
         SolverOptions options = by_columns(16);
         options.double_precision = in_double;
-        options.leave_out_uniform_axes = false;
+        options.collapse_uniform_axes = false;
         const Solution solution = solve(slab(depth, 1, PhaseFunction::isotropic(), 1, cells), options);
         EXPECT_NEAR(solution.downwelling_diffuse_flux[0] * (depth + 1.420892), 2.90781 / std::sqrt(3.), 3e-4)
             << depth << " " << cells << " " << in_double;
