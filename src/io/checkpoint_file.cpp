@@ -24,10 +24,10 @@ using hdf5::Handle;
 
 namespace {
 
-constexpr std::int32_t kFormat = 2;
-constexpr hsize_t kChunkValues = hsize_t{1} << 17;
+constexpr std::int32_t checkpoint_format = 2;
+constexpr hsize_t chunk_values = hsize_t{1} << 17;
 
-constexpr const char* kAllowed = "a file of run --checkpoint";
+constexpr const char* allowed = "a file of run --checkpoint";
 
 bool is_known_size(std::size_t value_bytes) { return value_bytes == 2 || value_bytes == 4 || value_bytes == 8; }
 
@@ -45,7 +45,7 @@ void write_array(hid_t file, const StateArray& array) {
   const Handle space = hdf5::dataspace(shape);
   const Handle creation = hdf5::property_list(H5P_DATASET_CREATE);
   check(H5Pset_obj_track_times(creation, false), "leave out times");
-  const hsize_t chunk[2] = {1, std::clamp<hsize_t>(array.length, 1, kChunkValues)};
+  const hsize_t chunk[2] = {1, std::clamp<hsize_t>(array.length, 1, chunk_values)};
   check(H5Pset_chunk(creation, 2, chunk), "choose chunks");
   check(H5Pset_fletcher32(creation), "choose checksums");
   const hid_t type = type_of(array.value_bytes);
@@ -98,7 +98,7 @@ auto naming(const std::filesystem::path& path, const Use& use) {
     return use();
   } catch (const hdf5::Error& error) {
     throw InputError(
-        fmt::format("{}: can't be read as a checkpoint ({}); allowed: {}", path.string(), error.what(), kAllowed));
+        fmt::format("{}: can't be read as a checkpoint ({}); allowed: {}", path.string(), error.what(), allowed));
   }
 }
 
@@ -106,7 +106,7 @@ auto naming(const std::filesystem::path& path, const Use& use) {
   throw InputError(
       fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}) go on with the "
                   "program that wrote it, or start without this checkpoint",
-                  path.string(), format, printable(source), kFormat));
+                  path.string(), format, printable(source), checkpoint_format));
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& sour
   try {
     Handle file = hdf5::create_file(target.temporary());
     netcdf4::write_attributes(file, {{"source", source},
-                                     {"checkpoint_format", kFormat},
+                                     {"checkpoint_format", checkpoint_format},
                                      {"layout", static_cast<std::int64_t>(key.layout)},
                                      {"problem", static_cast<std::int64_t>(key.problem)}});
     for (const StateArray& array : state) write_array(file, array);
@@ -133,12 +133,12 @@ struct CheckpointInput::Opened {
 };
 
 CheckpointInput::CheckpointInput(const std::filesystem::path& path) : path_(path) {
-  check_input(path, kAllowed);
+  check_input(path, allowed);
   const auto open = [&] {
     opened_ = std::make_unique<Opened>(Opened{hdf5::open_file(path)});
     const std::int64_t format = hdf5::attribute_integer(opened_->file, "checkpoint_format");
     source_ = hdf5::attribute_text(opened_->file, "source");
-    if (format != kFormat) fail_version(path, format, source_);
+    if (format != checkpoint_format) fail_version(path, format, source_);
     key_ = {key_attribute(opened_->file, "layout"), key_attribute(opened_->file, "problem")};
   };
   rehearse(path, {.library = "HDF5"}, [&] {

@@ -24,12 +24,12 @@ namespace cloudbow {
 
 namespace {
 
-constexpr const char* kWavelength = "wavelength";
-constexpr const char* kRadius = "effective_radius";
-constexpr const char* kExtinction = "extinction_per_water_content";
-constexpr const char* kAlbedo = "single_scattering_albedo";
-constexpr const char* kMoments = "legendre_moment";
-constexpr std::size_t kLargestTable = std::size_t{1} << 27;  // values
+constexpr const char* wavelength_name = "wavelength";
+constexpr const char* radius_name = "effective_radius";
+constexpr const char* extinction_name = "extinction_per_water_content";
+constexpr const char* albedo = "single_scattering_albedo";
+constexpr const char* moments_name = "legendre_moment";
+constexpr std::size_t largest_table = std::size_t{1} << 27;  // values
 
 /// Numbers of all tables, one after the other.
 template <class Numbers>
@@ -82,7 +82,7 @@ void write_all(const std::filesystem::path& path, std::span<const DropletTable> 
     return spectral ? netcdf4::AttributeValue(numbers) : netcdf4::AttributeValue(numbers.front());
   };
   const auto dimensions = [spectral](std::vector<std::string> names) {
-    if (spectral) names.insert(names.begin(), kWavelength);
+    if (spectral) names.insert(names.begin(), wavelength_name);
     return names;
   };
   hdf5::Handle file = hdf5::create_file(path);
@@ -110,10 +110,10 @@ void write_all(const std::filesystem::path& path, std::span<const DropletTable> 
 
   if (spectral) {
     netcdf4::write_coordinate(
-        file, kWavelength, wavelength,
+        file, wavelength_name, wavelength,
         {{"units", "um"}, {"long_name", "wavelength"}, {"standard_name", "radiation_wavelength"}});
   }
-  netcdf4::write_coordinate(file, kRadius, tables.front().effective_radius_um,
+  netcdf4::write_coordinate(file, radius_name, tables.front().effective_radius_um,
                             {{"units", "um"}, {"long_name", "effective radius, <r^3>/<r^2>"}});
   netcdf4::write_coordinate(file, "moment", degree, {{"units", "1"}, {"long_name", "degree l of the Legendre moment"}});
   netcdf4::write_coordinate(file, "angle", angle, {{"units", "degree"}, {"long_name", "scattering angle"}});
@@ -122,16 +122,16 @@ void write_all(const std::filesystem::path& path, std::span<const DropletTable> 
     const auto numbers = joined(tables, numbers_of);
     netcdf4::write_variable(file, name, dimensions(names), std::span(numbers), attributes);
   };
-  write(kExtinction, {kRadius}, [](const DropletTable& t) { return t.extinction_m2_per_g; },
+  write(extinction_name, {radius_name}, [](const DropletTable& t) { return t.extinction_m2_per_g; },
         {{"units", "m2 g-1"}, {"long_name", "extinction coefficient [m-1] per mass of droplets in air [g m-3]"}});
-  write(kAlbedo, {kRadius}, [](const DropletTable& t) { return t.single_scattering_albedo; },
+  write(albedo, {radius_name}, [](const DropletTable& t) { return t.single_scattering_albedo; },
         {{"units", "1"}, {"long_name", "single-scattering albedo"}});
-  write("asymmetry_parameter", {kRadius}, asymmetry_of,
+  write("asymmetry_parameter", {radius_name}, asymmetry_of,
         {{"units", "1"}, {"long_name", "mean cosine of the scattering angle"}});
   write(
-      kMoments, {kRadius, "moment"}, [&](const DropletTable& t) { return moments_of(t, moment_count); },
+      moments_name, {radius_name, "moment"}, [&](const DropletTable& t) { return moments_of(t, moment_count); },
       {{"units", "1"}, {"long_name", "chi_l of P(mu) = sum (2l+1) chi_l P_l(mu), without the factor 2l+1; chi_0 = 1"}});
-  write("phase_function", {kRadius, "angle"}, [&](const DropletTable& t) { return phase_functions_of(t, angle); },
+  write("phase_function", {radius_name, "angle"}, [&](const DropletTable& t) { return phase_functions_of(t, angle); },
         {{"units", "1"}, {"long_name", "phase function, mean over the sphere 1"}});
   hdf5::finish_file(file);
 }
@@ -164,7 +164,7 @@ std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, 
   }
   std::size_t count = 1;
   for (const hsize_t length : block.size) {
-    if (length > kLargestTable / std::max<std::size_t>(count, 1))
+    if (length > largest_table / std::max<std::size_t>(count, 1))
       throw InputError(fmt::format("'{}': too large", name));
     count *= length;
   }
@@ -181,20 +181,20 @@ double read_number_attribute(hid_t file, const char* name) {
 DropletTable read_own_table(hid_t file, std::optional<double> wavelength_um) {
   DropletTable table;
   std::optional<WavelengthIndex> at;
-  if (hdf5::exists(file, kWavelength)) {
-    const std::vector<double> there = read_values(file, kWavelength, 1, 0);
+  if (hdf5::exists(file, wavelength_name)) {
+    const std::vector<double> there = read_values(file, wavelength_name, 1, 0);
     at = WavelengthIndex{choose_wavelength(there, wavelength_um), there.size()};
     table.wavelength_um = there[at->index];
   } else {
     table.wavelength_um = read_number_attribute(file, "wavelength_um");
     choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
   }
-  table.effective_radius_um = read_values(file, kRadius, 1, 0);
+  table.effective_radius_um = read_values(file, radius_name, 1, 0);
   const std::size_t rows = table.size();
   if (rows == 0) throw InputError("no effective radius (allowed at least one)");
-  table.extinction_m2_per_g = read_values(file, kExtinction, 1, rows, at);
-  table.single_scattering_albedo = read_values(file, kAlbedo, 1, rows, at);
-  const std::vector<double> moments = read_values(file, kMoments, 2, rows, at);
+  table.extinction_m2_per_g = read_values(file, extinction_name, 1, rows, at);
+  table.single_scattering_albedo = read_values(file, albedo, 1, rows, at);
+  const std::vector<double> moments = read_values(file, moments_name, 2, rows, at);
   const auto count = static_cast<std::ptrdiff_t>(moments.size() / rows);
   for (std::size_t n = 0; n < rows; ++n) {
     const auto begin = moments.begin() + static_cast<std::ptrdiff_t>(n) * count;

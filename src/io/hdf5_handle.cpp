@@ -10,8 +10,8 @@ namespace cloudbow::hdf5 {
 
 namespace {
 
-constexpr hssize_t kMostNumbers = 1 << 16;  // in an attribute: as many as wavelengths of a spectrum, and room
-constexpr std::size_t kLongestText = 1 << 20;
+constexpr hssize_t most_numbers = 1 << 16;  // in an attribute: as many as wavelengths of a spectrum, and room
+constexpr std::size_t longest_text = 1 << 20;
 
 Handle open_attribute(hid_t object, const char* name) {
   return {H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "open an attribute"};
@@ -20,7 +20,7 @@ Handle open_attribute(hid_t object, const char* name) {
 std::size_t number_count(hid_t attribute, const char* name) {
   const Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute");
   const hssize_t count = check(H5Sget_simple_extent_npoints(space), "read an attribute");
-  if (count > kMostNumbers) throw Error(fmt::format("attribute {} has {} values", name, count));
+  if (count > most_numbers) throw Error(fmt::format("attribute {} has {} values", name, count));
   return static_cast<std::size_t>(count);
 }
 
@@ -149,7 +149,7 @@ std::string attribute_text(hid_t object, const char* name) {
   check_single(attribute, name, "text");
   const Handle type(H5Aget_type(attribute), H5Tclose, "read a type");
   const std::size_t bytes = H5Tget_size(type);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || bytes > kLongestText)
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || bytes > longest_text)
     throw Error(fmt::format("attribute {} is not a text of fixed length", name));
   std::string text(bytes, '\0');
   check(H5Aread(attribute, type, text.data()), "read an attribute");

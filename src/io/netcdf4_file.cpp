@@ -22,8 +22,8 @@ using hdf5::memory_type;
 
 namespace {
 
-constexpr unsigned kCreationOrder = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
-constexpr std::size_t kCompressFromBytes = 1 << 16;  // below, chunks cost more than they save
+constexpr unsigned creation_order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+constexpr std::size_t compress_from_bytes = 1 << 16;  // below, chunks cost more than they save
 
 template <typename T>
 hid_t file_type() {
@@ -55,7 +55,7 @@ void write_text(hid_t object, const std::string& name, const std::string& text) 
 
 Handle creation_properties() {
   Handle properties = hdf5::property_list(H5P_DATASET_CREATE);
-  check(H5Pset_attr_creation_order(properties, kCreationOrder), "track attributes");
+  check(H5Pset_attr_creation_order(properties, creation_order), "track attributes");
   check(H5Pset_obj_track_times(properties, false), "leave out times");
   return properties;
 }
@@ -72,7 +72,7 @@ void write(hid_t group, const char* name, const std::vector<std::string>& dimens
   assert(std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>()) == values.size());
 
   const Handle properties = creation_properties();
-  const bool compressed = values.size_bytes() >= kCompressFromBytes;
+  const bool compressed = values.size_bytes() >= compress_from_bytes;
   const std::vector<hsize_t> chunk = compressed ? hdf5::chunk_shape(shape, sizeof(T)) : std::vector<hsize_t>();
   if (compressed) hdf5::set_deflated_chunks(properties, chunk);
   if constexpr (std::is_floating_point_v<T>) {
@@ -104,8 +104,8 @@ void write(hid_t group, const char* name, const std::vector<std::string>& dimens
 
 Handle create_group(hid_t parent, const char* name) {
   const Handle properties = hdf5::property_list(H5P_GROUP_CREATE);
-  check(H5Pset_link_creation_order(properties, kCreationOrder), "track links");
-  check(H5Pset_attr_creation_order(properties, kCreationOrder), "track attributes");
+  check(H5Pset_link_creation_order(properties, creation_order), "track links");
+  check(H5Pset_attr_creation_order(properties, creation_order), "track attributes");
   check(H5Pset_obj_track_times(properties, false), "leave out times");
   return {H5Gcreate2(parent, name, H5P_DEFAULT, properties, H5P_DEFAULT), H5Gclose, "create a group"};
 }

@@ -13,7 +13,7 @@ namespace {
 
 using netcdf4::Attribute;
 
-constexpr double kAngleStepDeg = 0.5;
+constexpr double angle_step_deg = 0.5;
 
 /// As names of variables are written here: "delta-M" becomes "delta_m".
 std::string underscored(std::string name) {
@@ -23,7 +23,7 @@ std::string underscored(std::string name) {
 
 std::vector<double> section_angles() {
   std::vector<double> angle;
-  for (int i = 0; i * kAngleStepDeg <= 360; ++i) angle.push_back(i * kAngleStepDeg);
+  for (int i = 0; i * angle_step_deg <= 360; ++i) angle.push_back(i * angle_step_deg);
   return angle;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 /// All rows that hold numbers, each as many as the first: `least` to 2.
 std::vector<std::vector<double>> read_rows(const std::filesystem::path& file, std::size_t least, const char* layout) {
-  std::ifstream stream = open_input(file, "a text file", kMostTextBytes);
+  std::ifstream stream = open_input(file, "a text file", most_text_bytes);
   std::vector<std::vector<double>> rows;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

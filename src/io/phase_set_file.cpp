@@ -17,7 +17,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kRounding = 1e-4;  // of tables with five decimals
+constexpr double rounding = 1e-4;  // of tables with five decimals
 
 /// Moments as the file has them, brought to chi_l.
 std::vector<double> without_factor(std::vector<double> moments) {
@@ -29,7 +29,7 @@ bool is_negative(const std::vector<double>& moments) { return least_value(moment
 
 /// Moments with the factor 2l+1 rise above 1, or they are those of a function that is negative without it.
 bool includes_factor(const std::vector<std::vector<double>>& functions, double largest) {
-  if (largest > 1 + kRounding) return true;
+  if (largest > 1 + rounding) return true;
   return std::any_of(functions.begin(), functions.end(), is_negative) &&
          std::none_of(functions.begin(), functions.end(),
                       [](const auto& moments) { return is_negative(without_factor(moments)); });
@@ -38,7 +38,7 @@ bool includes_factor(const std::vector<std::vector<double>>& functions, double l
 }  // namespace
 
 PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor factor) {
-  std::ifstream stream = open_input(file, "a text file", kMostTextBytes);
+  std::ifstream stream = open_input(file, "a text file", most_text_bytes);
   PhaseSetFile set;
   std::string line;
   std::size_t degree = 0;
@@ -61,7 +61,7 @@ PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor
     }
     for (std::size_t p = 0; p < set.moments.size(); ++p) {
       const double moment = (*row)[p + 1];
-      if (!(std::abs(moment) <= static_cast<double>(2 * degree + 1) * (1 + kRounding))) {
+      if (!(std::abs(moment) <= static_cast<double>(2 * degree + 1) * (1 + rounding))) {
         fail(fmt::format("moment of function {} out of range (found {})", p + 1, moment));
       }
       set.moments[p].push_back(moment);
@@ -73,13 +73,13 @@ PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor
     throw InputError(fmt::format("{}: too few rows (found {}, allowed l = 0, 1, ...)", file.string(), degree));
   set.factor_was_included =
       factor == MomentFactor::included || (factor == MomentFactor::automatic && includes_factor(set.moments, largest));
-  if (!set.factor_was_included && largest > 1 + kRounding) {
+  if (!set.factor_was_included && largest > 1 + rounding) {
     throw InputError(
         fmt::format("{}: a moment is {} (allowed: -1 to 1, without the factor 2l+1)", file.string(), largest));
   }
   for (std::size_t p = 0; p < set.moments.size(); ++p) {
     std::vector<double>& moments = set.moments[p];
-    if (std::abs(moments[0] - 1) > kRounding) {
+    if (std::abs(moments[0] - 1) > rounding) {
       throw InputError(fmt::format("{}: moment 0 of function {} is {} (allowed: 1)", file.string(), p + 1, moments[0]));
     }
     moments[0] = 1;

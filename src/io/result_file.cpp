@@ -30,15 +30,15 @@ struct FluxName {
   const char* long_name;
   const char* standard_name;
 };
-constexpr FluxName kUpwelling{"upwelling_flux", "upwelling diffuse flux through a horizontal surface",
+constexpr FluxName upwelling_name{"upwelling_flux", "upwelling diffuse flux through a horizontal surface",
                               "upwelling_shortwave_flux_in_air"};
-constexpr FluxName kDownwellingDiffuse{"downwelling_diffuse_flux",
+constexpr FluxName downwelling_diffuse_name{"downwelling_diffuse_flux",
                                        "downwelling diffuse flux through a horizontal surface, without the direct beam",
                                        "diffuse_downwelling_shortwave_flux_in_air"};
-constexpr FluxName kDirect{"direct_flux", "unscattered sunlight through a horizontal surface (true extinction)",
+constexpr FluxName direct_name{"direct_flux", "unscattered sunlight through a horizontal surface (true extinction)",
                            "direct_downwelling_shortwave_flux_in_air"};
 
-constexpr const char* kNoDisc = "the sun's disc is left out";
+constexpr const char* without_sun_disc = "the sun's disc is left out";
 
 Attributes flux_attributes(const FluxName& flux) {
   return {{"units", "W m-2"},
@@ -204,14 +204,14 @@ class ResultWriter {
       netcdf4::write_coordinate(file, "z_flux", flux_heights(first_), vertical_attributes("height of the fluxes"));
     }
     write_variable(
-        file, kUpwelling.name, flux_dimensions, [](const Solution& s) -> auto& { return s.upwelling_flux; },
-        flux_attributes(kUpwelling));
+        file, upwelling_name.name, flux_dimensions, [](const Solution& s) -> auto& { return s.upwelling_flux; },
+        flux_attributes(upwelling_name));
     write_variable(
-        file, kDownwellingDiffuse.name, flux_dimensions,
-        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; }, flux_attributes(kDownwellingDiffuse));
+        file, downwelling_diffuse_name.name, flux_dimensions,
+        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; }, flux_attributes(downwelling_diffuse_name));
     write_variable(
-        file, kDirect.name, flux_dimensions, [](const Solution& s) -> auto& { return s.direct_flux; },
-        flux_attributes(kDirect));
+        file, direct_name.name, flux_dimensions, [](const Solution& s) -> auto& { return s.direct_flux; },
+        flux_attributes(direct_name));
 
     const Dimensions cell_dimensions = {"z", "y", "x"};
     if (!first_.absorbed_power.empty()) {
@@ -248,9 +248,9 @@ class ResultWriter {
                       {"long_name", fmt::format("{}: this solution minus independent columns", flux.long_name)},
                       {"cell_methods", "area: mean"}});
     };
-    write_difference(kUpwelling, &Solution::upwelling_flux);
-    write_difference(kDownwellingDiffuse, &Solution::downwelling_diffuse_flux);
-    write_difference(kDirect, &Solution::direct_flux);
+    write_difference(upwelling_name, &Solution::upwelling_flux);
+    write_difference(downwelling_diffuse_name, &Solution::downwelling_diffuse_flux);
+    write_difference(direct_name, &Solution::direct_flux);
 
     hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
     const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
@@ -359,7 +359,7 @@ class ResultWriter {
          {"long_name",
           "reflectance factor pi I / (mu0 F0): diffuse radiance over that of a level, white, Lambertian surface in the "
           "sun above the atmosphere"},
-         {"comment", kNoDisc}});
+         {"comment", without_sun_disc}});
   }
 
   ImagePlane write_view_plane(hid_t file, const View& view) const {
@@ -387,7 +387,7 @@ class ResultWriter {
                                    "crosses it",
                                    view.travel.z() > 0 ? "top" : "bottom", view.width == 0 ? "column" : "pixel")},
                       {"cell_methods", "area: mean"},
-                      {"comment", kNoDisc},
+                      {"comment", without_sun_disc},
                       {"sensor_zenith_deg", std::acos(std::clamp(view.travel.z(), -1., 1.)) / degree},
                       {"sensor_azimuth_deg", std::atan2(view.travel.y(), view.travel.x()) / degree}});
       write_reflectance_factor(file, view.name, plane, radiance_of);
@@ -408,7 +408,7 @@ class ResultWriter {
       write_variable(file, "camera_" + camera.name, {plane.y, plane.x}, radiance_of,
                      {{"units", "W m-2 sr-1"},
                       {"long_name", "diffuse radiance that a camera sees, mean over the pixel"},
-                      {"comment", kNoDisc},
+                      {"comment", without_sun_disc},
                       {"projection", projection_name(camera.projection)},
                       {"position_m", components(camera.position_m)},
                       {"forward", components(camera.forward)},
@@ -425,15 +425,15 @@ class ResultWriter {
     write_wavelength(group);
     write_z_edge(group);
     write_variable(
-        group, kUpwelling.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_upwelling_flux; },
-        flux_attributes(kUpwelling));
+        group, upwelling_name.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_upwelling_flux; },
+        flux_attributes(upwelling_name));
     write_variable(
-        group, kDownwellingDiffuse.name, {"z_edge"},
+        group, downwelling_diffuse_name.name, {"z_edge"},
         [](const Solution& s) -> auto& { return s.profile_downwelling_diffuse_flux; },
-        flux_attributes(kDownwellingDiffuse));
+        flux_attributes(downwelling_diffuse_name));
     write_variable(
-        group, kDirect.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_direct_flux; },
-        flux_attributes(kDirect));
+        group, direct_name.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_direct_flux; },
+        flux_attributes(direct_name));
     group.close();
   }
 

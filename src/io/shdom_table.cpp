@@ -16,8 +16,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 256u << 20;
-constexpr int kMaxDegree = 1 << 20;
+constexpr std::uintmax_t max_bytes = 256u << 20;
+constexpr int max_degree = 1 << 20;
 
 /// The numbers at the front of a line.
 std::vector<double> leading_numbers(std::string_view line) {
@@ -62,8 +62,8 @@ bool is_shdom_table(std::string_view head) {
 
 DropletTable read_shdom_table(const std::filesystem::path& path) {
   std::error_code error;
-  if (std::filesystem::file_size(path, error) > kMaxBytes) {
-    throw InputError(fmt::format("too large (allowed at most {} MB)", kMaxBytes >> 20));
+  if (std::filesystem::file_size(path, error) > max_bytes) {
+    throw InputError(fmt::format("too large (allowed at most {} MB)", max_bytes >> 20));
   }
   std::ifstream stream = open_input(path, "a table of droplets");
   if (!stream) throw InputError("cannot be opened");
@@ -83,7 +83,7 @@ DropletTable read_shdom_table(const std::filesystem::path& path) {
     if (is_row_head(lower)) {
       finish_row();
       const std::vector<double> head = leading_numbers(line);
-      if (head.size() < 4 || head[3] < 1 || head[3] > kMaxDegree) {
+      if (head.size() < 4 || head[3] < 1 || head[3] > max_degree) {
         throw InputError(
             fmt::format("line {}: not the head of a radius (found '{}', allowed radius, extinction, albedo, number of "
                         "Legendre terms)",

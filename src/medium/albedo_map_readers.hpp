@@ -7,14 +7,14 @@
 namespace cloudbow {
 
 /// 100 MB: many more than any domain has columns.
-inline constexpr double kMostMapValues = 2.5e7;
+inline constexpr double most_map_values = 2.5e7;
 
 /// @throws InputError before memory is taken.
 inline void check_map_size(const std::filesystem::path& file, double nx, double ny) {
-  if (nx * ny >= 1 && nx * ny <= kMostMapValues) return;
+  if (nx * ny >= 1 && nx * ny <= most_map_values) return;
   fail_import(file,
               "wrong size (found {} x {} values, allowed 1 to {:.3g} in all) a map needs about one value a column", nx,
-              ny, kMostMapValues);
+              ny, most_map_values);
 }
 
 /// True if the file begins as a PNG does.

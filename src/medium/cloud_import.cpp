@@ -18,11 +18,11 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::size_t kFirstBytes = 4096;
+constexpr std::size_t bytes_to_look_at = 4096;
 
 std::string first_bytes(const std::filesystem::path& file) {
   std::ifstream stream = open_input(file, "a cloud as netCDF, HDF5 or text");
-  std::string bytes(kFirstBytes, '\0');
+  std::string bytes(bytes_to_look_at, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return bytes;
@@ -59,7 +59,7 @@ bool is_mystic(const std::string& start) {
   const auto& head = line[0];
   if (head.size() != 4 || !(head[0] >= 1 && head[1] >= 1 && head[2] >= 1 && head[3] >= 1 && head[3] <= 3)) return false;
   const bool has_heights = static_cast<double>(line[1].size()) == head[2] + 3;
-  return has_heights ? line[2].size() >= 5 : start.size() == kFirstBytes && line[1].size() > 100;
+  return has_heights ? line[2].size() >= 5 : start.size() == bytes_to_look_at && line[1].size() > 100;
 }
 
 std::string detect_format(const std::filesystem::path& file, const std::string& start) {
@@ -223,9 +223,9 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
   if (!(nx >= 1 && ny >= 1 && nz >= 1)) {
     fail_import(options.file, "no cells (found {} x {} x {}, allowed at least 1 along each axis)", nx, ny, nz);
   }
-  if (nx * ny * nz > kMaxImportCells || nx > 1e6 || ny > 1e6 || nz > 1e6) {
+  if (nx * ny * nz > max_import_cells || nx > 1e6 || ny > 1e6 || nz > 1e6) {
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
-                kMaxImportCells);
+                max_import_cells);
   }
   constexpr double bytes_per_cell = 36;  // five fields of floats, and two of doubles, of which one is being read
   const double allowed =

@@ -48,7 +48,7 @@ template <class... Args>
 }
 
 /// More cells than this are taken for a mistake.
-inline constexpr double kMaxImportCells = 4e9;
+inline constexpr double max_import_cells = 4e9;
 
 /// Checks counts that a file states, before memory is taken.
 void check_import_size(const CloudImportOptions& options, double nx, double ny, double nz);

@@ -10,15 +10,15 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kGasConstant = 287.05;  // dry air, J/(kg K); vapour would change the density by less than 1 %
-constexpr double kGravity = 9.80665;
-constexpr double kPotentialPressure = 1e5;  // Pa
-constexpr double kPotentialExponent = 2.0 / 7;
-constexpr double kTellingExtent = 200;  // m over which air gets thinner by 2 %, more than it varies sideways
-constexpr double kWrfBase = 300;        // K, which WRF subtracts from the potential temperature
+constexpr double gas_constant = 287.05;  // dry air, J/(kg K); vapour would change the density by less than 1 %
+constexpr double gravity = 9.80665;
+constexpr double potential_pressure = 1e5;  // Pa
+constexpr double potential_exponent = 2.0 / 7;
+constexpr double telling_extent = 200;  // m over which air gets thinner by 2 %, more than it varies sideways
+constexpr double wrf_base = 300;        // K, which WRF subtracts from the potential temperature
 
-constexpr double kLeastDensity = 0.01, kLargestDensity = 2;  // kg/m3
-constexpr const char* kNameDensity = "name --air-density (a variable, a number in kg/m3, or us-1976)";
+constexpr double least_density = 0.01, largest_density = 2;  // kg/m3
+constexpr const char* name_density = "name --air-density (a variable, a number in kg/m3, or us-1976)";
 
 std::vector<float> scaled(std::vector<float> value, double factor, double offset = 0) {
   for (float& number : value) number = static_cast<float>(number * factor + offset);
@@ -42,9 +42,9 @@ double standard_air_density(double height_m) {
   }
   const Layer& layer = height_m < layers[1].base_m ? layers[0] : height_m < layers[2].base_m ? layers[1] : layers[2];
   const double rise = height_m - layer.base_m, kelvin = layer.kelvin + layer.lapse * rise;
-  const double ratio = layer.lapse == 0 ? std::exp(-kGravity * rise / (kGasConstant * layer.kelvin))
-                                        : std::pow(kelvin / layer.kelvin, -kGravity / (kGasConstant * layer.lapse));
-  return layer.pascal * ratio / (kGasConstant * kelvin);
+  const double ratio = layer.lapse == 0 ? std::exp(-gravity * rise / (gas_constant * layer.kelvin))
+                                        : std::pow(kelvin / layer.kelvin, -gravity / (gas_constant * layer.lapse));
+  return layer.pascal * ratio / (gas_constant * kelvin);
 }
 
 double LesAir::height_m(std::size_t level) const {
@@ -67,7 +67,7 @@ void LesAir::check_range(const std::string& name, const std::vector<T>& value, d
 template <class T>
 void LesAir::check_levels_ascend(const std::string& name, const std::vector<T>& value) const {
   const std::size_t top = grid_.length(2) - 1;
-  if (!(height_m(top) - height_m(0) >= kTellingExtent)) return;
+  if (!(height_m(top) - height_m(0) >= telling_extent)) return;
   const double lowest = value.front(), highest = value[columns() * top];
   if (!(highest > 1.01 * lowest)) return;
   file_.fail(
@@ -81,7 +81,7 @@ const std::vector<float>& LesAir::density() {
   const CloudImportOptions& options = file_.options;
   if (set_density_as_given()) return density_;
   const bool by_gas_law = options.air_density.empty() && !options.pressure.empty();
-  const NetcdfVariable* variable = by_gas_law ? nullptr : file_.find(options.air_density, kAirDensity, "--air-density");
+  const NetcdfVariable* variable = by_gas_law ? nullptr : file_.find(options.air_density, air_density_names, "--air-density");
   if (variable != nullptr) {
     set_density_of(*variable);
   } else {
@@ -103,11 +103,11 @@ bool LesAir::set_density_as_given() {
   }
   const auto number = number_in(given);
   if (!number || file_.input.find(given) != nullptr) return false;
-  if (!(*number >= kLeastDensity && *number <= kLargestDensity)) {
+  if (!(*number >= least_density && *number <= largest_density)) {
     file_.fail(
         "--air-density has the value {:.6g} kg/m3 (allowed {} to {} kg/m3, a variable, or us-1976) air at the "
         "ground has about 1.2",
-        *number, kLeastDensity, kLargestDensity);
+        *number, least_density, largest_density);
   }
   density_.assign(levels * columns(), static_cast<float>(*number));
   file_.note("air density: {} kg/m3 everywhere, as --air-density says", *number);
@@ -117,11 +117,11 @@ bool LesAir::set_density_as_given() {
 void LesAir::set_density_of(const NetcdfVariable& variable) {
   if (file_.is_perturbation(variable)) {
     file_.fail("'{}' is a perturbation of the air density by its attributes (allowed: the density itself) {}",
-               variable.name, kNameDensity);
+               variable.name, name_density);
   }
-  const double unit = file_.factor(variable, kDensity, 1, "kg/m3");
+  const double unit = file_.factor(variable, density_units, 1, "kg/m3");
   density_ = scaled(grid_.read(variable, "air density"), unit);
-  check_range(variable.name, density_, kLeastDensity, kLargestDensity, "kg/m3",
+  check_range(variable.name, density_, least_density, largest_density, "kg/m3",
               "is it the air's density, in the unit that the file says?");
   check_levels_ascend(variable.name, density_);
   file_.note("air density: '{}'", variable.name);
@@ -146,9 +146,9 @@ const NetcdfVariable* LesAir::base_of(const NetcdfVariable& pressure) const {
 
 LesAir::Pressure LesAir::pressure() {
   const std::string& given = file_.options.pressure;
-  const NetcdfVariable* variable = file_.find(given, kPressure, "--pressure");
+  const NetcdfVariable* variable = file_.find(given, pressure_names, "--pressure");
   if (given.empty()) {
-    for (const NetcdfVariable* candidate : file_.candidates(kPressure)) {
+    for (const NetcdfVariable* candidate : file_.candidates(pressure_names)) {
       if (file_.is_perturbation(*candidate) && base_of(*candidate) == nullptr) continue;
       variable = candidate;
       break;
@@ -160,7 +160,7 @@ LesAir::Pressure LesAir::pressure() {
     file_.fail(
         "'{}' is a perturbation of pressure by its attributes (found no base pressure, allowed the pressure "
         "itself) {}",
-        variable->name, kNameDensity);
+        variable->name, name_density);
   }
   Pressure result{variable->name, {}};
   std::vector<float> read = grid_.read(*variable, "pressure");
@@ -168,7 +168,7 @@ LesAir::Pressure LesAir::pressure() {
     float highest = 0;
     for (const float number : value) highest = std::max(highest, number);
     const bool is_hpa = highest < 2000;
-    return file_.factor(whole, kPressureUnits, is_hpa ? 100 : 1, is_hpa ? "hPa" : "Pa");
+    return file_.factor(whole, pressure_units_units, is_hpa ? 100 : 1, is_hpa ? "hPa" : "Pa");
   };
   if (base == nullptr) {
     const double unit = unit_of(*variable, read);
@@ -176,7 +176,7 @@ LesAir::Pressure LesAir::pressure() {
   } else {
     const std::vector<float> of_base = grid_.read(*base, "base pressure");
     const double unit = unit_of(*base, of_base);
-    const double own_unit = file_.factor(*variable, kPressureUnits, unit, "that of the base pressure");
+    const double own_unit = file_.factor(*variable, pressure_units_units, unit, "that of the base pressure");
     for (std::size_t n = 0; n < read.size(); ++n) result.pa.push_back(read[n] * own_unit + of_base[n] * unit);
     result.name += "' + '" + base->name;
   }
@@ -189,13 +189,13 @@ LesAir::Pressure LesAir::pressure() {
 
 const NetcdfVariable* LesAir::temperature_variable() const {
   const std::string& given = file_.options.temperature;
-  if (const NetcdfVariable* variable = file_.find(given, kTemperature, "--temperature")) return variable;
-  return file_.find("", kPotentialTemperature, "--temperature");
+  if (const NetcdfVariable* variable = file_.find(given, temperature_names, "--temperature")) return variable;
+  return file_.find("", potential_temperature_names, "--temperature");
 }
 
 std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Pressure& pressure) {
   const std::string meaning = file_.meaning(variable);
-  const Names& potential_names = kPotentialTemperature.names;
+  const Names& potential_names = potential_temperature_names.names;
   std::vector<float> value = grid_.read(variable, "temperature");
   float lowest = INFINITY;
   for (const float number : value) lowest = std::min(lowest, number);
@@ -209,7 +209,7 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   const bool is_perturbation = file_.is_perturbation(variable);
   if (is_perturbation && !says_potential) {
     file_.fail("'{}' is a perturbation of temperature by its attributes (allowed: the temperature itself) {}",
-               variable.name, kNameDensity);
+               variable.name, name_density);
   }
   // WRF's T is the potential temperature less 300 K; its PB stands beside it.
   const bool is_from_300 = (says_potential && is_perturbation) ||
@@ -217,12 +217,12 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   const bool is_potential =
       is_from_300 || says_potential ||
       std::find(potential_names.begin(), potential_names.end(), variable.name) != potential_names.end();
-  const auto celsius = factor_of(kCelsius, variable.units);
-  if (!celsius) file_.factor(variable, kKelvin, 1, "K");
-  value = scaled(std::move(value), 1, celsius ? 273.15 : is_from_300 ? kWrfBase : 0);
+  const auto celsius = factor_of(celsius_units, variable.units);
+  if (!celsius) file_.factor(variable, kelvin_units, 1, "K");
+  value = scaled(std::move(value), 1, celsius ? 273.15 : is_from_300 ? wrf_base : 0);
   const auto to_temperature = [&pressure](std::vector<float> theta) {
     for (std::size_t n = 0; n < theta.size(); ++n) {
-      theta[n] = static_cast<float>(theta[n] * std::pow(pressure.pa[n] / kPotentialPressure, kPotentialExponent));
+      theta[n] = static_cast<float>(theta[n] * std::pow(pressure.pa[n] / potential_pressure, potential_exponent));
     }
     return theta;
   };
@@ -249,10 +249,10 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
 std::optional<double> LesAir::balance(const Pressure& pressure, const std::vector<float>& kelvin) const {
   const std::size_t top = grid_.length(2) - 1;
   const double extent = height_m(top) - height_m(0);
-  const double by_weight = (pressure.pa.front() - pressure.pa[columns() * top]) / (kGravity * extent);
-  if (!(extent >= kTellingExtent) || by_weight == 0) return std::nullopt;
+  const double by_weight = (pressure.pa.front() - pressure.pa[columns() * top]) / (gravity * extent);
+  if (!(extent >= telling_extent) || by_weight == 0) return std::nullopt;
   const auto density = [&](std::size_t k) {
-    return pressure.pa[columns() * k] / (kGasConstant * kelvin[columns() * k]);
+    return pressure.pa[columns() * k] / (gas_constant * kelvin[columns() * k]);
   };
   double mean = 0;
   for (std::size_t k = 0; k < top; ++k)
@@ -292,7 +292,7 @@ void LesAir::set_density_by_gas_law() {
   const Pressure air = pressure();
   const std::vector<float> kelvin = kelvin_of(*variable, air);
   for (std::size_t n = 0; n < kelvin.size(); ++n)
-    density_.push_back(static_cast<float>(air.pa[n] / (kGasConstant * kelvin[n])));
+    density_.push_back(static_cast<float>(air.pa[n] / (gas_constant * kelvin[n])));
   check_range(air.name, density_, 0.01, 2, "kg/m3 of air",
               "with this temperature: are both in the units that the file says?");
   if (const auto ratio = balance(air, kelvin); ratio && !(*ratio > 0.9 && *ratio < 1.1)) {

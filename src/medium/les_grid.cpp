@@ -73,14 +73,14 @@ void LesGrid::assign_axes(const NetcdfVariable& variable) {
     }
     role[n] = customary;
     file_.note("GUESSED axis: dimension '{}' is {}", variable.dimension[n],
-               kAxisNames[static_cast<std::size_t>(customary)]);
+               axis_names[static_cast<std::size_t>(customary)]);
   }
   for (std::size_t n = 0; n < rank; ++n) {
     auto& axis = axes_[static_cast<std::size_t>(role[n])];
     if (axis.is_there) {
       file_.fail("'{}': dimensions '{}' and '{}' are both taken for {} (allowed: say which with --{}-axis)",
-                 variable.name, axis.name, variable.dimension[n], kAxisNames[static_cast<std::size_t>(role[n])],
-                 kAxisNames[static_cast<std::size_t>(role[n])]);
+                 variable.name, axis.name, variable.dimension[n], axis_names[static_cast<std::size_t>(role[n])],
+                 axis_names[static_cast<std::size_t>(role[n])]);
     }
     axis = {true, variable.dimension[n], variable.length[n]};
   }
@@ -121,7 +121,7 @@ void LesGrid::check_time(const NetcdfVariable& variable) {
 // -- coordinates --------------------------------------------------------------------------------------------------
 
 const NetcdfVariable* LesGrid::coordinate_variable(std::size_t axis) const {
-  for (const std::string& name : {axes_[axis].name, std::string(kAxisNames[axis])}) {
+  for (const std::string& name : {axes_[axis].name, std::string(axis_names[axis])}) {
     const NetcdfVariable* variable = file_.input.find(name);
     if (variable != nullptr && !variable->dimension.empty() && variable->dimension.back() == axes_[axis].name)
       return variable;
@@ -153,9 +153,9 @@ LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* v
   const std::string meaning = file_.meaning(*variable);
   const auto means = [&](const char* word) { return meaning.find(word) != std::string::npos; };
   const bool point_down = a == 2 && (lower_case(file_.input.text_attribute(*variable, "positive")) == "down" ||
-                                     factor_of(kPressureUnits, variable->units) || means("sigma") || means("hybrid"));
+                                     factor_of(pressure_units_units, variable->units) || means("sigma") || means("hybrid"));
   Coordinates found{{}, "", point_down ? ascend && value.size() > 1 : !ascend};
-  const auto known = factor_of(kLength, variable->units);
+  const auto known = factor_of(length_units, variable->units);
   if (!known && !variable->units.empty()) {
     found.problem = fmt::format("'{}' is in '{}' and not in a unit of length", variable->name, variable->units);
   } else if (point_down) {
@@ -171,7 +171,7 @@ LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* v
   is_count_[a] = counts_cells(value, true);
   const double extent = std::abs(value.back() - value.front());
   const bool seems_km = extent < 0.5 * static_cast<double>(value.size());
-  const double unit = file_.factor(*variable, kLength, seems_km ? 1e3 : 1, seems_km ? "km" : "m");
+  const double unit = file_.factor(*variable, length_units, seems_km ? 1e3 : 1, seems_km ? "km" : "m");
   for (double& number : value) number *= unit;
   found.value = std::move(value);
   return found;
@@ -200,7 +200,7 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
       const bool differ = centre.value.empty() ||
                           std::abs(std::abs(centre.value[1] - centre.value[0]) - size_m_[a]) > 1e-3 * size_m_[a];
       if (differ) {
-        file_.note("columns: {:.6g} m along {}, as --voxel-size-m says, in place of '{}'", size_m_[a], kAxisNames[a],
+        file_.note("columns: {:.6g} m along {}, as --voxel-size-m says, in place of '{}'", size_m_[a], axis_names[a],
                    coordinate->name);
       }
       continue;
@@ -212,13 +212,13 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
       const auto spacing = file_.input.global_number(a == 0 ? "DX" : "DY");
       if (!is_wrf || !spacing || !(*spacing > 0)) continue;
       size_m_[a] = *spacing;
-      file_.note("columns: {:.6g} m along {}, as the file's attribute {} says", *spacing, kAxisNames[a],
+      file_.note("columns: {:.6g} m along {}, as the file's attribute {} says", *spacing, axis_names[a],
                  a == 0 ? "DX" : "DY");
       continue;
     }
     if (is_reversed_[a]) {
       std::reverse(centre.value.begin(), centre.value.end());
-      file_.note("columns: '{}' descends, the field is turned so that {} ascends", coordinate->name, kAxisNames[a]);
+      file_.note("columns: '{}' descends, the field is turned so that {} ascends", coordinate->name, axis_names[a]);
     }
     size_m_[a] = uniform_spacing(file_.options.file, axis.name, centre.value);
     low_m_[a] = centre.value.front() - 0.5 * size_m_[a];
@@ -236,7 +236,7 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
   for (std::size_t a = 0; a < 2; ++a) {
     if (!(size_m_[a] > 0)) {
       file_.fail("no coordinates of '{}' in metres ({}, allowed m, km) give --voxel-size-m",
-                 axes_[a].name.empty() ? kAxisNames[a] : axes_[a].name, problem[a]);
+                 axes_[a].name.empty() ? axis_names[a] : axes_[a].name, problem[a]);
     }
   }
 }
@@ -320,7 +320,7 @@ std::vector<double> LesGrid::level_means(const NetcdfVariable& variable, const N
 /// Edges of cells, in m, by the attribute "bounds" of CF: lower and upper edge of each cell. Empty if the file has
 /// none, or they do not meet.
 std::vector<double> LesGrid::edges_by_bounds(const NetcdfVariable& variable) const {
-  const auto unit = factor_of(kLength, variable.units);
+  const auto unit = factor_of(length_units, variable.units);
   const NetcdfVariable* bounds = file_.input.find(file_.input.text_attribute(variable, "bounds"));
   const std::size_t levels = axes_[2].length;
   if (!unit || bounds == nullptr || bounds->length != std::vector<std::size_t>{levels, 2}) return {};
@@ -359,10 +359,10 @@ std::optional<LesGrid::Heights> LesGrid::find_heights() {
     heights.are_edges = heights.value.size() == levels + 1;
     return heights;
   }
-  for (const std::string& name : kHeights) {
+  for (const std::string& name : heights_names) {
     const NetcdfVariable* variable = file_.input.find(name);
     if (variable == nullptr || !vertical_dimension(*variable)) continue;
-    const auto unit = factor_of(kLength, variable->units);
+    const auto unit = factor_of(length_units, variable->units);
     if (variable->length.size() == 1 && variable->length[0] == levels) {
       Coordinates found = coordinates(2, variable);
       if (!found.value.empty()) return Heights{name, std::move(found.value), false};

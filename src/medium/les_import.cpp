@@ -47,8 +47,8 @@ class LesReader {
     const NetcdfVariable& variable =
         options_.variable.empty() ? guessed_variable() : file_.named(options_.variable, "--variable");
     const std::string unit = options_.units.empty() ? variable.units : options_.units;
-    const bool has_unit_of_extinction = factor_of(kExtinctionUnits, unit).has_value();
-    const Names& names = kExtinction.names;
+    const bool has_unit_of_extinction = factor_of(extinction_units_units, unit).has_value();
+    const Names& names = extinction_names.names;
     is_extinction_ = options_.quantity.empty()
                          ? has_unit_of_extinction || std::find(names.begin(), names.end(), variable.name) != names.end()
                          : options_.quantity == "extinction";
@@ -57,9 +57,9 @@ class LesReader {
   }
 
   const NetcdfVariable& guessed_variable() {
-    const auto extinction = file_.candidates(kExtinction);
+    const auto extinction = file_.candidates(extinction_names);
     if (options_.quantity == "extinction" && !extinction.empty()) return *extinction.front();
-    const auto water = file_.candidates(kWater);
+    const auto water = file_.candidates(water_names);
     if (!water.empty()) {
       if (!extinction.empty())
         file_.note("NOT imported: '{}', extinction (--quantity extinction imports it)", extinction.front()->name);
@@ -67,7 +67,7 @@ class LesReader {
     }
     if (!extinction.empty() && options_.quantity.empty()) return *extinction.front();
     std::string tried;
-    for (const std::string& name : kWater.names) tried += (tried.empty() ? "" : ", ") + name;
+    for (const std::string& name : water_names.names) tried += (tried.empty() ? "" : ", ") + name;
     file_.fail("no variable of liquid water (looked for {}; fields in the file: {}) name it with --variable", tried,
                file_.fields_there());
   }
@@ -75,7 +75,7 @@ class LesReader {
   /// Two variables of liquid water that differ: the user must choose.
   void check_other_water() {
     if (is_extinction_ || !options_.variable.empty()) return;
-    for (const NetcdfVariable* other : file_.candidates(kWater)) {
+    for (const NetcdfVariable* other : file_.candidates(water_names)) {
       if (other == &main_ || is_condensate(*other)) continue;
       const bool is_alike =
           other->length == main_.length && other->dimension == main_.dimension && other->units == main_.units;
@@ -96,7 +96,7 @@ class LesReader {
 
   bool is_condensate(const NetcdfVariable& variable) const {
     const std::string meaning = file_.meaning(variable);
-    const auto& names = kCondensate;
+    const auto& names = condensate_names;
     return std::find(names.begin(), names.end(), variable.name) != names.end() ||
            meaning.find("water+ice") != std::string::npos || meaning.find("water and ice") != std::string::npos;
   }
@@ -104,7 +104,7 @@ class LesReader {
   /// SAM's QN is water and ice together, with QI beside it in some versions.
   void subtract_ice() {
     if (!is_condensate(main_)) return;
-    if (const NetcdfVariable* ice = file_.first_of(kIce); ice != nullptr && grid_.holds(*ice)) {
+    if (const NetcdfVariable* ice = file_.first_of(ice_names); ice != nullptr && grid_.holds(*ice)) {
       if (ice->units != main_.units) {
         file_.fail(
             "'{}' is water and ice together, and '{}' is in another unit (found '{}' and '{}', allowed the same)",
@@ -115,9 +115,9 @@ class LesReader {
       file_.note("liquid water: '{}' less '{}', because the former is water and ice together", main_.name, ice->name);
       return;
     }
-    const NetcdfVariable* temperature = file_.find(options_.temperature, kTemperature, "--temperature");
+    const NetcdfVariable* temperature = file_.find(options_.temperature, temperature_names, "--temperature");
     constexpr double freezing = 273.16;
-    if (temperature != nullptr && grid_.holds(*temperature) && factor_of(kKelvin, temperature->units)) {
+    if (temperature != nullptr && grid_.holds(*temperature) && factor_of(kelvin_units, temperature->units)) {
       const std::vector<float> kelvin = grid_.read(*temperature, "temperature");
       for (std::size_t n = 0; n < kelvin.size(); ++n) {
         if (!(cloud_.density[n] > 0 && kelvin[n] < freezing)) continue;
@@ -171,10 +171,10 @@ class LesReader {
   }
 
   void to_extinction() {
-    const auto factor = factor_of(kExtinctionUnits, units());
+    const auto factor = factor_of(extinction_units_units, units());
     if (!factor) {
       file_.fail("'{}': unit of extinction not known (found '{}', allowed {}) say it with --units", main_.name, units(),
-                 kExtinctionUnits.allowed);
+                 extinction_units_units.allowed);
     }
     scale(*factor);
     constexpr double most = 10;  // 1/m: 20 g/m3 of droplets of 3 um
@@ -187,7 +187,7 @@ class LesReader {
   }
 
   void add_scattering_albedo() {
-    const NetcdfVariable* albedo = file_.find("", kScatteringAlbedo, "");
+    const NetcdfVariable* albedo = file_.find("", scattering_albedo_names, "");
     if (albedo == nullptr) return;
     cloud_.single_scattering_albedo = grid_.read(*albedo, "single-scattering albedo");
     for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
@@ -202,13 +202,13 @@ class LesReader {
   }
 
   void to_liquid_water_content() {
-    if (const auto content = factor_of(kContent, units())) return scale(*content);
+    if (const auto content = factor_of(content_units, units())) return scale(*content);
     double ratio = 1;
-    if (const auto known = factor_of(kRatio, units())) {
+    if (const auto known = factor_of(ratio_units, units())) {
       ratio = *known;
     } else if (is_unit_given(units())) {
       file_.fail("'{}': unit not known (found '{}', allowed {}, {}; --units says it if the file is wrong)", main_.name,
-                 units(), kRatio.allowed, kContent.allowed);
+                 units(), ratio_units.allowed, content_units.allowed);
     } else {
       const float largest = *std::max_element(cloud_.density.begin(), cloud_.density.end());
       const bool is_kg = largest < 0.05;  // more than 50 g of cloud water in a kg of air there is not
@@ -232,12 +232,12 @@ class LesReader {
 
   void add_effective_radius() {
     const NetcdfVariable* radius = options_.droplet_number.empty() && options_.droplet_number_cm3 <= 0
-                                       ? file_.find(options_.effective_radius, kEffectiveRadius, "--effective-radius")
+                                       ? file_.find(options_.effective_radius, effective_radius_names, "--effective-radius")
                                        : nullptr;
     if (radius != nullptr) {
       cloud_.effective_radius_um = grid_.read(*radius, "effective radius");
       const float largest = *std::max_element(cloud_.effective_radius_um.begin(), cloud_.effective_radius_um.end());
-      const double unit = file_.factor(*radius, kRadius, largest < 1e-2 ? 1e6 : 1, largest < 1e-2 ? "m" : "um");
+      const double unit = file_.factor(*radius, radius_units, largest < 1e-2 ? 1e6 : 1, largest < 1e-2 ? "m" : "um");
       for (float& value : cloud_.effective_radius_um) value = static_cast<float>(value * unit);
       check_radii("'" + radius->name + "'");
       file_.note("effective radius: '{}'", radius->name);
@@ -250,7 +250,7 @@ class LesReader {
       number.assign(cloud_.density.size(), static_cast<float>(options_.droplet_number_cm3 * 1e6));
       source = fmt::format("{} per cm3", options_.droplet_number_cm3);
     } else {
-      const NetcdfVariable* variable = file_.find(options_.droplet_number, kDropletNumber, "--droplet-number");
+      const NetcdfVariable* variable = file_.find(options_.droplet_number, droplet_number_names, "--droplet-number");
       if (variable == nullptr) return;
       number = droplets_per_m3(*variable);
       source = "'" + variable->name + "'";
@@ -269,18 +269,18 @@ class LesReader {
 
   std::vector<float> droplets_per_m3(const NetcdfVariable& variable) {
     std::vector<float> number = grid_.read(variable, "droplet number");
-    if (const auto per_mass = factor_of(kNumberPerMass, variable.units)) {
+    if (const auto per_mass = factor_of(number_per_mass_units, variable.units)) {
       const std::vector<float>& air = air_.density();
       for (std::size_t n = 0; n < number.size(); ++n) number[n] = static_cast<float>(number[n] * *per_mass * air[n]);
       return number;
     }
-    if (const auto per_volume = factor_of(kNumberPerVolume, variable.units)) {
+    if (const auto per_volume = factor_of(number_per_volume_units, variable.units)) {
       for (float& value : number) value = static_cast<float>(value * *per_volume);
       return number;
     }
     if (is_unit_given(variable.units)) {
       file_.fail("'{}': unit not known (found '{}', allowed {}, {})", variable.name, variable.units,
-                 kNumberPerVolume.allowed, kNumberPerMass.allowed);
+                 number_per_volume_units.allowed, number_per_mass_units.allowed);
     }
     const float largest = *std::max_element(number.begin(), number.end());
     const bool is_per_cm3 = largest < 1e5;
@@ -322,7 +322,7 @@ class LesReader {
 
   /// Water of other kinds is not imported unless it is named, and the user is told so.
   void report_species() {
-    for (const Species& species : kSpecies) {
+    for (const Species& species : species_names) {
       const auto& names = species.names;
       if (!is_extinction_ && std::find(names.begin(), names.end(), main_.name) != names.end())
         file_.note("'{}' is {} by its name, and counts as liquid water", main_.name, species.what);

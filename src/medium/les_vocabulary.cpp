@@ -8,39 +8,39 @@
 
 namespace cloudbow {
 
-const Words kWater{{"QC", "qc", "QCLOUD", "qcloud", "RCT", "rct", "QL", "ql", "LWC", "lwc", "clw", "CLW", "QN", "rl",
+const Words water_names{{"QC", "qc", "QCLOUD", "qcloud", "RCT", "rct", "QL", "ql", "LWC", "lwc", "clw", "CLW", "QN", "rl",
                     "RL", "l", "q_l", "q_cloud_liquid_mass", "q\xcb\xa1"},
                    {"mass_fraction_of_cloud_liquid_water_in_air", "cloud_liquid_water_mixing_ratio",
                     "mass_concentration_of_cloud_liquid_water_in_air"}};
-const Words kExtinction{{"extinction", "ext", "EXT", "beta_ext", "extinction_coefficient", "kext"}, {}};
-const Words kAirDensity{
+const Words extinction_names{{"extinction", "ext", "EXT", "beta_ext", "extinction_coefficient", "kext"}, {}};
+const Words air_density_names{
     {"RHO", "rho", "DN0", "dn0", "rho0", "RHO0", "rhobf", "rhon", "rho_air", "air_density", "density", "RHODREF"},
     {"air_density"}};
-const Words kPressure{{"p", "P", "PRES", "pres", "pressure", "PABST", "PABS", "prs", "presh", "p0"}, {"air_pressure"}};
-const Words kTemperature{{"T", "t", "TABS", "tabs", "TEMP", "temp", "ta", "temperature", "air_temperature", "tk"},
+const Words pressure_names{{"p", "P", "PRES", "pres", "pressure", "PABST", "PABS", "prs", "presh", "p0"}, {"air_pressure"}};
+const Words temperature_names{{"T", "t", "TABS", "tabs", "TEMP", "temp", "ta", "temperature", "air_temperature", "tk"},
                          {"air_temperature"}};
-const Words kPotentialTemperature{{"th", "TH", "THT", "theta", "THETA", "pt", "PT", "potential_temperature"},
+const Words potential_temperature_names{{"th", "TH", "THT", "theta", "THETA", "pt", "PT", "potential_temperature"},
                                   {"air_potential_temperature"}};
-const Words kDropletNumber{
+const Words droplet_number_names{
     {"NC", "nc", "NDROP", "ndrop", "QNCLOUD", "CDNC", "cdnc", "Nc", "ncloud", "q_cloud_liquid_number"},
     {"number_concentration_of_cloud_liquid_water_particles_in_air"}};
-const Words kEffectiveRadius{
+const Words effective_radius_names{
     {"REFF", "reff", "RE", "re", "REL", "rel", "effective_radius", "re_cloud"},
     {"effective_radius_of_cloud_liquid_water_particles", "effective_radius_of_cloud_liquid_water_particle"}};
-const Words kScatteringAlbedo{{"ssa", "SSA", "single_scattering_albedo"}, {}};
+const Words scattering_albedo_names{{"ssa", "SSA", "single_scattering_albedo"}, {}};
 
-const Names kIce{"QI", "qi", "QICE", "qice", "RIT", "rit", "cli", "CLI", "q_i", "ri", "q_ice_mass"};
-const Names kCondensate{"QN"};
-const std::vector<Species> kSpecies{{"cloud ice", kIce},
+const Names ice_names{"QI", "qi", "QICE", "qice", "RIT", "rit", "cli", "CLI", "q_i", "ri", "q_ice_mass"};
+const Names condensate_names{"QN"};
+const std::vector<Species> species_names{{"cloud ice", ice_names},
                                     {"rain", {"QR", "qr", "QRAIN", "qrain", "RRT", "rrt", "rr", "q_rain_mass"}},
                                     {"precipitation", {"QP", "qp"}},
                                     {"snow", {"QS", "qs", "QSNOW", "qsnow", "RST", "rst", "q_snow_mass"}},
                                     {"graupel", {"QG", "qg", "QGRAUP", "qgraup", "RGT", "rgt", "q_graupel_mass"}},
                                     {"hail", {"QH", "qh", "QHAIL", "qhail", "RHT"}}};
 
-const Names kHeights{"z_ifc", "HHL", "z_mc", "HFL", "z", "zt", "height", "altitude", "z_t", "zu", "ZHAT", "ALT"};
+const Names heights_names{"z_ifc", "HHL", "z_mc", "HFL", "z", "zt", "height", "altitude", "z_t", "zu", "ZHAT", "ALT"};
 
-const UnitTable kRatio{"kg/kg, g/kg, mg/kg",
+const UnitTable ratio_units{"kg/kg, g/kg, mg/kg",
                        {{"kg/kg", 1},
                         {"kgkg-1", 1},
                         {"g/kg", 1e-3},
@@ -49,11 +49,11 @@ const UnitTable kRatio{"kg/kg, g/kg, mg/kg",
                         {"mgkg-1", 1e-6},
                         {"g/g", 1},
                         {"gg-1", 1}}};
-const UnitTable kContent{"kg/m3, g/m3, mg/m3",
+const UnitTable content_units{"kg/m3, g/m3, mg/m3",
                          {{"kg/m3", 1e3}, {"kgm-3", 1e3}, {"g/m3", 1}, {"gm-3", 1}, {"mg/m3", 1e-3}, {"mgm-3", 1e-3}}};
-const UnitTable kExtinctionUnits{"1/m, 1/km",
+const UnitTable extinction_units_units{"1/m, 1/km",
                                  {{"1/m", 1}, {"m-1", 1}, {"/m", 1}, {"1/km", 1e-3}, {"km-1", 1e-3}, {"/km", 1e-3}}};
-const UnitTable kLength{"m, km",
+const UnitTable length_units{"m, km",
                         {{"m", 1},
                          {"meter", 1},
                          {"meters", 1},
@@ -64,8 +64,8 @@ const UnitTable kLength{"m, km",
                          {"kilometers", 1e3},
                          {"kilometre", 1e3},
                          {"kilometres", 1e3}}};
-const UnitTable kDensity{"kg/m3, g/m3", {{"kg/m3", 1}, {"kgm-3", 1}, {"g/m3", 1e-3}, {"gm-3", 1e-3}}};
-const UnitTable kPressureUnits{"Pa, hPa, mb",
+const UnitTable density_units{"kg/m3, g/m3", {{"kg/m3", 1}, {"kgm-3", 1}, {"g/m3", 1e-3}, {"gm-3", 1e-3}}};
+const UnitTable pressure_units_units{"Pa, hPa, mb",
                                {{"Pa", 1},
                                 {"pascal", 1},
                                 {"pascals", 1},
@@ -76,8 +76,8 @@ const UnitTable kPressureUnits{"Pa, hPa, mb",
                                 {"mbar", 100},
                                 {"millibar", 100},
                                 {"millibars", 100}}};
-const UnitTable kKelvin{"K, degC", {{"K", 1}, {"kelvin", 1}, {"degK", 1}, {"degreeK", 1}, {"degreesK", 1}}};
-const UnitTable kCelsius{"K, degC",
+const UnitTable kelvin_units{"K, degC", {{"K", 1}, {"kelvin", 1}, {"degK", 1}, {"degreeK", 1}, {"degreesK", 1}}};
+const UnitTable celsius_units{"K, degC",
                          {{"degC", 1},
                           {"C", 1},
                           {"degreeC", 1},
@@ -89,7 +89,7 @@ const UnitTable kCelsius{"K, degC",
                           {"\xc2\xb0"
                            "C",
                            1}}};
-const UnitTable kNumberPerVolume{"1/m3, 1/cm3",
+const UnitTable number_per_volume_units{"1/m3, 1/cm3",
                                  {{"1/m3", 1},
                                   {"m-3", 1},
                                   {"#/m3", 1},
@@ -100,7 +100,7 @@ const UnitTable kNumberPerVolume{"1/m3, 1/cm3",
                                   {"#cm-3", 1e6},
                                   {"/cm3", 1e6},
                                   {"/m3", 1}}};
-const UnitTable kNumberPerMass{"1/kg, 1/g, 1/mg",
+const UnitTable number_per_mass_units{"1/kg, 1/g, 1/mg",
                                {{"1/kg", 1},
                                 {"kg-1", 1},
                                 {"#/kg", 1},
@@ -111,7 +111,7 @@ const UnitTable kNumberPerMass{"1/kg, 1/g, 1/mg",
                                 {"1/mg", 1e6},
                                 {"mg-1", 1e6},
                                 {"#/mg", 1e6}}};
-const UnitTable kRadius{"um, m",
+const UnitTable radius_units{"um, m",
                         {{"um", 1},
                          {"micron", 1},
                          {"microns", 1},

@@ -19,20 +19,20 @@ struct Words {
   Names standard_names;
 };
 
-extern const Words kWater, kExtinction, kAirDensity, kPressure, kTemperature, kPotentialTemperature, kDropletNumber,
-    kEffectiveRadius, kScatteringAlbedo;
+extern const Words water_names, extinction_names, air_density_names, pressure_names, temperature_names, potential_temperature_names, droplet_number_names,
+    effective_radius_names, scattering_albedo_names;
 
 /// Water of other kinds, which is reported and not imported.
 struct Species {
   const char* what;
   Names names;
 };
-extern const std::vector<Species> kSpecies;
-/// Cloud ice, which is subtracted from a variable that holds water and ice together (kCondensate).
-extern const Names kIce, kCondensate;
+extern const std::vector<Species> species_names;
+/// Cloud ice, which is subtracted from a variable that holds water and ice together (condensate_names).
+extern const Names ice_names, condensate_names;
 
-/// Variables that hold heights of levels; kHeights at centres or, one more, at edges of cells.
-extern const Names kHeights;
+/// Variables that hold heights of levels; heights_names at centres or, one more, at edges of cells.
+extern const Names heights_names;
 
 /// A unit as files spell it, and its size in the table's own unit. factor_of says how spellings are compared.
 struct Unit {
@@ -45,17 +45,17 @@ struct UnitTable {
   std::vector<Unit> units;
 };
 
-extern const UnitTable kRatio;            ///< kg/kg
-extern const UnitTable kContent;          ///< g/m3
-extern const UnitTable kExtinctionUnits;  ///< 1/m
-extern const UnitTable kLength;           ///< m
-extern const UnitTable kDensity;          ///< kg/m3
-extern const UnitTable kPressureUnits;    ///< Pa
-extern const UnitTable kKelvin;           ///< K
-extern const UnitTable kCelsius;          ///< K above 273.15 K
-extern const UnitTable kNumberPerVolume;  ///< 1/m3
-extern const UnitTable kNumberPerMass;    ///< 1/kg
-extern const UnitTable kRadius;           ///< um
+extern const UnitTable ratio_units;            ///< kg/kg
+extern const UnitTable content_units;          ///< g/m3
+extern const UnitTable extinction_units_units;  ///< 1/m
+extern const UnitTable length_units;           ///< m
+extern const UnitTable density_units;          ///< kg/m3
+extern const UnitTable pressure_units_units;    ///< Pa
+extern const UnitTable kelvin_units;           ///< K
+extern const UnitTable celsius_units;          ///< K above 273.15 K
+extern const UnitTable number_per_volume_units;  ///< 1/m3
+extern const UnitTable number_per_mass_units;    ///< 1/kg
+extern const UnitTable radius_units;           ///< um
 
 /// Nothing for a spelling that the table does not know. Blanks, brackets and the signs ^ * _ . do not count, nor does
 /// the case of letters, except the m of milli: "MG" and "Mb" may be mega and are not known. A number before the unit
@@ -65,7 +65,7 @@ std::optional<double> factor_of(const UnitTable& table, const std::string& spell
 /// A file that says "1" or nothing leaves the unit to be guessed.
 bool is_unit_given(const std::string& units);
 
-constexpr std::array<const char*, 4> kAxisNames{"x", "y", "z", "time"};
+constexpr std::array<const char*, 4> axis_names{"x", "y", "z", "time"};
 
 /// 0 x, 1 y, 2 z, 3 time; -1: not to be told from the name.
 int axis_of_name(const std::string& name);

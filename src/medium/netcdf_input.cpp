@@ -15,10 +15,10 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kWord = 4;  // bytes to which the classic format pads
+constexpr double word_bytes = 4;  // bytes to which the classic format pads
 
-double padded(double bytes) { return kWord * std::ceil(bytes / kWord); }
-double name_bytes(const std::string& name) { return kWord + padded(static_cast<double>(name.size())); }
+double padded(double bytes) { return word_bytes * std::ceil(bytes / word_bytes); }
+double name_bytes(const std::string& name) { return word_bytes + padded(static_cast<double>(name.size())); }
 
 bool is_integer(nc_type type) { return type != NC_FLOAT && type != NC_DOUBLE; }
 
@@ -104,7 +104,7 @@ void NetcdfInput::list_variables() {
 double NetcdfInput::attribute_bytes(int variable) const {
   int count = 0;
   check(variable == NC_GLOBAL ? nc_inq_natts(id_, &count) : nc_inq_varnatts(id_, variable, &count), "damaged");
-  double bytes = 2 * kWord;
+  double bytes = 2 * word_bytes;
   for (int n = 0; n < count; ++n) {
     std::array<char, NC_MAX_NAME + 1> name{};
     nc_type type = NC_NAT;
@@ -112,7 +112,7 @@ double NetcdfInput::attribute_bytes(int variable) const {
     check(nc_inq_attname(id_, variable, n, name.data()), "damaged");
     check(nc_inq_att(id_, variable, name.data(), &type, &length), "damaged");
     check(nc_inq_type(id_, type, nullptr, &size), "damaged");
-    bytes += name_bytes(name.data()) + 2 * kWord + padded(static_cast<double>(length * size));
+    bytes += name_bytes(name.data()) + 2 * word_bytes + padded(static_cast<double>(length * size));
   }
   return bytes;
 }
@@ -125,11 +125,11 @@ void NetcdfInput::check_length() const {
   check(nc_inq_format(id_, &format), "damaged");
   if (format == NC_FORMAT_NETCDF4 || format == NC_FORMAT_NETCDF4_CLASSIC) return;
   check(nc_inq_ndims(id_, &dimensions), "damaged");
-  double least = 6 * kWord + attribute_bytes(NC_GLOBAL) - (kWord - 1);
+  double least = 6 * word_bytes + attribute_bytes(NC_GLOBAL) - (word_bytes - 1);
   for (int d = 0; d < dimensions; ++d) {
     std::array<char, NC_MAX_NAME + 1> name{};
     check(nc_inq_dimname(id_, d, name.data()), "damaged");
-    least += name_bytes(name.data()) + kWord;
+    least += name_bytes(name.data()) + word_bytes;
   }
   for (const NetcdfVariable& variable : variables_) {
     nc_type type = NC_NAT;
@@ -139,7 +139,7 @@ void NetcdfInput::check_length() const {
     auto size = static_cast<double>(bytes);
     for (const std::size_t length : variable.length) size *= static_cast<double>(length);
     const auto rank = static_cast<double>(variable.length.size());
-    least += name_bytes(variable.name) + (4 + rank) * kWord + attribute_bytes(variable.id) + size;
+    least += name_bytes(variable.name) + (4 + rank) * word_bytes + attribute_bytes(variable.id) + size;
   }
   const auto found = static_cast<double>(std::filesystem::file_size(path_));
   if (found < least) fail_import(path_, "the file is cut off (found {} bytes, allowed at least {})", found, least);
@@ -255,7 +255,7 @@ std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std:
                                       const std::vector<std::size_t>& count) const {
   double size = 1;
   for (const std::size_t length : count) size *= static_cast<double>(length);
-  if (size > kMaxImportCells) fail_import(path_, "'{}': too large ({:.3g} numbers)", variable.name, size);
+  if (size > max_import_cells) fail_import(path_, "'{}': too large ({:.3g} numbers)", variable.name, size);
   std::vector<double> value(static_cast<std::size_t>(size));
   if (value.empty()) return value;
   check(nc_get_vara_double(id_, variable.id, start.data(), count.data(), value.data()),

@@ -12,7 +12,7 @@
 namespace cloudbow {
 namespace {
 
-const UnitTable kFractionUnits{"1, %",
+const UnitTable fraction_units{"1, %",
                                {{"", 1},
                                 {"1", 1},
                                 {"-", 1},
@@ -100,14 +100,14 @@ Axis read_axis(const std::filesystem::path& file, const NetcdfInput& input, cons
                 name, centre[n], n, step);
   }
   axis.descends = step < 0;
-  if (const auto factor = factor_of(kLength, variable->units))
+  if (const auto factor = factor_of(length_units, variable->units))
     axis.length_m = std::abs(step) * static_cast<double>(axis.length) * *factor;
   return axis;
 }
 
 double unit_factor(const std::filesystem::path& file, const NetcdfVariable& map) {
-  if (const auto factor = factor_of(kFractionUnits, lower_case(map.units))) return *factor;
-  fail_import(file, "'{}': unit not known (found '{}', allowed {})", map.name, map.units, kFractionUnits.allowed);
+  if (const auto factor = factor_of(fraction_units, lower_case(map.units))) return *factor;
+  fail_import(file, "'{}': unit not known (found '{}', allowed {})", map.name, map.units, fraction_units.allowed);
 }
 
 AlbedoMap read_map(const std::filesystem::path& file, const NetcdfInput& input) {

@@ -112,7 +112,7 @@ class NumpyReader {
       const std::size_t k = header.is_fortran ? n % nz : n / nx / ny;
       const std::size_t j = header.is_fortran ? n / nz % ny : n / nx % ny;
       const std::size_t i = header.is_fortran ? n / nz / ny : n % nx;
-      if (!(value >= 0 && value <= kLargestValue)) {
+      if (!(value >= 0 && value <= largest_value)) {
         fail_import(options_.file, "cell ({}, {}, {}) has the value {} (allowed: finite numbers >= 0)", i, j, k, value);
       }
       cloud.density[(k * ny + j) * nx + i] = static_cast<float>(value);

@@ -12,8 +12,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kMergeFraction = 1e-9;
-constexpr double kLargestLayerExtinction = 1e36;  // 1/m: a hundred layers, one upon another, fit into 32 bits
+constexpr double merge_fraction = 1e-9;
+constexpr double largest_layer_extinction = 1e36;  // 1/m: a hundred layers, one upon another, fit into 32 bits
 
 /// A height at which something may change. Where edges merge, the lower rank gives the number: the domain's own
 /// corners, then voxel faces, then layer edges.
@@ -111,16 +111,16 @@ LayerProfile layer_profile(const std::vector<double>& edges, const std::vector<L
     if (last <= first) {
       throw InputError(fmt::format(
           "layer from {} m to {} m: too thin (found {} m, allowed at least {} m in this domain)", layer.bottom_m,
-          layer.top_m, layer.top_m - layer.bottom_m, kMergeFraction * (edges.back() - edges.front())));
+          layer.top_m, layer.top_m - layer.bottom_m, merge_fraction * (edges.back() - edges.front())));
     }
     // Over the merged edges, so that the layer keeps its optical depth.
     const double extinction = layer.optical_depth / (edges[last] - edges[first]);
-    if (!(extinction <= kLargestLayerExtinction)) {
+    if (!(extinction <= largest_layer_extinction)) {
       throw InputError(
           fmt::format("layer from {} m to {} m: extinction too large (found {:.4g} 1/m, allowed up to {:g} 1/m) a "
                       "thicker layer, or "
                       "a smaller optical_depth",
-                      layer.bottom_m, layer.top_m, extinction, kLargestLayerExtinction));
+                      layer.bottom_m, layer.top_m, extinction, largest_layer_extinction));
     }
     for (int k = first; k < last; ++k) {
       profile.absorption[k] += (1 - layer.single_scattering_albedo) * extinction;
@@ -213,7 +213,7 @@ std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Laye
                                 int phase_functions, const std::vector<double>& forward_fraction,
                                 const LevelOptions& options) {
   if (!options.levels_m.empty()) return options.levels_m;
-  const double tolerance = kMergeFraction * (top - bottom);
+  const double tolerance = merge_fraction * (top - bottom);
   std::vector<Edge> edges{{bottom, 0}, {top, 0}};
   if (cloud.first < cloud.end) {
     for (int k = cloud.first; k <= cloud.end; ++k) edges.push_back({cloud.face_m(k), 1});

@@ -10,9 +10,9 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kMetres = 1000;  // SHDOM's lengths are km
-constexpr int kMostPhases = 100000;
-constexpr int kMostMoments = 100000;
+constexpr double metres = 1000;  // SHDOM's lengths are km
+constexpr int most_phases = 100000;
+constexpr int most_moments = 100000;
 
 class ShdomReader {
  public:
@@ -70,21 +70,21 @@ class ShdomReader {
       const auto more = next_numbers(1, what);
       number.insert(number.end(), more.begin(), more.end());
     }
-    cloud_.dx_m = number[0] * kMetres;
-    cloud_.dy_m = number[1] * kMetres;
+    cloud_.dx_m = number[0] * metres;
+    cloud_.dy_m = number[1] * metres;
     if (options_.voxel_size_m) {
       cloud_.dx_m = (*options_.voxel_size_m)[0];
       cloud_.dy_m = (*options_.voxel_size_m)[1];
     }
-    if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0 && cloud_.dx_m < kLargestValue && cloud_.dy_m < kLargestValue)) {
+    if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0 && cloud_.dx_m < largest_value && cloud_.dy_m < largest_value)) {
       lines_.fail("spacing of the points is {} and {} km (allowed: > 0)", number[0], number[1]);
     }
     std::vector<double> level(number.begin() + 2, number.end());
-    for (double& z : level) z *= kMetres;
+    for (double& z : level) z *= metres;
     for (std::size_t n = 1; n < level.size(); ++n) {
       if (!(level[n] > level[n - 1]) || !std::isfinite(level[n])) {
-        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / kMetres,
-                    level[n - 1] / kMetres);
+        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / metres,
+                    level[n - 1] / metres);
       }
     }
     if (level.size() == static_cast<std::size_t>(levels_) + 1) {
@@ -114,7 +114,7 @@ class ShdomReader {
   }
 
   float extinction(double per_km) const {
-    return lines_.in_range(per_km, 0, kLargestValue, "extinction [1/km]") / static_cast<float>(kMetres);
+    return lines_.in_range(per_km, 0, largest_value, "extinction [1/km]") / static_cast<float>(metres);
   }
 
   /// Coefficients with the factor 2l+1, the first of degree `first_degree`.
@@ -139,13 +139,13 @@ class ShdomReader {
 
   void read_phase_functions(bool polarised) {
     const std::size_t phases =
-        count_of(next_numbers(1, "number of phase functions")[0], kMostPhases, "number of phase functions");
+        count_of(next_numbers(1, "number of phase functions")[0], most_phases, "number of phase functions");
     const int elements = polarised ? 6 : 1;
     for (std::size_t p = 0; p < phases; ++p) {
       for (int element = 0; element < elements; ++element) {
         std::vector<double> number = next_numbers(polarised ? 2 : 1, "phase function");
         if (polarised) number.erase(number.begin());
-        const std::size_t last = count_of(number[0], kMostMoments, "number of coefficients");
+        const std::size_t last = count_of(number[0], most_moments, "number of coefficients");
         number.erase(number.begin());
         const auto moments = read_moments(std::move(number), polarised ? last + 1 : last, polarised ? 0 : 1);
         if (element == 0) cloud_.moments.push_back(moments);
@@ -178,7 +178,7 @@ class ShdomReader {
     }
     std::vector<double> number = next_numbers(2, "albedo and phase function");
     const float albedo = lines_.in_range(number[0], 0, 1, "single-scattering albedo");
-    const std::size_t last = count_of(number[1], kMostMoments, "number of coefficients");
+    const std::size_t last = count_of(number[1], most_moments, "number of coefficients");
     number.erase(number.begin(), number.begin() + 2);
     cloud_.moments.push_back(read_moments(std::move(number), last, 1));
     cloud_.single_scattering_albedo.assign(cloud_.density.size(), albedo);
@@ -223,9 +223,9 @@ class ShdomReader {
   }
 
   void set_water(std::size_t cell, double water, double radius) {
-    cloud_.density[cell] = lines_.in_range(water, 0, kLargestValue, "liquid water content [g/m3]");
+    cloud_.density[cell] = lines_.in_range(water, 0, largest_value, "liquid water content [g/m3]");
     if (cloud_.effective_radius_um.empty() || water == 0) return;
-    cloud_.effective_radius_um[cell] = lines_.in_range(radius, 1e-6, kLargestValue, "effective radius [um]");
+    cloud_.effective_radius_um[cell] = lines_.in_range(radius, 1e-6, largest_value, "effective radius [um]");
   }
 
   const CloudImportOptions& options_;

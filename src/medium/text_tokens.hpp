@@ -27,13 +27,13 @@ struct RepeatedNumber {
   double value;
 };
 
-inline constexpr std::size_t kMostRepeats = 1000000;
+inline constexpr std::size_t most_repeats = 1000000;
 
 inline std::optional<RepeatedNumber> repeated_number_in(std::string_view word) {
   std::size_t count = 1;
   if (const auto star = word.find('*'); star != std::string_view::npos) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + star, count);
-    if (error != std::errc() || end != word.data() + star || count < 1 || count > kMostRepeats) return std::nullopt;
+    if (error != std::errc() || end != word.data() + star || count < 1 || count > most_repeats) return std::nullopt;
     word.remove_prefix(star + 1);
   }
   const auto value = number_in(word);
@@ -62,8 +62,8 @@ class TextLines {
     for (const std::string_view word : split_words(line)) {
       const auto number = repeated_number_in(word);
       if (!number) break;
-      if (number->count > 1 && value.size() + number->count > kMostRepeats) {
-        fail("{}: too many numbers (found \"{}\", allowed {} in a line with repeat counts)", what, word, kMostRepeats);
+      if (number->count > 1 && value.size() + number->count > most_repeats) {
+        fail("{}: too many numbers (found \"{}\", allowed {} in a line with repeat counts)", what, word, most_repeats);
       }
       value.insert(value.end(), number->count, number->value);
     }
@@ -91,6 +91,6 @@ class TextLines {
   int number_ = 0;
 };
 
-inline constexpr double kLargestValue = 1e30;  // finite as a float, with room for sums
+inline constexpr double largest_value = 1e30;  // finite as a float, with room for sums
 
 }  // namespace cloudbow

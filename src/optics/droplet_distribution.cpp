@@ -9,8 +9,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kSmallestVariance = 1e-4;
-constexpr double kLogOfNegligible = -18.42;  // ln 1e-8
+constexpr double smallest_variance = 1e-4;
+constexpr double log_of_negligible = -18.42;  // ln 1e-8
 
 }  // namespace
 
@@ -24,9 +24,9 @@ DropletDistribution::DropletDistribution(DistributionKind kind, double effective
     throw InputError(fmt::format("effective radius: out of range (found {} um, allowed > 0)", effective_radius_um));
   }
   const double largest = kind == DistributionKind::gamma ? 0.45 : 2;
-  if (!(effective_variance >= kSmallestVariance && effective_variance <= largest)) {
+  if (!(effective_variance >= smallest_variance && effective_variance <= largest)) {
     throw InputError(fmt::format("effective variance: out of range for a {} distribution (found {}, allowed {} to {})",
-                                 distribution_name(kind), effective_variance, kSmallestVariance, largest));
+                                 distribution_name(kind), effective_variance, smallest_variance, largest));
   }
 }
 
@@ -49,7 +49,7 @@ double DropletDistribution::mode(double power) const {
 
 double DropletDistribution::fallen_radius(double power, double from_um, double towards_factor) const {
   const auto height = [&](double radius) { return (power + 1) * std::log(radius) + log_density(radius); };
-  const double limit = height(from_um) + kLogOfNegligible;
+  const double limit = height(from_um) + log_of_negligible;
   double near = from_um, far = from_um;
   while (height(far) > limit) far *= towards_factor;
   for (int step = 0; step < 40; ++step) {

@@ -28,11 +28,11 @@ std::string check_moments(const std::vector<double>& moments, double radius) {
   }
   // A series that is cut while its terms are large rings all over the sphere.
   const SeriesTerms terms = terms_of(moments);
-  if (terms.last > kFallen * terms.largest) {
+  if (terms.last > fallen * terms.largest) {
     fail(
         fmt::format("too few moments (found {}, of which the last times 2l+1 is {:.3g}, allowed a series that has "
                     "fallen to {} of its largest, {:.3g})",
-                    moments.size(), terms.last, kFallen, terms.largest));
+                    moments.size(), terms.last, fallen, terms.largest));
   }
   try {
     const std::string note = check_not_negative(moments);

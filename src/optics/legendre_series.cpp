@@ -12,8 +12,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kRounding = 1e-3;       // of moments with three decimals, by which P = 1 + mu falls below 0
-constexpr double kLargestRinging = 0.1;  // of the mean: beyond it single scattering is wrong by as much
+constexpr double rounding = 1e-3;       // of moments with three decimals, by which P = 1 + mu falls below 0
+constexpr double largest_ringing = 0.1;  // of the mean: beyond it single scattering is wrong by as much
 
 }  // namespace
 
@@ -51,8 +51,8 @@ SeriesTerms terms_of(std::span<const double> moments) {
 
 double least_allowed(std::span<const double> moments) {
   const SeriesTerms terms = terms_of(moments);
-  const bool was_cut = terms.last <= kFallen * terms.largest;
-  return -kRounding - (was_cut ? std::min(terms.last, kLargestRinging) : 0);
+  const bool was_cut = terms.last <= fallen * terms.largest;
+  return -rounding - (was_cut ? std::min(terms.last, largest_ringing) : 0);
 }
 
 std::string check_not_negative(std::span<const double> moments) {
@@ -65,7 +65,7 @@ std::string check_not_negative(std::span<const double> moments) {
                     "cut too early: give more moments",
                     least.value, least.angle_deg));
   }
-  if (least.value >= -kRounding) return {};
+  if (least.value >= -rounding) return {};
   return fmt::format(
       "phase function: falls to {:.3g} at {:.4g} degrees, because the series ends with moment {}; more "
       "moments make radiances more accurate",

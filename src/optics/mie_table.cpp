@@ -19,11 +19,11 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr int kSizesPerBlock = 48;
-constexpr int kAnglesPerTile = 64;
-constexpr double kLastMoment = 1e-8;  // of (2l+1) chi_l
+constexpr int sizes_per_block = 48;
+constexpr int angles_per_tile = 64;
+constexpr double last_moment = 1e-8;  // of (2l+1) chi_l
 /// Efficiencies cost little next to intensities, and the narrow resonances of spheres are in them: so many more sizes.
-constexpr int kEfficiencySteps = 5;
+constexpr int efficiency_steps = 5;
 
 void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {
   const auto reject = [](const char* what, double found, const char* allowed) {
@@ -59,17 +59,17 @@ Sizes choose_sizes(const DropletRecipe& recipe, std::span<const double> radii, d
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   const double smallest = distributions.front().smallest_radius_um() * wave_number;
   const double largest = distributions.back().largest_radius_um() * wave_number;
-  if (!(largest <= kLargestSizeParameter)) {
+  if (!(largest <= largest_size_parameter)) {
     throw InputError(
         fmt::format("effective radius: droplets too large for this wavelength (found {} um, of which the largest "
                     "droplets have a size parameter of {:.5g}, allowed {:.0f})",
-                    radii.back(), largest, kLargestSizeParameter));
+                    radii.back(), largest, largest_size_parameter));
   }
-  if (!(smallest >= kSmallestSizeParameter)) {
+  if (!(smallest >= smallest_size_parameter)) {
     throw InputError(
         fmt::format("effective radius: droplets too small for this wavelength (found {} um, of which the smallest "
                     "droplets have a size parameter of {:.3g}, allowed {:.0e})",
-                    radii.front(), smallest, kSmallestSizeParameter));
+                    radii.front(), smallest, smallest_size_parameter));
   }
   // u(x) = x / step + per_e_fold ln x: steps of 1 in u. A width of the distribution (its relative width is about sqrt
   // v) holds at least four, where the trapezoidal rule is exact to 1e-16 for a bell.
@@ -109,7 +109,7 @@ Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe) {
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   Block block;
   block.first = first;
-  block.count = std::min(kSizesPerBlock, static_cast<int>(sizes.radius_um.size()) - first);
+  block.count = std::min(sizes_per_block, static_cast<int>(sizes.radius_um.size()) - first);
   block.terms = mie_term_count(sizes.radius_um[first + block.count - 1] * wave_number);
   block.sum = Matrix::Zero(2 * block.count, block.terms);
   block.difference = Matrix::Zero(2 * block.count, block.terms);
@@ -204,7 +204,7 @@ std::vector<double> legendre_moments(const GaussLegendre& rule, const Eigen::Ref
   const double norm = moments[0];
   for (double& chi : moments) chi /= norm;
   int kept = count;
-  while (kept > 2 && (2 * kept - 1) * std::abs(moments[kept - 1]) < kLastMoment) --kept;
+  while (kept > 2 && (2 * kept - 1) * std::abs(moments[kept - 1]) < last_moment) --kept;
   moments.resize(static_cast<std::size_t>(kept));
   return moments;
 }
@@ -221,7 +221,7 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
   // Intensities are polynomials of degree 2 terms; times P_l of as many degrees they are integrated exactly.
   const int degree = 2 * mie_term_count(sizes.radius_um.back() * wave_number);
   const GaussLegendre rule = make_gauss_legendre(degree + 1);
-  const int tiles = (degree + kAnglesPerTile) / kAnglesPerTile;
+  const int tiles = (degree + angles_per_tile) / angles_per_tile;
 
   // Work grows as terms times angles a sphere.
   std::vector<double> work_before(static_cast<std::size_t>(count) + 1, 0.0);
@@ -229,14 +229,14 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
     work_before[n + 1] = work_before[n] + mie_term_count(sizes.radius_um[n] * wave_number);
 
   Matrix intensity = Matrix::Zero(static_cast<Eigen::Index>(radii.size()), degree + 1);
-  for (int first = 0; first < count; first += kSizesPerBlock) {
+  for (int first = 0; first < count; first += sizes_per_block) {
     const Block block = make_block(sizes, first, recipe);
     // A tile's sums do not depend on which thread makes them: the same bits for any number.
     ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic)
     for (int tile = 0; tile < tiles; ++tile) {
       errors.run([&] {
-        const int begin = tile * kAnglesPerTile, angles = std::min(kAnglesPerTile, degree + 1 - begin);
+        const int begin = tile * angles_per_tile, angles = std::min(angles_per_tile, degree + 1 - begin);
         add_intensity(block, sizes, std::span(rule.node).subspan(begin, angles), intensity.middleCols(begin, angles));
       });
     }
@@ -247,7 +247,7 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
   DropletTable table;
   table.wavelength_um = recipe.wavelength_um;
   table.effective_radius_um.assign(radii.begin(), radii.end());
-  add_efficiencies(choose_sizes(recipe, radii, options.size_step / kEfficiencySteps), recipe, table);
+  add_efficiencies(choose_sizes(recipe, radii, options.size_step / efficiency_steps), recipe, table);
   for (Eigen::Index d = 0; d < intensity.rows(); ++d) {
     table.moments.push_back(legendre_moments(rule, intensity.row(d), degree + 1));
   }

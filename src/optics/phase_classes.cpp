@@ -12,15 +12,15 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kDirections = 8;
-constexpr int kLastDegree = 31;  // the solver truncates forward peaks below this
+constexpr int directions = 8;
+constexpr int last_degree = 31;  // the solver truncates forward peaks below this
 /// Among more candidates than this only every n-th is tried as a class: finer steps than the family needs.
-constexpr std::size_t kMostCandidates = 96;
+constexpr std::size_t most_candidates = 96;
 
 /// What of a phase function matters for fluxes. All entries are linear in the function.
 struct Signature {
   double asymmetry;
-  std::array<double, kDirections> turned;  ///< share of the light that crosses the horizontal, by direction of travel
+  std::array<double, directions> turned;  ///< share of the light that crosses the horizontal, by direction of travel
 };
 
 /// Integral of P_l from 0 to 1 for odd l: (-1)^((l-1)/2) (l-2)!! / (l+1)!!.
@@ -33,7 +33,7 @@ double half_integral(int l) {
 class SignatureMaker {
  public:
   SignatureMaker() {
-    const GaussLegendre rule = make_gauss_legendre(2 * kDirections);
+    const GaussLegendre rule = make_gauss_legendre(2 * directions);
     int m = 0;
     for (const double mu : rule.node) {
       if (mu > 0) cosine_[m++] = mu;
@@ -43,9 +43,9 @@ class SignatureMaker {
   /// Of light that travels at mu the share 1/2 - 1/2 sum over odd l of (2l+1) chi_l P_l(mu) int_0^1 P_l turns over.
   Signature operator()(const PhaseFunction& phase) const {
     Signature signature{phase.asymmetry_parameter(), {}};
-    for (int m = 0; m < kDirections; ++m) {
+    for (int m = 0; m < directions; ++m) {
       double sum = 0, before = 1, here = cosine_[m];
-      for (int l = 1; l <= kLastDegree; ++l) {
+      for (int l = 1; l <= last_degree; ++l) {
         if (l % 2 == 1) sum += (2 * l + 1) * phase.moment(l) * here * half_integral(l);
         const double next = ((2 * l + 1) * cosine_[m] * here - l * before) / (l + 1);
         before = here;
@@ -57,7 +57,7 @@ class SignatureMaker {
   }
 
  private:
-  std::array<double, kDirections> cosine_{};
+  std::array<double, directions> cosine_{};
 };
 
 /// Share of `high` that keeps the asymmetry parameter, as far as a mixture can.
@@ -71,7 +71,7 @@ double error_of(const Signature& low, const Signature& high, const Signature& wa
   const double share = share_of(low, high, wanted);
   const double asymmetry = (1 - share) * low.asymmetry + share * high.asymmetry;
   double error = 0.25 * std::abs(asymmetry - wanted.asymmetry) / std::max(1 - wanted.asymmetry, 1e-3);
-  for (int m = 0; m < kDirections; ++m) {
+  for (int m = 0; m < directions; ++m) {
     error = std::max(error, std::abs((1 - share) * low.turned[m] + share * high.turned[m] - wanted.turned[m]));
   }
   return error;
@@ -141,7 +141,7 @@ PhaseClasses::PhaseClasses(std::span<const PhaseFunction> family, std::span<cons
   if (tolerance == 0 || used.size() == 1) {
     members_ = used;
   } else {
-    const std::size_t stride = (used.size() + kMostCandidates - 1) / kMostCandidates;
+    const std::size_t stride = (used.size() + most_candidates - 1) / most_candidates;
     std::vector<std::size_t> candidate;
     for (std::size_t n = 0; n < used.size(); n += stride) candidate.push_back(used[n]);
     if (candidate.back() != used.back()) candidate.push_back(used.back());

@@ -11,10 +11,10 @@
 namespace cloudbow {
 
 std::complex<double> refractive_index(Substance substance, double wavelength_um) {
-  if (!(wavelength_um >= kShortestIndexWavelength && wavelength_um <= kLongestIndexWavelength)) {
+  if (!(wavelength_um >= shortest_index_wavelength && wavelength_um <= longest_index_wavelength)) {
     throw InputError(fmt::format("refractive index of {}: wavelength out of range (found {} um, allowed {} to {} um)",
                                  substance == Substance::water ? "water" : "ice", wavelength_um,
-                                 kShortestIndexWavelength, kLongestIndexWavelength));
+                                 shortest_index_wavelength, longest_index_wavelength));
   }
   const auto rows = substance == Substance::water ? water_index_rows() : ice_index_rows();
   const auto right = std::upper_bound(rows.begin() + 1, rows.end() - 1, wavelength_um,

@@ -6,7 +6,7 @@ namespace {
 // Segelstein (1981), liquid water at 25 C, as printed by the database refractiveindex.info (public domain, CC0). Rows
 // left out lie on smooth stretches; k to five digits.
 // clang-format off
-constexpr IndexRow kWater[] = {
+constexpr IndexRow water_rows[] = {
     {0.19998619, 1.451724, 1.1010e-7}, {0.20511622, 1.442296, 6.7110e-8}, {0.20989399, 1.434685, 3.8441e-8},
     {0.21478305, 1.427828, 1.9989e-8}, {0.21978599, 1.421603, 1.2700e-8}, {0.22490546, 1.415921, 1.1582e-8},
     {0.23014418, 1.410702, 1.1010e-8}, {0.23988329, 1.402321, 1.0490e-8}, {0.25003454, 1.394993, 9.3066e-9},
@@ -170,7 +170,7 @@ constexpr IndexRow kWater[] = {
 // Warren & Brandt (2008), ice Ih at -7 C, every row from 0.199 to 41.14 um, as printed by the database
 // refractiveindex.info (public domain, CC0).
 // clang-format off
-constexpr IndexRow kIce[] = {
+constexpr IndexRow ice_rows[] = {
     {0.199, 1.3943, 9.565e-11}, {0.201, 1.3914, 3.249e-11}, {0.2019, 1.3901, 2.0e-11}, {0.21, 1.3801, 2.0e-11},
     {0.25, 1.3509, 2.0e-11}, {0.3, 1.3339, 2.0e-11}, {0.35, 1.3249, 2.0e-11}, {0.39, 1.3203, 2.0e-11},
     {0.4, 1.3194, 2.365e-11}, {0.41, 1.3185, 2.669e-11}, {0.42, 1.3177, 3.135e-11}, {0.43, 1.3170, 4.140e-11},
@@ -260,8 +260,8 @@ constexpr IndexRow kIce[] = {
 
 }  // namespace
 
-std::span<const IndexRow> water_index_rows() { return kWater; }
+std::span<const IndexRow> water_index_rows() { return water_rows; }
 
-std::span<const IndexRow> ice_index_rows() { return kIce; }
+std::span<const IndexRow> ice_index_rows() { return ice_rows; }
 
 }  // namespace cloudbow

@@ -26,8 +26,8 @@ namespace {
 
 /// Inverse of the CIE 1976 function of XYZ.
 double cie_inverse(double f) {
-  constexpr double kDelta = 6.0 / 29.0;
-  return f > kDelta ? f * f * f : 3 * kDelta * kDelta * (f - 4.0 / 29.0);
+  constexpr double delta = 6.0 / 29.0;
+  return f > delta ? f * f * f : 3 * delta * delta * (f - 4.0 / 29.0);
 }
 
 /// CIE 1976 lightness (0 to 100), chroma and hue angle [deg] under D65 to sRGB.
@@ -52,13 +52,13 @@ int hex_digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
 
 /// A colour of a published list, linearly between its neighbours. @param t 0 to 1
 Rgb listed(std::string_view hexadecimal, double t) {
-  constexpr std::size_t kDigits = 6;  // of a colour
-  const std::size_t last = hexadecimal.size() / kDigits - 1;
+  constexpr std::size_t hex_digits = 6;  // of a colour
+  const std::size_t last = hexadecimal.size() / hex_digits - 1;
   const double place = t * static_cast<double>(last);
   const std::size_t low = std::min(static_cast<std::size_t>(place), last - 1);
   const double share = place - static_cast<double>(low);
   const auto byte = [&](std::size_t colour, std::size_t channel) {
-    const std::string_view digits = hexadecimal.substr(kDigits * colour + 2 * channel, 2);
+    const std::string_view digits = hexadecimal.substr(hex_digits * colour + 2 * channel, 2);
     return 16 * hex_digit(digits[0]) + hex_digit(digits[1]);
   };
   Rgb colour;
@@ -67,27 +67,27 @@ Rgb listed(std::string_view hexadecimal, double t) {
   return colour;
 }
 
-Rgb viridis(double t) { return listed(kViridis, t); }
-Rgb cividis(double t) { return listed(kCividis, t); }
+Rgb viridis(double t) { return listed(viridis_colours, t); }
+Rgb cividis(double t) { return listed(cividis_colours, t); }
 
 struct Colormap {
   const char* name;
   Rgb (*colour)(double t);  ///< of 0 to 1
 };
-constexpr std::array<Colormap, 4> kColormaps{
+constexpr std::array<Colormap, 4> colormaps{
     {{"grey", grey}, {"blue-yellow", blue_yellow}, {"viridis", viridis}, {"cividis", cividis}}};
 
 }  // namespace
 
 std::vector<std::string> colormap_names() {
   std::vector<std::string> names;
-  for (const Colormap& map : kColormaps) names.emplace_back(map.name);
+  for (const Colormap& map : colormaps) names.emplace_back(map.name);
   return names;
 }
 
 std::vector<Rgb> make_colormap(const std::string& name, int size) {
-  const auto map = std::find_if(kColormaps.begin(), kColormaps.end(), [&](const auto& m) { return m.name == name; });
-  if (map == kColormaps.end())
+  const auto map = std::find_if(colormaps.begin(), colormaps.end(), [&](const auto& m) { return m.name == name; });
+  if (map == colormaps.end())
     throw InputError(fmt::format("colormap: \"{}\" is not one of {}", name, fmt::join(colormap_names(), ", ")));
   std::vector<Rgb> colour;
   for (int i = 0; i < size; ++i) {

@@ -6,7 +6,7 @@
 namespace cloudbow {
 
 /// "viridis" by S. van der Walt and N. Smith (2015), given to the public domain (CC0); the list of matplotlib 3.6.
-inline constexpr std::string_view kViridis =
+inline constexpr std::string_view viridis_colours =
     "44015444025645045745055946075a46085c460a5d460b5e470d60470e6147106347116447136548146748166848176948186a481a6c"
     "481b6d481c6e481d6f481f70482071482173482374482475482576482677482878482979472a7a472c7a472d7b472e7c472f7d46307e"
     "46327e46337f463480453581453781453882443983443a83443b84433d84433e85423f85424086424186414287414487404588404688"
@@ -25,7 +25,7 @@ inline constexpr std::string_view kViridis =
 
 /// "cividis" by J. R. Nunez, C. R. Anderton and R. S. Renslow, Optimizing colormaps with consideration for color vision
 /// deficiency, PLoS ONE 13 (2018) e0199239; the list of matplotlib 3.6.
-inline constexpr std::string_view kCividis =
+inline constexpr std::string_view cividis_colours =
     "00224e00234f00245100255300255400265600275800285900285b00295d002a5f002a61002b62002c64002c66002d68002e6a002e6c"
     "002f6d00306f0030700031700031710132710533710833700c34700f357012357014367016377018376f1a386f1c396f1e3a6f203a6f"
     "213b6e233c6e243c6e263d6e273e6e293f6e2a3f6d2b406d2d416d2e416d2f426d31436d32436d33446d34456c35456c36466c38476c"

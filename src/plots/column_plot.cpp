@@ -12,11 +12,11 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kTextSize = 11;
-constexpr double kMargin = 70;
-constexpr double kLongerSide = 640;
-constexpr double kFlattest = 4;  // a map is stretched where it would be flatter or steeper than this
-constexpr int kColours = 200;
+constexpr double text_size = 11;
+constexpr double margin = 70;
+constexpr double longer_side = 640;
+constexpr double flattest = 4;  // a map is stretched where it would be flatter or steeper than this
+constexpr int colour_count = 200;
 
 void draw_curve(const std::filesystem::path& file, const ColumnPlot& plot) {
   const int axis = plot.columns[0] == 1 ? 1 : 0;
@@ -35,7 +35,7 @@ void draw_curve(const std::filesystem::path& file, const ColumnPlot& plot) {
   }
   curve.series.push_back(std::move(series));
   PlotCanvas canvas(900, 420);
-  draw(canvas, {kMargin, 40, 880, 360}, curve, kTextSize);
+  draw(canvas, {margin, 40, 880, 360}, curve, text_size);
   canvas.write_png(file);
 }
 
@@ -45,10 +45,10 @@ void draw_ticks(PlotCanvas& canvas, const PlotBox& box, const ColumnPlot& plot, 
   for (const double tick : axis_ticks(PlotAxis{}, {low, high})) {
     const double share = (tick - low) / (high - low);
     if (axis == 0) {
-      canvas.text(fmt::format("{:g}", tick + 0.0), {box.left + share * box.width(), box.bottom + 14}, kTextSize,
+      canvas.text(fmt::format("{:g}", tick + 0.0), {box.left + share * box.width(), box.bottom + 14}, text_size,
                   TextAnchor::centre);
     } else {
-      canvas.text(fmt::format("{:g}", tick + 0.0), {box.left - 6, box.bottom - share * box.height()}, kTextSize,
+      canvas.text(fmt::format("{:g}", tick + 0.0), {box.left - 6, box.bottom - share * box.height()}, text_size,
                   TextAnchor::right);
     }
   }
@@ -56,14 +56,14 @@ void draw_ticks(PlotCanvas& canvas, const PlotBox& box, const ColumnPlot& plot, 
 
 void draw_map(const std::filesystem::path& file, const ColumnPlot& plot) {
   const double aspect = std::clamp(plot.columns[1] * plot.column_size_m[1] / (plot.columns[0] * plot.column_size_m[0]),
-                                   1 / kFlattest, kFlattest);
-  const double width = std::round(kLongerSide / std::max(1.0, aspect)), height = std::round(width * aspect);
-  PlotCanvas canvas(static_cast<int>(width + 2 * kMargin + 90), static_cast<int>(height + 2 * kMargin));
-  const PlotBox box{kMargin, kMargin, kMargin + width, kMargin + height};
-  const std::vector<Rgb> colour = make_colormap("blue-yellow", kColours);
+                                   1 / flattest, flattest);
+  const double width = std::round(longer_side / std::max(1.0, aspect)), height = std::round(width * aspect);
+  PlotCanvas canvas(static_cast<int>(width + 2 * margin + 90), static_cast<int>(height + 2 * margin));
+  const PlotBox box{margin, margin, margin + width, margin + height};
+  const std::vector<Rgb> colour = make_colormap("blue-yellow", colour_count);
   const double largest = *std::max_element(plot.value.begin(), plot.value.end());
   const auto colour_of = [&](double share) {
-    return colour[static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * (kColours - 1))];
+    return colour[static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * (colour_count - 1))];
   };
   for (int py = 0; py < static_cast<int>(height); ++py) {
     const auto j = static_cast<std::size_t>((height - py - 0.5) / height * plot.columns[1]);
@@ -80,13 +80,13 @@ void draw_map(const std::filesystem::path& file, const ColumnPlot& plot) {
   }
   for (const double tick : axis_ticks(PlotAxis{}, {0, largest})) {
     canvas.text(fmt::format("{:.4g}", tick + 0.0), {scale.right + 6, scale.bottom - tick / largest * scale.height()},
-                kTextSize);
+                text_size);
   }
   draw_ticks(canvas, box, plot, 0);
   draw_ticks(canvas, box, plot, 1);
-  canvas.text(fmt::format("{}: {}", plot.title, plot.label), {box.left, box.top - 24}, kTextSize);
-  canvas.text("x [m]", {box.left + 0.5 * width, box.bottom + 36}, kTextSize, TextAnchor::centre);
-  canvas.text("y [m]", {16, box.top + 0.5 * height}, kTextSize, TextAnchor::centre, TextTurn::upwards);
+  canvas.text(fmt::format("{}: {}", plot.title, plot.label), {box.left, box.top - 24}, text_size);
+  canvas.text("x [m]", {box.left + 0.5 * width, box.bottom + 36}, text_size, TextAnchor::centre);
+  canvas.text("y [m]", {16, box.top + 0.5 * height}, text_size, TextAnchor::centre, TextTurn::upwards);
   canvas.write_png(file);
 }
 

@@ -12,8 +12,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr PlotColour kFrame{60, 60, 60}, kGrid{222, 222, 222}, kMinorGrid{240, 240, 240};
-constexpr int kMostDecadesLabelled = 8;
+constexpr PlotColour frame_colour{60, 60, 60}, grid_colour{222, 222, 222}, minor_grid_colour{240, 240, 240};
+constexpr int most_decades_labelled = 8;
 
 bool shown(const PlotAxis& axis, double value) { return std::isfinite(value) && (!axis.logarithmic || value > 0); }
 
@@ -59,7 +59,7 @@ std::pair<double, double> range_over(const LinePlot& plot, const PlotAxis& axis,
 
 /// Every n-th power of ten has room for a label.
 std::vector<double> labelled(const PlotAxis& axis, std::vector<double> ticks) {
-  const std::size_t step = axis.logarithmic ? 1 + ticks.size() / kMostDecadesLabelled : 1;
+  const std::size_t step = axis.logarithmic ? 1 + ticks.size() / most_decades_labelled : 1;
   std::vector<double> kept;
   for (std::size_t i = (ticks.size() - 1) % step; i < ticks.size(); i += step) kept.push_back(ticks[i]);
   return ticks.empty() ? ticks : kept;
@@ -101,22 +101,22 @@ void draw_grid(PlotCanvas& canvas, const Frame& frame) {
       straight(canvas, {frame.box.left, at}, {frame.box.right, at}, colour);
     }
   };
-  if (frame.plot.x.logarithmic || frame.plot.y.logarithmic) lines(true, kMinorGrid);
-  lines(false, kGrid);
+  if (frame.plot.x.logarithmic || frame.plot.y.logarithmic) lines(true, minor_grid_colour);
+  lines(false, grid_colour);
 }
 
 void draw_axes(PlotCanvas& canvas, const Frame& frame, const PlotBox& outer, double text_size) {
   const auto& [left, top, right, bottom] = frame.box;
   const std::array<PlotPoint, 5> outline{{{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}}};
-  canvas.line(outline, {kFrame, 1, {}, 1});
+  canvas.line(outline, {frame_colour, 1, {}, 1});
   for (const double x : labelled(frame.plot.x, axis_ticks(frame.plot.x, frame.x_range))) {
     const double at = frame.at(x, frame.y_range.first).x;
-    straight(canvas, {at, bottom}, {at, bottom + 0.5 * text_size}, kFrame);
+    straight(canvas, {at, bottom}, {at, bottom + 0.5 * text_size}, frame_colour);
     canvas.text(tick_label(frame.plot.x, x), {at, bottom + 1.5 * text_size}, text_size, TextAnchor::centre);
   }
   for (const double y : labelled(frame.plot.y, axis_ticks(frame.plot.y, frame.y_range))) {
     const double at = frame.at(frame.x_range.first, y).y;
-    straight(canvas, {left - 0.5 * text_size, at}, {left, at}, kFrame);
+    straight(canvas, {left - 0.5 * text_size, at}, {left, at}, frame_colour);
     canvas.text(tick_label(frame.plot.y, y), {left - 0.9 * text_size, at}, text_size, TextAnchor::right);
   }
   canvas.text(frame.plot.x.label, {(left + right) / 2, bottom + 3.7 * text_size}, text_size, TextAnchor::centre);
@@ -155,20 +155,20 @@ void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& serie
   finish();
 }
 
-constexpr double kSample = 3.5;     // length of a line in the legend, in text sizes
-constexpr double kRowHeight = 2.0;  // of the legend, in text sizes
+constexpr double legend_line_length = 3.5;     // length of a line in the legend, in text sizes
+constexpr double row_height = 2.0;  // of the legend, in text sizes
 
 double entry_width(const PlotSeries& series, double text_size) {
-  return (kSample + 1) * text_size + PlotCanvas::text_width(series.label, text_size);
+  return (legend_line_length + 1) * text_size + PlotCanvas::text_width(series.label, text_size);
 }
 
 void draw_entry(PlotCanvas& canvas, const PlotSeries& series, PlotPoint at, double text_size) {
-  const std::array<PlotPoint, 2> sample{{at, {at.x + kSample * text_size, at.y}}};
+  const std::array<PlotPoint, 2> sample{{at, {at.x + legend_line_length * text_size, at.y}}};
   if (series.has_line) canvas.line(sample, series.stroke);
   if (series.marker_radius > 0)
-    canvas.disc({at.x + kSample / 2 * text_size, at.y}, series.marker_radius, series.stroke.colour,
+    canvas.disc({at.x + legend_line_length / 2 * text_size, at.y}, series.marker_radius, series.stroke.colour,
                 canvas.everything());
-  canvas.text(series.label, {at.x + (kSample + 1) * text_size, at.y}, text_size);
+  canvas.text(series.label, {at.x + (legend_line_length + 1) * text_size, at.y}, text_size);
 }
 
 void draw_legend_inside(PlotCanvas& canvas, const Frame& frame, double text_size) {
@@ -182,16 +182,16 @@ void draw_legend_inside(PlotCanvas& canvas, const Frame& frame, double text_size
   if (frame.plot.legend == LegendPlace::none || rows == 0) return;
   const bool at_left = frame.plot.legend == LegendPlace::top_left || frame.plot.legend == LegendPlace::bottom_left;
   const bool at_top = frame.plot.legend == LegendPlace::top_left || frame.plot.legend == LegendPlace::top_right;
-  const double margin = text_size, height = rows * kRowHeight * text_size;
+  const double margin = text_size, height = rows * row_height * text_size;
   const double left = at_left ? frame.box.left + 2 * margin : frame.box.right - 2 * margin - width;
   const double top = at_top ? frame.box.top + 1.5 * margin : frame.box.bottom - 1.5 * margin - height;
   canvas.fill({left - margin, top - 0.5 * margin, left + width + margin, top + height + 0.5 * margin}, {255, 255, 255},
               0.85);
-  double y = top + kRowHeight / 2 * text_size;
+  double y = top + row_height / 2 * text_size;
   for (const PlotSeries& s : frame.plot.series) {
     if (s.label.empty()) continue;
     draw_entry(canvas, s, {left, y}, text_size);
-    y += kRowHeight * text_size;
+    y += row_height * text_size;
   }
 }
 
@@ -281,10 +281,10 @@ void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double 
     return rim * fraction(axis, plot.range, std::clamp(value, plot.range.first, plot.range.second));
   };
   const std::vector<double> ticks = axis_ticks(axis, plot.range);
-  for (const double tick : ticks) canvas.line(circle(centre, radius(tick)), {kGrid, 1, {}, 1});
+  for (const double tick : ticks) canvas.line(circle(centre, radius(tick)), {grid_colour, 1, {}, 1});
   for (int angle = 0; angle < 360; angle += 30) {
     const std::array<PlotPoint, 2> spoke{centre, around(centre, rim, angle)};
-    canvas.line(spoke, {kGrid, 1, {}, 1});
+    canvas.line(spoke, {grid_colour, 1, {}, 1});
     canvas.text(fmt::format("{}\u00b0", angle), around(centre, rim + 2.2 * text_size, angle), text_size,
                 TextAnchor::centre);
   }
@@ -306,7 +306,7 @@ void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double 
     }
     canvas.line(line, series.stroke);
   }
-  canvas.line(circle(centre, rim), {kFrame, 1, {}, 1});
+  canvas.line(circle(centre, rim), {frame_colour, 1, {}, 1});
   canvas.text(plot.title, {centre.x, box.top + 1.6 * text_size}, 1.15 * text_size, TextAnchor::centre);
 }
 
@@ -318,11 +318,11 @@ double draw_legend(PlotCanvas& canvas, const PlotBox& box, const std::vector<Plo
   for (const PlotSeries& s : series) {
     if (s.label.empty()) continue;
     draw_entry(canvas, s,
-               {box.left + (count % columns) * column, box.top + (count / columns + 0.5) * kRowHeight * text_size},
+               {box.left + (count % columns) * column, box.top + (count / columns + 0.5) * row_height * text_size},
                text_size);
     ++count;
   }
-  return (count + columns - 1) / columns * kRowHeight * text_size;
+  return (count + columns - 1) / columns * row_height * text_size;
 }
 
 }  // namespace cloudbow

@@ -12,9 +12,9 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kWidth = 1500, kRow = 620;
-constexpr double kTextSize = 11, kMargin = 18, kPolarWidth = 600;
-constexpr double kMostDecades = 6;  // below the largest value
+constexpr int width = 1500, row = 620;
+constexpr double text_size = 11, margin = 18, polar_width = 600;
+constexpr double most_decades = 6;  // below the largest value
 
 struct Curves {
   std::vector<PlotSeries> series;  // the function first
@@ -44,7 +44,7 @@ Curves curves_of(const FittedFunction& fitted, const PhaseReport& report) {
   for (const double a : angle) truth.y.push_back(fitted.function(std::cos(a * std::numbers::pi / 180)));
   const auto [least, largest] = std::minmax_element(truth.y.begin(), truth.y.end());
   const double high = std::pow(10, std::ceil(std::log10(1.02 * *largest)));
-  const double floor = high * std::pow(10, -kMostDecades);
+  const double floor = high * std::pow(10, -most_decades);
   // A decade below the least, so that a fit that falls short is seen to.
   const double low = *least > 0 ? std::pow(10, std::floor(std::log10(*least / 3))) : 1e-3;
   curves.range = {std::max(low, floor), high};
@@ -70,10 +70,10 @@ double flat_top(const Curves& curves) {
 
 void write_phase_plot(const std::filesystem::path& file, const PhaseReport& report) {
   const auto rows = static_cast<int>(report.functions.size());
-  constexpr double title_height = 3.5 * kTextSize, legend_height = 7 * kTextSize;
-  PlotCanvas canvas(kWidth, static_cast<int>(title_height + rows * kRow + legend_height + kMargin));
-  canvas.text(fmt::format("{}; {} control points", report.title, report.points.size()), {kWidth / 2.0, 2.2 * kTextSize},
-              1.4 * kTextSize, TextAnchor::centre);
+  constexpr double title_height = 3.5 * text_size, legend_height = 7 * text_size;
+  PlotCanvas canvas(width, static_cast<int>(title_height + rows * row + legend_height + margin));
+  canvas.text(fmt::format("{}; {} control points", report.title, report.points.size()), {width / 2.0, 2.2 * text_size},
+              1.4 * text_size, TextAnchor::centre);
   double top = title_height;
   std::vector<PlotSeries> legend;
   for (const FittedFunction& fitted : report.functions) {
@@ -85,13 +85,13 @@ void write_phase_plot(const std::filesystem::path& file, const PhaseReport& repo
     if (curves.flat) plot.y = {"phase function", false, std::pair(0.0, flat_top(curves)), {}};
     plot.series = curves.series;
     plot.legend = LegendPlace::none;
-    draw(canvas, {kMargin, top, kWidth - kPolarWidth - kMargin, top + kRow}, plot, kTextSize);
-    draw(canvas, {kWidth - kPolarWidth, top, kWidth - kMargin, top + kRow},
-         PolarPlot{fitted.name + ", around the direction of travel", curves.range, curves.series}, kTextSize);
+    draw(canvas, {margin, top, width - polar_width - margin, top + row}, plot, text_size);
+    draw(canvas, {width - polar_width, top, width - margin, top + row},
+         PolarPlot{fitted.name + ", around the direction of travel", curves.range, curves.series}, text_size);
     legend = curves.series;
-    top += kRow;
+    top += row;
   }
-  draw_legend(canvas, {6 * kTextSize, top + kMargin / 2, kWidth - kMargin, top + legend_height}, legend, kTextSize);
+  draw_legend(canvas, {6 * text_size, top + margin / 2, width - margin, top + legend_height}, legend, text_size);
   canvas.write_png(file);
 }
 

@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kTextStroke = 0.13;  // of the height of a capital
+constexpr double text_stroke = 0.13;  // of the height of a capital
 
 double distance_to_segment(PlotPoint p, PlotPoint a, PlotPoint b) {
   const double dx = b.x - a.x, dy = b.y - a.y;
@@ -148,7 +148,7 @@ void PlotCanvas::text(std::string_view text, PlotPoint place, double size, TextA
   const double along = anchor == TextAnchor::left     ? 0
                        : anchor == TextAnchor::centre ? letters.width / 2
                                                       : letters.width;
-  const Stroke stroke{colour, std::max(1.0, kTextStroke * size), {}, 1};
+  const Stroke stroke{colour, std::max(1.0, text_stroke * size), {}, 1};
   for (std::vector<PlotPoint> line : letters.lines) {
     for (PlotPoint& p : line) {
       const double x = size * (p.x - along), y = size * (0.5 - p.y);

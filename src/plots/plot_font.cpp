@@ -11,10 +11,10 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kCapital = 7;  // height of a capital in units of the table
-constexpr double kSpace = 2.6;
-constexpr double kBetweenLetters = 1.7;
-constexpr double kScriptSize = 0.7;
+constexpr double capital = 7;  // height of a capital in units of the table
+constexpr double space = 2.6;
+constexpr double between_letters = 1.7;
+constexpr double script_size = 0.7;
 
 struct Letter {
   char32_t code;
@@ -22,7 +22,7 @@ struct Letter {
   const char* path;
 };
 
-constexpr Letter kLetters[] = {
+constexpr Letter letters[] = {
     {U'0', "M 0 3.5 Q 0 7 2.2 7 Q 4.4 7 4.4 3.5 Q 4.4 0 2.2 0 Q 0 0 0 3.5"},
     {U'1', "M .8 5.6 L 2.5 7 L 2.5 0 M .8 0 L 4.2 0"},
     {U'2', "M .2 5.2 Q .2 7 2.2 7 Q 4.2 7 4.2 5.2 Q 4.2 4 3 2.9 L 0 0 L 4.4 0"},
@@ -130,7 +130,7 @@ constexpr Letter kLetters[] = {
     {U'\u03c4', "M 0 4.6 Q 0 5 .6 5 L 3.8 5 M 1.9 5 L 1.9 1.3 Q 1.9 0 3.1 .1"},
     {U'\u03bb', "M 0 7 Q .9 7 1.3 5.6 L 3.2 0 M 1.8 4 L 0 0"},
 };
-constexpr const char* kBox = "M 0 0 L 4 0 L 4 7 L 0 7 L 0 0";
+constexpr const char* box_glyph = "M 0 0 L 4 0 L 4 7 L 0 7 L 0 0";
 
 struct Glyph {
   std::vector<std::vector<PlotPoint>> lines;
@@ -167,10 +167,10 @@ Glyph parsed(const char* path) {
 const Glyph& glyph_of(char32_t code) {
   static const std::map<char32_t, Glyph> glyphs = [] {
     std::map<char32_t, Glyph> all;
-    for (const auto& [letter, path] : kLetters) all.emplace(letter, parsed(path));
+    for (const auto& [letter, path] : letters) all.emplace(letter, parsed(path));
     return all;
   }();
-  static const Glyph box = parsed(kBox);
+  static const Glyph box = parsed(box_glyph);
   const auto found = glyphs.find(code);
   return found == glyphs.end() ? box : found->second;
 }
@@ -191,18 +191,18 @@ char32_t take_character(std::string_view& text) {
 }
 
 void append(TextOutline& outline, std::string_view text, double size, double raise) {
-  const double unit = size / kCapital;
+  const double unit = size / capital;
   while (!text.empty()) {
     if (text.size() > 2 && (text[0] == '^' || text[0] == '_') && text[1] == '{') {
       const auto end = std::min(text.find('}'), text.size());
-      append(outline, text.substr(2, end - 2), kScriptSize * size,
+      append(outline, text.substr(2, end - 2), script_size * size,
              text[0] == '^' ? raise + 0.5 * size : raise - 0.25 * size);
       text.remove_prefix(std::min(end + 1, text.size()));
       continue;
     }
     const char32_t code = take_character(text);
     if (code == U' ') {
-      outline.width += kSpace * unit;
+      outline.width += space * unit;
       continue;
     }
     const Glyph& glyph = glyph_of(code);
@@ -210,7 +210,7 @@ void append(TextOutline& outline, std::string_view text, double size, double rai
       std::vector<PlotPoint>& placed = outline.lines.emplace_back();
       for (const PlotPoint& p : line) placed.push_back({outline.width + p.x * unit, raise + p.y * unit});
     }
-    outline.width += (glyph.width + kBetweenLetters) * unit;
+    outline.width += (glyph.width + between_letters) * unit;
   }
 }
 
@@ -219,7 +219,7 @@ void append(TextOutline& outline, std::string_view text, double size, double rai
 TextOutline outline(std::string_view text) {
   TextOutline result;
   append(result, text, 1, 0);
-  result.width = std::max(0.0, result.width - kBetweenLetters / kCapital);
+  result.width = std::max(0.0, result.width - between_letters / capital);
   return result;
 }
 

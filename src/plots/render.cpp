@@ -21,16 +21,16 @@ namespace cloudbow {
 
 namespace {
 
-constexpr int kColours = 255;
-constexpr double kLongerSide = 768;
-constexpr double kLargestSide = 16384;
+constexpr int colour_count = 255;
+constexpr double longer_side = 768;
+constexpr double largest_side = 16384;
 /// A section is stretched where it would be flatter or steeper than this: atmospheres are much wider or higher than a
 /// screen.
-constexpr double kSectionAspect = 4;
+constexpr double section_aspect = 4;
 
 /// Where the display's red, green and blue are looked for in a spectrum [um].
-constexpr std::array<double, 3> kDisplayWavelengths{0.67, 0.55, 0.45};
-constexpr std::array<double, 3> kLuminance{0.2126, 0.7152, 0.0722};  // of the display's colours, ITU-R BT.709
+constexpr std::array<double, 3> natural_wavelengths_um{0.67, 0.55, 0.45};
+constexpr std::array<double, 3> luminance_weights{0.2126, 0.7152, 0.0722};  // of the display's colours, ITU-R BT.709
 
 bool is_map(const FluxImage& image) { return !image.place.starts_with("section") && image.place != "column"; }
 
@@ -38,7 +38,7 @@ bool is_map(const FluxImage& image) { return !image.place.starts_with("section")
 double aspect_of(const FluxImage& image) {
   if (image.place == "column") return 1;
   const double aspect = (image.row_edge_m.back() - image.row_edge_m.front()) / (image.columns * image.column_width_m);
-  return is_map(image) ? aspect : std::clamp(aspect, 1 / kSectionAspect, kSectionAspect);
+  return is_map(image) ? aspect : std::clamp(aspect, 1 / section_aspect, section_aspect);
 }
 
 void set_size(RenderReport& report, int scale) {
@@ -47,12 +47,12 @@ void set_size(RenderReport& report, int scale) {
   const double pixels_a_cell = scale > 0 ? scale
                                : report.image.place == "camera"
                                    ? 1
-                                   : std::max(1.0, std::round(kLongerSide / (cells * std::max(1.0, aspect))));
+                                   : std::max(1.0, std::round(longer_side / (cells * std::max(1.0, aspect))));
   const double width = cells * pixels_a_cell;
   const double height = std::max(1.0, std::round(width * aspect));
-  if (std::max(width, height) > kLargestSide) {
+  if (std::max(width, height) > largest_side) {
     throw InputError(fmt::format("scale: {} pixels a cell make an image of {} x {}, at most {} x {} are allowed",
-                                 pixels_a_cell, width, height, kLargestSide, kLargestSide));
+                                 pixels_a_cell, width, height, largest_side, largest_side));
   }
   report.width = static_cast<int>(width);
   report.height = static_cast<int>(height);
@@ -83,7 +83,7 @@ void set_range(RenderReport& report, const RenderOptions& options) {
 std::uint8_t colour_index(float value, double min, double max) {
   if (!std::isfinite(value)) return 0;
   const double t = max > min ? std::clamp((value - min) / (max - min), 0.0, 1.0) : 0.5;
-  return static_cast<std::uint8_t>(1 + std::lround(t * (kColours - 1)));
+  return static_cast<std::uint8_t>(1 + std::lround(t * (colour_count - 1)));
 }
 
 /// For each pixel, row by row from the top, the place of its value in FluxImage::value.
@@ -121,7 +121,7 @@ struct Channels {
 /// Three different wavelengths, or none.
 std::vector<double> display_wavelengths(const std::vector<double>& there_um) {
   std::vector<double> chosen;
-  for (const double wanted : kDisplayWavelengths) {
+  for (const double wanted : natural_wavelengths_um) {
     const auto nearest = std::min_element(there_um.begin(), there_um.end(), [wanted](double a, double b) {
       return std::abs(a - wanted) < std::abs(b - wanted);
     });
@@ -188,7 +188,7 @@ double exposure_of(const RenderOptions& options, const Channels& channels) {
   if (channels.image.size() == 3) {
     for (std::size_t n = 0; n < luminance.size(); ++n) {
       double sum = 0;
-      for (std::size_t c = 0; c < 3; ++c) sum += kLuminance[c] * channels.image[c].value[n];
+      for (std::size_t c = 0; c < 3; ++c) sum += luminance_weights[c] * channels.image[c].value[n];
       luminance[n] = static_cast<float>(sum);
     }
   }
@@ -233,7 +233,7 @@ void check_options(const RenderOptions& options) {
 RenderReport render(const RenderOptions& options) {
   const std::string tone = options.tone.empty() ? "filmic" : options.tone;
   display_level(tone, 0);  // tells of an unknown name
-  auto colour = make_colormap(options.colormap.empty() ? "grey" : options.colormap, kColours);
+  auto colour = make_colormap(options.colormap.empty() ? "grey" : options.colormap, colour_count);
   check_options(options);
   const bool is_exr = picture_format(options.image_file, OutputKind::picture) == PictureFormat::exr;
   RenderReport report;

@@ -18,7 +18,7 @@ struct ErrorKind {
   const char* name;
   double FluxErrors::*of;
 };
-constexpr std::array<ErrorKind, 3> kKinds{{{"domain mean", &FluxErrors::domain},
+constexpr std::array<ErrorKind, 3> kinds{{{"domain mean", &FluxErrors::domain},
                                            {"columns, up at the top", &FluxErrors::up},
                                            {"columns, down at the bottom", &FluxErrors::down}}};
 
@@ -41,20 +41,20 @@ bool on_front(const Curve& curve, std::size_t row) {
   return std::find(curve.front.begin(), curve.front.end(), row) != curve.front.end();
 }
 
-std::array<Curve, kKinds.size()> curves_of(const TradeoffReport& report) {
-  std::array<Curve, kKinds.size()> curves;
-  std::transform(kKinds.begin(), kKinds.end(), curves.begin(),
+std::array<Curve, kinds.size()> curves_of(const TradeoffReport& report) {
+  std::array<Curve, kinds.size()> curves;
+  std::transform(kinds.begin(), kinds.end(), curves.begin(),
                  [&report](const ErrorKind& kind) { return curve_of(report, kind.of); });
   return curves;
 }
 
-constexpr double kTextSize = 11;
-constexpr double kDot = 3.5, kFrontDot = 6;
+constexpr double text_size = 11;
+constexpr double dot = 3.5, front_dot = 6;
 
 std::pair<double, double> error_range(const TradeoffReport& report) {
   std::vector<double> errors;
   for (const TradeoffRow& row : report.rows) {
-    for (const ErrorKind& kind : kKinds) {
+    for (const ErrorKind& kind : kinds) {
       if (row.errors) errors.push_back((*row.errors).*kind.of);
     }
   }
@@ -128,11 +128,11 @@ void write_tradeoff_plot(const std::filesystem::path& file, const TradeoffReport
   plot.y = {fmt::format("error against {} [%]", report.truth), true, error_range(report), {}};
   plot.legend = LegendPlace::none;
   std::vector<PlotSeries> legend;
-  for (std::size_t k = 0; k < kKinds.size(); ++k) {
-    const Curve curve = curve_of(report, kKinds[k].of);
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const Curve curve = curve_of(report, kinds[k].of);
     const Stroke stroke{plot_colour(k), 2, {}, 1};
-    plot.series.push_back({"", curve.seconds, curve.error, stroke, false, kDot});
-    PlotSeries front{kKinds[k].name, {}, {}, stroke, true, kFrontDot};
+    plot.series.push_back({"", curve.seconds, curve.error, stroke, false, dot});
+    PlotSeries front{kinds[k].name, {}, {}, stroke, true, front_dot};
     for (const std::size_t n : curve.front) {
       front.x.push_back(curve.seconds[n]);
       front.y.push_back(curve.error[n]);
@@ -150,10 +150,10 @@ void write_tradeoff_plot(const std::filesystem::path& file, const TradeoffReport
   plot.series.push_back(level_names(report));
 
   PlotCanvas canvas(900, 640);
-  draw(canvas, {18, 10, 882, 540}, plot, kTextSize);
-  draw_legend(canvas, {90, 545, 882, 600}, legend, kTextSize);
+  draw(canvas, {18, 10, 882, 540}, plot, text_size);
+  draw_legend(canvas, {90, 545, 882, 600}, legend, text_size);
   canvas.text("joined, with large dots: the Pareto front, where no other level has less error in as little time",
-              {90, 617}, kTextSize);
+              {90, 617}, text_size);
   canvas.write_png(file);
 }
 

@@ -13,10 +13,10 @@ namespace {
 
 // Between the ends columns are off by up to 2.1 times what the ends' weights make of the distances there: measured on
 // four fields of thick voxels (docs/error-estimates.md).
-constexpr double kBetweenEnds = 2.5;
+constexpr double between_ends_factor = 2.5;
 
 // Of incident: errors of columns whose mean is less are not in terms of it.
-constexpr double kLeastMean = 1e-6;
+constexpr double least_mean = 1e-6;
 
 /// W m-2 through the horizontal top.
 double incident(const Solution& solution) {
@@ -121,14 +121,14 @@ ByFlux flux_distance(const Solution& solution, const Solution& other) {
          std::abs(solution.ledger.reflectance - other.ledger.reflectance),
          std::abs(solution.ledger.transmittance - other.ledger.transmittance)});
   }
-  distance.up = rms_over_mean(up_at_top(solution), up_at_top(other), kLeastMean * power);
-  distance.down = rms_over_mean(down_at_bottom(solution), down_at_bottom(other), kLeastMean * power);
+  distance.up = rms_over_mean(up_at_top(solution), up_at_top(other), least_mean * power);
+  distance.down = rms_over_mean(down_at_bottom(solution), down_at_bottom(other), least_mean * power);
   return distance;
 }
 
 ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other) {
   assert(solution.flux_level == other.flux_level);
-  const double least = kLeastMean * incident(solution);
+  const double least = least_mean * incident(solution);
   ByFlux distance;
   for (std::size_t plane = 0; plane < planes(solution); ++plane) {
     if (plane + 1 < planes(solution))
@@ -166,7 +166,7 @@ ErrorEstimate estimate_error(const Solution& solution, const Companions& compani
     const ByFlux spatial = flux_distance_between_ends(companions.linear, companions.constant);
     ByFlux probe;
     if (companions.probe) probe = flux_distance_between_ends(companions.probe->by_ordinates, companions.probe->exact);
-    estimate.between_ends = kBetweenEnds * std::max(parts(&ByFlux::up, angular, spatial, probe).total(),
+    estimate.between_ends = between_ends_factor * std::max(parts(&ByFlux::up, angular, spatial, probe).total(),
                                                     parts(&ByFlux::down, angular, spatial, probe).total());
   }
   const auto count = [&estimate](const SolverReport& report) {

@@ -9,7 +9,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kMomentsShown = 10;
+constexpr int moments_shown = 10;
 
 struct Range {
   double least, largest;
@@ -30,9 +30,9 @@ std::string function_lines(const FittedFunction& fitted) {
   std::string text = fmt::format("\n{}: asymmetry {:.6g}, values {:.4g} to {:.5g}\n", fitted.name,
                                  fitted.function.asymmetry_parameter(), least, largest);
   text += "  l      ";
-  for (int l = 0; l < kMomentsShown; ++l) text += fmt::format("{:9}", l);
+  for (int l = 0; l < moments_shown; ++l) text += fmt::format("{:9}", l);
   text += "\n  chi_l  ";
-  for (int l = 0; l < kMomentsShown; ++l) text += fmt::format("{:9.5f}", fitted.function.moment(l));
+  for (int l = 0; l < moments_shown; ++l) text += fmt::format("{:9.5f}", fitted.function.moment(l));
   return text + "\n";
 }
 

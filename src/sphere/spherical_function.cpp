@@ -37,7 +37,7 @@ template <class Real>
 void query(std::span<const Stencil> stencils, std::size_t functions, std::span<const Real> values,
            std::span<Real> result) {
   assert(values.size() % functions == 0 && result.size() == stencils.size() * functions);
-  constexpr std::size_t block = 1024;  // 162 points x 1024 x 4 bytes = 650 kB: second-level cache
+  constexpr std::size_t block = 1024;  // 162 points x 1024 x 4 bytes = 650 b: second-level cache
   for (std::size_t first = 0; first < functions; first += block) {
     const std::size_t count = std::min(block, functions - first);
     for (std::size_t d = 0; d < stencils.size(); ++d) {

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
 
-constexpr double kLastMode = 1e-8;  // of the incident flux: azimuth modes below it end the series
+constexpr double last_mode = 1e-8;  // of the incident flux: azimuth modes below it end the series
 
 /// A node of the Gauss-Legendre rule, known as a double, and its weight: one step of Newton's method.
 template <class Real>
@@ -172,7 +172,7 @@ PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, cons
   const auto azimuths = static_cast<Index>(effort.view_azimuth_deg.size());
   solution.radiance_up_top = light.up.front().tail(views).replicate(1, azimuths);
   solution.radiance_down_bottom = light.down.back().segment(half - views, views).replicate(1, azimuths);
-  const double negligible = kLastMode * (scene.sun_mu * scene.irradiance + pi * scene.sky_radiance);
+  const double negligible = last_mode * (scene.sun_mu * scene.irradiance + pi * scene.sky_radiance);
   int faint = 0;
   for (int m = 1; views > 0 && m < 2 * effort.angles && faint < 2; ++m) {
     const Light mode = solve_mode(scene, effort, angles, m);

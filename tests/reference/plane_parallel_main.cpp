@@ -23,7 +23,7 @@ namespace {
 using namespace cloudbow::reference;
 
 /// Cosines and azimuths of the tables in reference files.
-const std::vector<double> kViewMu = {0.1, 0.3, 0.5, 0.7, 0.9, 1.0}, kViewAzimuth = {0, 90, 180};
+const std::vector<double> view_cosines = {0.1, 0.3, 0.5, 0.7, 0.9, 1.0}, view_azimuth = {0, 90, 180};
 
 struct Case {
   std::string id = "case";
@@ -107,7 +107,7 @@ Case read_case(std::istream& in) {
     } else if (key == "slices") {
       c.effort.slices = get<int>(in, key);
     } else if (key == "radiances") {
-      if (get<int>(in, key) != 0) c.effort.view_mu = kViewMu, c.effort.view_azimuth_deg = kViewAzimuth;
+      if (get<int>(in, key) != 0) c.effort.view_mu = view_cosines, c.effort.view_azimuth_deg = view_azimuth;
     } else {
       throw std::runtime_error("unknown key " + key);
     }

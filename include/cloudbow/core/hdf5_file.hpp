@@ -32,7 +32,7 @@ class Handle {
   using Closer = int (*)(std::int64_t);
   /// Takes what an HDF5 call returned. @throws Error if the call failed.
   Handle(std::int64_t id, Closer closer, const char* what) : id_(check(id, what)), closer_(closer) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, kNone)), closer_(other.closer_) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, none)), closer_(other.closer_) {}
   Handle& operator=(Handle&&) = delete;
   /// Only after a failure, or for what isn't written to a file: elsewhere close() reports what went wrong.
   ~Handle() {
@@ -40,10 +40,10 @@ class Handle {
   }
 
   operator std::int64_t() const { return id_; }
-  void close() { check(closer_(std::exchange(id_, kNone)), "close"); }
+  void close() { check(closer_(std::exchange(id_, none)), "close"); }
 
  private:
-  static constexpr std::int64_t kNone = -1;
+  static constexpr std::int64_t none = -1;
   std::int64_t id_;
   Closer closer_;
 };

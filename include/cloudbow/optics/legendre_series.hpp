@@ -26,7 +26,7 @@ SeriesTerms terms_of(std::span<const double> moments);
 
 /// Up to this share of the largest term in its last one, a series is taken for the front of a longer one, which was cut
 /// once its terms were small; above, for a polynomial that is meant as it stands.
-inline constexpr double kFallen = 0.05;
+inline constexpr double fallen = 0.05;
 
 /// The least value that a phase function of mean 1 may have. Moments of three decimals leave -0.001. A series that was
 /// cut rings: at 180 degrees, where its terms alternate, by half of the term after the last, and nowhere by more than

@@ -28,9 +28,9 @@ struct MieTableOptions {
 };
 
 /// Largest size parameter of any droplet that is computed: beyond it a table takes hours.
-inline constexpr double kLargestSizeParameter = 12000;
+inline constexpr double largest_size_parameter = 12000;
 /// Smallest: an atom in light of a kilometre's wavelength; powers of it must be numbers.
-inline constexpr double kSmallestSizeParameter = 1e-12;
+inline constexpr double smallest_size_parameter = 1e-12;
 
 /// All radii at once, over one set of sizes: the trapezoidal rule in a variable that gives steps of size_step for large
 /// and of constant ratio for small droplets. Phase functions are exact polynomials: as many Gauss-Legendre cosines as
@@ -38,7 +38,7 @@ inline constexpr double kSmallestSizeParameter = 1e-12;
 /// @param effective_radius_um ascending.
 /// @throws InputError for radii that do not ascend or are out of range, n outside .001 to 1000 or k outside 0 to 1000,
 /// distribution as DropletDistribution says, wavelength <= 0, density outside .001 to 100, droplets larger than
-/// kLargestSizeParameter or smaller than kSmallestSizeParameter.
+/// largest_size_parameter or smaller than smallest_size_parameter.
 DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double> effective_radius_um,
                             const MieTableOptions& options = {});
 

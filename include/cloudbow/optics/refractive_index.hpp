@@ -9,8 +9,8 @@ namespace cloudbow {
 enum class Substance { water, ice };
 
 /// Wavelengths [um] at which both substances are known.
-inline constexpr double kShortestIndexWavelength = 0.2;
-inline constexpr double kLongestIndexWavelength = 40;
+inline constexpr double shortest_index_wavelength = 0.2;
+inline constexpr double longest_index_wavelength = 40;
 
 /// n linear and log k linear in the logarithm of the wavelength, between the rows of
 /// - water (25 C): D. J. Segelstein, "The complex refractive index of water", thesis, University of Missouri-Kansas

@@ -23,8 +23,8 @@ namespace cloudbow {
 namespace {
 
 // Corners of the domain are taken to be meant where they stand this close to a voxel face, in voxels.
-constexpr double kFaceTolerance = 1e-3;
-constexpr double kMaxColumnsPerAxis = 1e6;
+constexpr double face_tolerance = 1e-3;
+constexpr double max_columns_per_axis = 1e6;
 
 struct Domain {
   std::array<double, 3> min_m{0, 0, 0};
@@ -75,7 +75,7 @@ class DomainChecker {
     const double origin = field_->min_m[axis];
     const double size = field_->cell_size_m[axis];
     const double faces = (value - origin) / size;
-    if (std::abs(faces - std::round(faces)) <= kFaceTolerance) return origin + std::round(faces) * size;
+    if (std::abs(faces - std::round(faces)) <= face_tolerance) return origin + std::round(faces) * size;
     if (axis == 2) {
       for (const Layer& layer : scene_.layers) {
         if (value == layer.bottom_m || value == layer.top_m) return value;
@@ -95,14 +95,14 @@ class DomainChecker {
            max_given ? domain_.max_m[axis] : domain_.min_m[axis],
            max_given ? fmt::format("> {} m", domain_.min_m[axis]) : fmt::format("< {} m", domain_.max_m[axis]));
     }
-    if (field_ != nullptr && axis != 2 && extent / field_->cell_size_m[axis] > kMaxColumnsPerAxis) {
+    if (field_ != nullptr && axis != 2 && extent / field_->cell_size_m[axis] > max_columns_per_axis) {
       fail(key, axis, "too far away: more columns than any memory holds", domain_.max_m[axis],
-           fmt::format("at most {} columns of {} m", kMaxColumnsPerAxis, field_->cell_size_m[axis]));
+           fmt::format("at most {} columns of {} m", max_columns_per_axis, field_->cell_size_m[axis]));
     }
   }
 
   void check_contains_cloud(int axis) const {
-    const double slack = kFaceTolerance * field_->cell_size_m[axis];
+    const double slack = face_tolerance * field_->cell_size_m[axis];
     if (domain_.min_m[axis] > summary_.cloud_min_m[axis] + slack) {
       fail("domain.min_m", axis, "cuts the cloud", domain_.min_m[axis],
            fmt::format("at most {} m, where the cloud begins", summary_.cloud_min_m[axis]));

@@ -58,7 +58,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
       check_outputs({{options->output, "the cloud", OutputKind::vdb}});
       write_cloud_vdb(options->output, make_cloud(options->maker), options->write);
       fmt::print("{}", format_cloud_info(describe_cloud_vdb(options->output)));
-      return kExitDone;
+      return exit_done;
     };
   });
 }
@@ -182,10 +182,10 @@ int import_to_vdb(const CLI::App& app, const ImportCommand& command) {
                                       phase_set_beside(command.output).string()));
   }
   write_cloud_vdb(command.output, cloud.field, command.write, cloud.companions);
-  if (command.quiet) return kExitDone;
+  if (command.quiet) return exit_done;
   for (const std::string& note : cloud.notes) fmt::print("{}\n", printable(note));
   fmt::print("{}", format_cloud_info(describe_cloud_vdb(command.output)));
-  return kExitDone;
+  return exit_done;
 }
 
 void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
@@ -290,7 +290,7 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
       for (const std::string& doubt : doubts_about(info)) tell("cloudbow: warning: {}\n", printable(doubt));
       check_effective_radii(info);
       if (!options->plot.empty()) plot_columns(options->file, options->plot);
-      return kExitDone;
+      return exit_done;
     };
   });
 }

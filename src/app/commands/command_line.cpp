@@ -36,7 +36,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kExitBrokenPipe = 128 + SIGPIPE;  // as a shell tells it
+constexpr int exit_broken_pipe = 128 + SIGPIPE;  // as a shell tells it
 
 /// What a subcommand sets up and then does. Only the one that the user named is run.
 using Action = std::function<int()>;
@@ -173,7 +173,7 @@ void add_render(CLI::App& app, Action& action) {
       fmt::print("{}: {} [{}], {}{} x {} pixels, {}\n", options->render.image_file.string(), report.image.variable,
                  printable(report.image.units), report.image.place.empty() ? "" : report.image.place + ", ",
                  report.width, report.height, report.colours);
-      return kExitDone;
+      return exit_done;
     };
   });
 }
@@ -293,21 +293,21 @@ int run_command_line(int argc, const char* const* argv) {
     return parse_and_act(argc, argv);
   } catch (const InputError& error) {
     tell("cloudbow: {}\n", printable(error.what()));
-    return kExitInputError;
+    return exit_input_error;
   } catch (const Interrupted& interrupted) {
     tell("cloudbow: interrupted\n");
     return 128 + interrupted.signal;
   } catch (const std::bad_alloc&) {
     tell("cloudbow: out of memory (a smaller domain, a lower solver.accuracy or fewer --threads need less)\n");
-    return kExitInputError;
+    return exit_input_error;
   } catch (const std::system_error& error) {
-    if (error.code() == std::errc::broken_pipe) return kExitBrokenPipe;
+    if (error.code() == std::errc::broken_pipe) return exit_broken_pipe;
     const bool no_memory = error.code() == std::errc::not_enough_memory;
     tell("cloudbow: {}{}\n", no_memory ? "" : "internal error: ", printable(error.what()));
-    return no_memory ? kExitInputError : kExitInternalError;
+    return no_memory ? exit_input_error : exit_internal_error;
   } catch (const std::exception& error) {
     tell("cloudbow: internal error: {}\n", printable(error.what()));
-    return kExitInternalError;
+    return exit_internal_error;
   }
 }
 

@@ -45,7 +45,7 @@ int export_vdb(const Options& options) {
         "--all-directions, --actinic, --absorption)");
   }
   const FieldExportReport report = export_fields(fields);
-  if (options.quiet) return kExitDone;
+  if (options.quiet) return exit_done;
   fmt::print("{}: {} {} ({})\n", fields.vdb_file.string(), report.grids.size(),
              report.grids.size() == 1 ? "grid" : "grids", names_of(report.grids));
   fmt::print("{} x {} x {} voxels of {:g} x {:g} x {:g} m from ({:g}, {:g}, {:g}) m to ({:g}, {:g}, {:g}) m: {}\n",
@@ -54,7 +54,7 @@ int export_vdb(const Options& options) {
              report.max_m[1], report.max_m[2],
              report.whole_domain ? "the whole domain"
                                  : "the heights of the cloud, because levels of the result are of different thickness");
-  return kExitDone;
+  return exit_done;
 }
 
 }  // namespace

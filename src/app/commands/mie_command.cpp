@@ -19,7 +19,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kMaxSteps = 1000;
+constexpr int max_steps = 1000;
 
 void print_table(const DropletTable& table) {
   fmt::print("{:>10} {:>14} {:>14} {:>10} {:>8}\n", "r_e [um]", "ext [m2/g]", "1 - albedo", "g", "moments");
@@ -96,7 +96,7 @@ std::vector<double> parse_steps(const std::string& option, const std::string& te
   if (number.size() == 1) return number;
   if (number.size() != 3 || number[1] < number[0]) reject("a number > 0 or FROM:TO:STEP with TO >= FROM");
   const double steps = std::floor((number[1] - number[0]) / number[2] * (1 + 1e-12) + 1e-9);
-  if (steps >= kMaxSteps) reject(fmt::format("at most {} numbers", kMaxSteps));
+  if (steps >= max_steps) reject(fmt::format("at most {} numbers", max_steps));
   std::vector<double> values;
   for (int n = 0; n <= static_cast<int>(steps); ++n) values.push_back(number[0] + n * number[2]);
   return values;
@@ -140,7 +140,7 @@ int make_mie_file(const MieOptions& options) {
     }
     fmt::print("written to {}\n", options.output.string());
   }
-  return kExitDone;
+  return exit_done;
 }
 
 }  // namespace cloudbow

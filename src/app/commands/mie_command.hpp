@@ -26,7 +26,7 @@ struct MieOptions {
 /// for more than 1000; its message begins with the option.
 std::vector<double> parse_steps(const std::string& option, const std::string& text);
 
-/// @returns kExitDone. @throws InputError for anything wrong with the options or the output.
+/// @returns exit_done. @throws InputError for anything wrong with the options or the output.
 int make_mie_file(const MieOptions& options);
 
 }  // namespace cloudbow

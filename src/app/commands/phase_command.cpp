@@ -26,8 +26,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kMostDeltaMOrder = 64;
-constexpr std::array<const char*, 6> kTypes = {"isotropic", "rayleigh", "henyey-greenstein", "double-henyey-greenstein",
+constexpr int most_delta_m_order = 64;
+constexpr std::array<const char*, 6> types = {"isotropic", "rayleigh", "henyey-greenstein", "double-henyey-greenstein",
                                                "legendre",  "table"};
 
 struct Options {
@@ -71,9 +71,9 @@ struct NamedFunction {
 };
 
 NamedFunction make_phase_function(const Options& options) {
-  if (std::find(kTypes.begin(), kTypes.end(), options.type) == kTypes.end()) {
+  if (std::find(types.begin(), types.end(), options.type) == types.end()) {
     throw InputError(
-        fmt::format("phase: unknown type (found \"{}\", allowed {})", options.type, fmt::join(kTypes, ", ")));
+        fmt::format("phase: unknown type (found \"{}\", allowed {})", options.type, fmt::join(types, ", ")));
   }
   check_options_of_type(options);
   if (options.type == "isotropic") return {PhaseFunction::isotropic(), options.type};
@@ -113,9 +113,9 @@ std::string usual_ordinates(int control_points) {
 
 int phase(const Options& options) {
   const auto [function, title] = make_phase_function(options);
-  if (options.delta_m_order < 1 || options.delta_m_order > kMostDeltaMOrder) {
+  if (options.delta_m_order < 1 || options.delta_m_order > most_delta_m_order) {
     throw InputError(
-        fmt::format("phase: delta-M order is {} (allowed: 1 to {})", options.delta_m_order, kMostDeltaMOrder));
+        fmt::format("phase: delta-M order is {} (allowed: 1 to {})", options.delta_m_order, most_delta_m_order));
   }
   std::vector<PhaseFitMethod> methods;
   for (const std::string& name : options.fits.empty() ? phase_fit_names() : options.fits) {
@@ -145,7 +145,7 @@ int phase(const Options& options) {
     write_phase_file(options.output, report, fmt::format("cloudbow {}", version()), history_line(options.command));
   }
   fmt::print("{}", phase_table(report));
-  return kExitDone;
+  return exit_done;
 }
 
 }  // namespace
@@ -155,7 +155,7 @@ void add_phase(CLI::App& app, std::function<int()>& action, const std::string& c
   options->command = command;
   CLI::App* phase_app = app.add_subcommand(
       "phase", "A phase function by itself: moments, asymmetry, its fits to control points and their errors");
-  phase_app->add_option("type", options->type, fmt::format("{}", fmt::join(kTypes, ", ")))->required();
+  phase_app->add_option("type", options->type, fmt::format("{}", fmt::join(types, ", ")))->required();
   phase_app->add_option("--asymmetry-parameter", options->asymmetry_parameter, "henyey-greenstein: -1 < g < 1");
   phase_app->add_option("--forward-asymmetry-parameter", options->forward_asymmetry_parameter,
                         "double-henyey-greenstein: -1 < g < 1");

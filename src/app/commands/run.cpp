@@ -146,7 +146,7 @@ void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
 /// Exit code.
 int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solution>& solutions, const std::string& which,
                      const std::filesystem::path& output) {
-  int code = kExitDone;
+  int code = exit_done;
   for (std::size_t n = 0; n < solutions.size(); ++n) {
     const Solution& solution = solutions[n];
     if (solution.report.converged) continue;
@@ -155,17 +155,17 @@ int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solutio
         "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
         "marked so\n",
         at, solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
-    code = kExitNotConverged;
+    code = exit_not_converged;
   }
   return code;
 }
 
 /// Exit code.
 int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
-  if (plan.met) return kExitDone;
+  if (plan.met) return exit_done;
   tell("cloudbow: `{}` misses what was asked for, and no better level fits: {} is marked so\n", plan.accuracy,
        output.string());
-  return kExitNotConverged;
+  return exit_not_converged;
 }
 
 /// Tables of the cache are written without being asked for.
@@ -233,7 +233,7 @@ int run(const RunOptions& options) {
                                        ? std::move(*expected.only)
                                        : plan_scene(first, available, files, expected.levels_m, options.threads);
       print_forecast(scenes, planned, expected, available);
-      return kExitDone;
+      return exit_done;
     }
     solved = solve_all(scenes, std::move(expected), options, available, files);
   }
@@ -258,7 +258,7 @@ int run(const RunOptions& options) {
   }
   return std::max({tell_unconverged(scenes, solved.solutions, "", output),
                    tell_unconverged(scenes, solved.by_columns, " as independent columns", output),
-                   plan ? tell_missed(*plan, output) : kExitDone});
+                   plan ? tell_missed(*plan, output) : exit_done});
 }
 
 }  // namespace cloudbow

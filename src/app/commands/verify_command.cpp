@@ -22,7 +22,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kSlowSeconds = 10;  // checks take less than this in all; beyond it the user is told what is going on
+constexpr double slow_seconds = 10;  // checks take less than this in all; beyond it the user is told what is going on
 
 using Clock = std::chrono::steady_clock;
 
@@ -104,13 +104,13 @@ int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& option
   const auto those = chosen(checks, options.only);
   if (options.list) {
     for (const PhysicalCheck& check : those) fmt::print("{:<22} {}\n", check.name, check.statement);
-    return kExitDone;
+    return exit_done;
   }
   const auto start = Clock::now();
   std::size_t failed = 0;
   std::string entries;
   for (const PhysicalCheck& check : those) {
-    if (seconds_since(start) > kSlowSeconds) tell("cloudbow: checking {}\n", check.name);
+    if (seconds_since(start) > slow_seconds) tell("cloudbow: checking {}\n", check.name);
     const CheckOutcome outcome = carry_out(check);
     if (!outcome.passed) ++failed;
     if (options.json) {
@@ -128,7 +128,7 @@ int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& option
   } else {
     fmt::print("{} of {} checks passed, {:.1f} s\n", those.size() - failed, those.size(), seconds);
   }
-  return failed == 0 ? kExitDone : kExitDoesNotHold;
+  return failed == 0 ? exit_done : exit_does_not_hold;
 }
 
 namespace {
@@ -137,7 +137,7 @@ int calibrate_and_tell() {
   const double factor = calibrate_machine();
   fmt::print("solves take {:.3g} times the seconds that the built-in figures predict; kept in {}\n", factor,
              cache_directory().string());
-  return kExitDone;
+  return exit_done;
 }
 
 }  // namespace

@@ -9,15 +9,15 @@ namespace cloudbow {
 namespace {
 
 // A companion's own iteration and its last gather need only be good beside its few directions.
-constexpr double kTolerance = 1e-2;
-constexpr double kEnergyTolerance = 1e-3;
+constexpr double coarse_tolerance = 1e-2;
+constexpr double coarse_energy_tolerance = 1e-3;
 
 // Columns without azimuths: of a field of them as few streams as still tell, for the time; of one column more than it
 // has, whose error their distance then is.
-constexpr int kFewStreams = 4;
-constexpr int kMostStreams = 16;
-int streams_of_field(int streams) { return streams > kFewStreams ? kFewStreams : 2 * kFewStreams; }
-int streams_of_column(int streams) { return streams < kMostStreams ? std::min(2 * streams, kMostStreams) : 12; }
+constexpr int few_streams = 4;
+constexpr int most_streams = 16;
+int streams_of_field(int streams) { return streams > few_streams ? few_streams : 2 * few_streams; }
+int streams_of_column(int streams) { return streams < most_streams ? std::min(2 * streams, most_streams) : 12; }
 
 struct Directions {
   int control_points;
@@ -28,12 +28,12 @@ struct Directions {
 };
 
 // Of fields: as few as still tell where more would matter.
-constexpr Directions kField{42, "double-gauss-4x8", 4, 2, 2};
+constexpr Directions field_directions{42, "double-gauss-4x8", 4, 2, 2};
 // A single column costs next to nothing, and its errors are so small that few directions say little of them: against a
 // better solution at the draft, else against one that is nearly as good, on the same control points.
-constexpr Directions kColumnOfDraft{162, "reduced-double-gauss-12x20", 12, 3, 3};
-constexpr Directions kColumnOfBalanced{162, "reduced-double-gauss-10x16", 10, 3, 3};
-constexpr Directions kColumn{642, "double-gauss-14x20", 12, 3, 3};
+constexpr Directions column_directions_of_draft{162, "reduced-double-gauss-12x20", 12, 3, 3};
+constexpr Directions column_directions_of_balanced{162, "reduced-double-gauss-10x16", 10, 3, 3};
+constexpr Directions column_directions{642, "double-gauss-14x20", 12, 3, 3};
 
 void set_directions(const Directions& directions, SolverOptions& options) {
   options.control_points = directions.control_points;
@@ -66,7 +66,7 @@ SolverOptions ordinates_of_columns(const SolverOptions& options) {
 SolverOptions streams_of_columns(const SolverOptions& options) {
   SolverOptions columns = ordinates_of_columns(options);
   columns.radiance_field = false;
-  columns.column_streams = kMostStreams;
+  columns.column_streams = most_streams;
   return columns;
 }
 
@@ -76,18 +76,18 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
   SolverOptions other = options;
   const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
   other.column_streams = as == SolvedAs::field                   ? streams_of_field(options.column_streams)
-                         : as == SolvedAs::column_beside_streams ? kMostStreams
+                         : as == SolvedAs::column_beside_streams ? most_streams
                                                                  : streams_of_column(options.column_streams);
   if (as == SolvedAs::column_beside_streams) {
     other.independent_columns = true;
   } else if (as == SolvedAs::column) {
-    set_directions(accuracy == "draft" ? kColumnOfDraft : accuracy == "balanced" ? kColumnOfBalanced : kColumn, other);
+    set_directions(accuracy == "draft" ? column_directions_of_draft : accuracy == "balanced" ? column_directions_of_balanced : column_directions, other);
   } else if (as == SolvedAs::field) {
-    set_directions(kField, other);
+    set_directions(field_directions, other);
     other.gather_directions = std::min(options.gather_directions, 32);
     other.beam_rays = 1;
-    other.tolerance = std::max(options.tolerance, kTolerance);
-    other.energy_tolerance = kEnergyTolerance;
+    other.tolerance = std::max(options.tolerance, coarse_tolerance);
+    other.energy_tolerance = coarse_energy_tolerance;
   }
   other.fit.beam_delta_m_order = other.fit.delta_m_order + beyond;
   ask_for_fluxes_alone(other);

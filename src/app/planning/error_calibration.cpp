@@ -20,13 +20,13 @@ struct Calibration {
 // Columns at `reference` were not looked at and have the weights of `fine`. In fields Monte Carlo finds `fine` no
 // better than `balanced` in the domain's fluxes, and `reference` no better than `fine`: little less is expected of
 // them, so that a time that allows them goes into them, but no level is expected to be worse than the one before.
-constexpr std::array<Calibration, 4> kFields{{
+constexpr std::array<Calibration, 4> field_calibration{{
     {"draft", {{.54, .88, 1.8}, {.16, .88, 1.8}, {0, 0, 0}}, {1, 1, 1}},
     {"balanced", {{.17, .37, .48}, {.051, .37, .48}, {0, 0, 0}}, {.45, .48, .3}},
     {"fine", {{.26, .25, .34}, {.077, .25, .34}, {0, 0, 0}}, {.45, .33, .22}},
     {"reference", {{.34, .26, .32}, {.34, .26, .32}, {0, 0, 0}}, {.43, .32, .21}},
 }};
-constexpr std::array<Calibration, 4> kColumns{{
+constexpr std::array<Calibration, 4> column_calibration{{
     {"draft", {{1.3, 1.3, 1.8}, {0, 0, 0}, {3e-6, 1e-4, 0}}, {1, 1, 1}},
     {"balanced", {{1.5, 4.4, 4.6}, {0, 0, 0}, {0, 3e-4, 3e-4}}, {.16, .55, .62}},
     {"fine", {{.64, 1.7, 6.4}, {0, 0, 0}, {3e-5, 3e-5, 1e-4}}, {.027, .15, .41}},
@@ -35,7 +35,7 @@ constexpr std::array<Calibration, 4> kColumns{{
 
 // Companions have twice the streams, so that distances are errors, with a third in reserve; `reference` is held against
 // three quarters of its streams, whose distance is more than its error.
-constexpr std::array<Calibration, 4> kColumnsByStreams{{
+constexpr std::array<Calibration, 4> stream_calibration{{
     {"draft", {{1.3, 1.3, 1.3}, {0, 0, 0}, {1e-5, 1e-4, 3e-5}}, {1, 1, 1}},
     {"balanced", {{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 0, 3e-5}}, {.073, .03, .16}},
     {"fine", {{1.3, 1.7, 1.3}, {0, 0, 0}, {3e-6, 3e-5, 1e-5}}, {.019, .03, .03}},
@@ -43,12 +43,12 @@ constexpr std::array<Calibration, 4> kColumnsByStreams{{
 }};
 
 // Held against the most streams that there are.
-constexpr ErrorWeights kBesideStreams{{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}};
+constexpr ErrorWeights weights_beside_streams{{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}};
 
 const Calibration& calibration(const std::string& accuracy, SolvedAs as) {
-  const auto& table = as == SolvedAs::field                   ? kFields
-                      : as == SolvedAs::column_by_its_streams ? kColumnsByStreams
-                                                              : kColumns;
+  const auto& table = as == SolvedAs::field                   ? field_calibration
+                      : as == SolvedAs::column_by_its_streams ? stream_calibration
+                                                              : column_calibration;
   const auto* const found =
       std::find_if(table.begin(), table.end(), [&](const Calibration& c) { return accuracy == c.accuracy; });
   assert(found != table.end());
@@ -64,7 +64,7 @@ SolvedAs solved_as(const SolvePlan& plan, bool one_column) {
 }
 
 ErrorWeights error_weights(const std::string& accuracy, SolvedAs as) {
-  return as == SolvedAs::column_beside_streams ? kBesideStreams : calibration(accuracy, as).weights;
+  return as == SolvedAs::column_beside_streams ? weights_beside_streams : calibration(accuracy, as).weights;
 }
 
 ByFlux error_ratio_to_draft(const std::string& accuracy, SolvedAs as) {

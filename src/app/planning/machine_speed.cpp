@@ -17,7 +17,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kLeast = .01, kMost = 100;  // beyond, it is no measurement
+constexpr double least_slowness = .01, most_slowness = 100;  // beyond, it is no measurement
 
 std::filesystem::path speed_file() {
   const std::filesystem::path folder = cache_directory();
@@ -40,8 +40,8 @@ double machine_slowness() {
   std::ifstream file(path);
   std::string header;
   double factor = 0;
-  if (!std::getline(file, header) || header != kMachineSpeedHeader || !(file >> factor)) return 1;
-  return std::isfinite(factor) && factor >= kLeast && factor <= kMost ? factor : 1;
+  if (!std::getline(file, header) || header != machine_speed_header || !(file >> factor)) return 1;
+  return std::isfinite(factor) && factor >= least_slowness && factor <= most_slowness ? factor : 1;
 }
 
 double calibrate_machine() {
@@ -56,8 +56,8 @@ double calibrate_machine() {
     const double seconds = report.seconds_total - report.seconds_tables;
     least = n == 0 ? seconds : std::min(least, seconds);
   }
-  const double factor = std::clamp(least / predicted, kLeast, kMost);
-  write_file_atomically(path, fmt::format("{}\n{:.4g}\n", kMachineSpeedHeader, factor));
+  const double factor = std::clamp(least / predicted, least_slowness, most_slowness);
+  write_file_atomically(path, fmt::format("{}\n{:.4g}\n", machine_speed_header, factor));
   return factor;
 }
 

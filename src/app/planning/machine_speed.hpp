@@ -9,7 +9,7 @@ namespace cloudbow {
 
 /// First line of the file that keeps the factor. Its number goes up when predict_seconds() or the solve that is
 /// measured changes, which makes factors of before mean something else (test_machine_speed.cpp notices the former).
-inline constexpr const char* kMachineSpeedHeader = "cloudbow machine 2";
+inline constexpr const char* machine_speed_header = "cloudbow machine 2";
 
 /// The solve that is measured.
 std::pair<Problem, SolverOptions> calibration_solve();

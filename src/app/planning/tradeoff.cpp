@@ -26,10 +26,10 @@ namespace cloudbow {
 namespace {
 
 /// Levels that are modes of the solver, at the coarsest accuracy.
-const std::vector<std::string> kColumnModes{"independent-columns", "independent-diffuse"};
+const std::vector<std::string> column_modes{"independent-columns", "independent-diffuse"};
 
 bool is_column_mode(const std::string& level) {
-  return std::find(kColumnModes.begin(), kColumnModes.end(), level) != kColumnModes.end();
+  return std::find(column_modes.begin(), column_modes.end(), level) != column_modes.end();
 }
 
 /// Gone with everything in it.
@@ -142,7 +142,7 @@ BoundaryResult solve_level(const Level& level, const TradeoffOptions& options, c
   if (!options.quiet) tell("level {}\n", level.name);
   const int code = run_child(arguments);
   InterruptGuard::check();
-  if (code != kExitDone && code != kExitNotConverged)
+  if (code != exit_done && code != exit_not_converged)
     throw InputError(fmt::format("level {}: its run ended with exit code {}", level.name, code));
   BoundaryResult result = read_boundary_result(file);
   std::error_code error;
@@ -154,7 +154,7 @@ BoundaryResult solve_level(const Level& level, const TradeoffOptions& options, c
 
 std::vector<std::string> tradeoff_levels() {
   std::vector<std::string> levels = accuracy_names();
-  levels.insert(levels.begin(), kColumnModes.begin(), kColumnModes.end());
+  levels.insert(levels.begin(), column_modes.begin(), column_modes.end());
   return levels;
 }
 
@@ -195,7 +195,7 @@ int tradeoff(const TradeoffOptions& options) {
   fmt::print("{}", tradeoff_table(report));
   const bool converged =
       std::all_of(results.begin(), results.end(), [](const BoundaryResult& r) { return r.cost.converged; });
-  return converged ? kExitDone : kExitNotConverged;
+  return converged ? exit_done : exit_not_converged;
 }
 
 }  // namespace cloudbow

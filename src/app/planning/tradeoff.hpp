@@ -25,7 +25,7 @@ std::vector<std::string> tradeoff_levels();
 /// Solves each level by `cloudbow run` in a process of its own, so that its time and memory are its own; prints the
 /// table.
 /// Without `levels`, a mode of columns that cannot do what the scene asks for is left out and named below the table.
-/// @returns kExitDone, or kExitNotConverged where a level did not converge.
+/// @returns exit_done, or exit_not_converged where a level did not converge.
 /// @throws InputError for anything wrong with the scene or the options, where no level fits into memory; Interrupted.
 int tradeoff(const TradeoffOptions& options);
 

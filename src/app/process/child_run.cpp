@@ -16,8 +16,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr const char* kThisProgram = "/proc/self/exe";
-constexpr std::chrono::milliseconds kBetweenLooks{10};
+constexpr const char* this_program = "/proc/self/exe";
+constexpr std::chrono::milliseconds between_looks{10};
 
 pid_t start(const std::vector<std::string>& arguments) {
   std::string name = "cloudbow";
@@ -29,7 +29,7 @@ pid_t start(const std::vector<std::string>& arguments) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   pid_t child = 0;
-  const int error = posix_spawn(&child, kThisProgram, &actions, nullptr, argv.data(), environ);
+  const int error = posix_spawn(&child, this_program, &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw std::system_error(error, std::generic_category(), "start a process");
   return child;
@@ -53,7 +53,7 @@ int run_child(const std::vector<std::string>& arguments) {
     // A signal may reach this process alone, so it looks instead of sleeping until the child's end.
     while (!ended(child, WNOHANG, status)) {
       InterruptGuard::check();
-      std::this_thread::sleep_for(kBetweenLooks);
+      std::this_thread::sleep_for(between_looks);
     }
   } catch (const Interrupted&) {
     kill(child, SIGTERM);

@@ -3,10 +3,10 @@
 
 namespace cloudbow {
 
-inline constexpr int kExitDone = 0;
-inline constexpr int kExitInternalError = 1;
-inline constexpr int kExitInputError = 2;
-inline constexpr int kExitNotConverged = 3;
-inline constexpr int kExitDoesNotHold = 3;  ///< a check of `cloudbow verify` failed
+inline constexpr int exit_done = 0;
+inline constexpr int exit_internal_error = 1;
+inline constexpr int exit_input_error = 2;
+inline constexpr int exit_not_converged = 3;
+inline constexpr int exit_does_not_hold = 3;  ///< a check of `cloudbow verify` failed
 
 }  // namespace cloudbow

@@ -3,7 +3,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::array<int, 2> kSignals{SIGINT, SIGTERM};
+constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 // A handler can reach nothing but this.
 volatile std::sig_atomic_t noted_signal = 0;
 
@@ -17,15 +17,15 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = note_signal;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
-  for (std::size_t n = 0; n < kSignals.size(); ++n) {
-    sigaction(kSignals[n], &action, &previous_[n]);
+  for (std::size_t n = 0; n < signals.size(); ++n) {
+    sigaction(signals[n], &action, &previous_[n]);
     // A parent that made the signal ignored (nohup, background jobs) meant it.
-    if (previous_[n].sa_handler == SIG_IGN) sigaction(kSignals[n], &previous_[n], nullptr);
+    if (previous_[n].sa_handler == SIG_IGN) sigaction(signals[n], &previous_[n], nullptr);
   }
 }
 
 InterruptGuard::~InterruptGuard() {
-  for (std::size_t n = 0; n < kSignals.size(); ++n) sigaction(kSignals[n], &previous_[n], nullptr);
+  for (std::size_t n = 0; n < signals.size(); ++n) sigaction(signals[n], &previous_[n], nullptr);
 }
 
 bool InterruptGuard::noted() { return noted_signal != 0; }

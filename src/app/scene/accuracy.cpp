@@ -24,7 +24,7 @@ struct Level {
   double class_tolerance;
 };
 
-constexpr std::array<Level, 4> kLadder{{
+constexpr std::array<Level, 4> ladder{{
     {"draft", 42, "double-gauss-6x8", 6, 8, 2, 2, true, 128, 4, 4, 0, 1e-3, 3e-3},
     {"balanced", 162, "double-gauss-8x16", 8, 12, 3, 3, true, 512, 16, 8, 2, 1e-4, 1e-3},
     {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 64, 12, 1, 1e-5, 2e-4},
@@ -32,40 +32,40 @@ constexpr std::array<Level, 4> kLadder{{
 }};
 // A single column costs next to nothing, so it gets more directions. Fewer azimuths near the pole serve vertical fluxes
 // well, horizontal ones worse: for columns only.
-constexpr std::array<Level, 2> kColumnLadder{{
+constexpr std::array<Level, 2> column_ladder{{
     {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 8, 1, 1e-4, 1e-3},
     {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 12, .5, 1e-5, 2e-4},
 }};
-constexpr int kMeasuredBeamExcess = 2;
+constexpr int measured_beam_excess = 2;
 
 }  // namespace
 
 std::vector<std::string> accuracy_names() {
   std::vector<std::string> names;
-  for (const Level& level : kLadder) names.emplace_back(level.name);
+  for (const Level& level : ladder) names.emplace_back(level.name);
   return names;
 }
 
 double class_tolerance(const std::string& accuracy) {
   const auto* const level =
-      std::find_if(kLadder.begin(), kLadder.end(), [&](const Level& l) { return accuracy == l.name; });
-  assert(level != kLadder.end());
+      std::find_if(ladder.begin(), ladder.end(), [&](const Level& l) { return accuracy == l.name; });
+  assert(level != ladder.end());
   return level->class_tolerance;
 }
 
 SolverOptions accuracy_options(const std::string& name, bool one_column, bool measured_phase_functions) {
   const auto called = [&name](const Level& level) { return name == level.name; };
-  const auto* const for_column = std::find_if(kColumnLadder.begin(), kColumnLadder.end(), called);
-  const auto* const for_any = std::find_if(kLadder.begin(), kLadder.end(), called);
-  assert(for_any != kLadder.end());
-  const Level& level = one_column && for_column != kColumnLadder.end() ? *for_column : *for_any;
+  const auto* const for_column = std::find_if(column_ladder.begin(), column_ladder.end(), called);
+  const auto* const for_any = std::find_if(ladder.begin(), ladder.end(), called);
+  assert(for_any != ladder.end());
+  const Level& level = one_column && for_column != column_ladder.end() ? *for_column : *for_any;
 
   SolverOptions options;
   options.control_points = level.control_points;
   options.directions = level.directions;
   options.fit.delta_m_order = level.delta_m_order;
   options.fit.beam_delta_m_order =
-      measured_phase_functions ? level.delta_m_order + kMeasuredBeamExcess : level.beam_delta_m_order;
+      measured_phase_functions ? level.delta_m_order + measured_beam_excess : level.beam_delta_m_order;
   options.fit.exact_moments = level.exact_moments;
   options.fit.beam_half_range_rows = level.beam_half_range_rows;
   options.fit.minimax = level.minimax;

@@ -24,10 +24,10 @@ struct NumberRange {
   bool contains(double value) const;
 };
 
-inline constexpr NumberRange kFinite{"any finite number", -1e300, 1e300};
-inline constexpr NumberRange kPositive{"> 0", 0, 1e300, false, true};
-inline constexpr NumberRange kNotNegative{">= 0", 0, 1e300};
-inline constexpr NumberRange kFraction{"0 to 1", 0, 1};
+inline constexpr NumberRange finite{"any finite number", -1e300, 1e300};
+inline constexpr NumberRange positive{"> 0", 0, 1e300, false, true};
+inline constexpr NumberRange not_negative{">= 0", 0, 1e300};
+inline constexpr NumberRange fraction{"0 to 1", 0, 1};
 
 /// Which entry of lists that have one for each wavelength.
 struct SpectralPlace {

@@ -23,46 +23,46 @@ namespace cloudbow {
 namespace {
 
 // Scenes are small; what is larger is not a scene.
-constexpr std::uintmax_t kMaxBytes = 4u << 20;
-constexpr std::size_t kLongestPlace = 200;  // bytes of a --set in a message
+constexpr std::uintmax_t max_bytes = 4u << 20;
+constexpr std::size_t longest_place = 200;  // bytes of a --set in a message
 
 /// Files that are given in the place of a scene, by their first bytes.
 struct OtherFile {
   std::string_view begin, found, way_out;
 };
-constexpr std::string_view kImport =
+constexpr std::string_view import =
     "; `cloudbow cloud import` makes a cloud of a model's output, for [cloud] of a scene";
-constexpr std::string_view kEncoding = "; save it as UTF-8";
-constexpr std::array<OtherFile, 8> kOtherFiles{{{" BDV", "an OpenVDB file", "; a scene names it: file in [cloud]"},
-                                                {"\x89HDF", "an HDF5 or netCDF-4 file", kImport},
-                                                {"CDF\x01", "a netCDF file", kImport},
-                                                {"CDF\x02", "a netCDF file", kImport},
-                                                {"CDF\x05", "a netCDF file", kImport},
+constexpr std::string_view encoding = "; save it as UTF-8";
+constexpr std::array<OtherFile, 8> other_files{{{" BDV", "an OpenVDB file", "; a scene names it: file in [cloud]"},
+                                                {"\x89HDF", "an HDF5 or netCDF-4 file", import},
+                                                {"CDF\x01", "a netCDF file", import},
+                                                {"CDF\x02", "a netCDF file", import},
+                                                {"CDF\x05", "a netCDF file", import},
                                                 {"\x89PNG", "a PNG picture", ""},
-                                                {"\xff\xfe", "text in UTF-16", kEncoding},
-                                                {"\xfe\xff", "text in UTF-16", kEncoding}}};
+                                                {"\xff\xfe", "text in UTF-16", encoding},
+                                                {"\xfe\xff", "text in UTF-16", encoding}}};
 
 std::string read_text(const std::filesystem::path& path) {
   const auto fail = [&](std::string_view found, std::string_view way_out = "") {
     throw InputError(fmt::format("{}: cannot be read as a scene (found {}, allowed a TOML file of at most {} MB){}",
-                                 path.string(), found, kMaxBytes >> 20, way_out));
+                                 path.string(), found, max_bytes >> 20, way_out));
   };
   if (const std::string reason = unreadable_reason(path); !reason.empty()) fail(reason);
   std::ifstream stream = open_input(path, "a TOML file");
   std::error_code error;
-  std::string text(std::min<std::uintmax_t>(std::filesystem::file_size(path, error), kMaxBytes + 1), '\0');
+  std::string text(std::min<std::uintmax_t>(std::filesystem::file_size(path, error), max_bytes + 1), '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream) fail("a file that may not be read");
-  for (const OtherFile& other : kOtherFiles)
+  for (const OtherFile& other : other_files)
     if (text.starts_with(other.begin)) fail(other.found, other.way_out);
-  if (text.size() > kMaxBytes) fail("a larger file");
+  if (text.size() > max_bytes) fail("a larger file");
   return text;
 }
 
 [[noreturn]] void fail_too_deep(const std::string& place) {
   throw InputError(
       fmt::format("{}: nested too deeply (found more than {} levels of keys, lists and tables, allowed {})", place,
-                  kMaxTomlDepth, kMaxTomlDepth));
+                  max_toml_depth, max_toml_depth));
 }
 
 /// @param number from 1
@@ -208,7 +208,7 @@ ConfigNode parse_override_value(const std::string& value, const std::string& pla
 }
 
 void apply_override(ConfigNode& root, const std::string& assignment) {
-  const std::string shown = assignment.substr(0, kLongestPlace);
+  const std::string shown = assignment.substr(0, longest_place);
   const bool printable = std::none_of(shown.begin(), shown.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
   const std::string place = fmt::format("--set {}", printable ? shown : quoted(shown));
   const auto equals = assignment.find('=');
@@ -221,7 +221,7 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
         fmt::format("--set: found '{}', allowed KEY=VALUE with a dotted key, as in sun.zenith_deg=30", shown));
   }
   const std::string value = assignment.substr(equals + 1);
-  if (parts.size() > kMaxTomlDepth || first_line_too_deep(fmt::format("value = {}", value))) fail_too_deep(place);
+  if (parts.size() > max_toml_depth || first_line_too_deep(fmt::format("value = {}", value))) fail_too_deep(place);
 
   ConfigNode* node = &root;
   std::string path;

@@ -14,16 +14,16 @@
 namespace cloudbow {
 namespace {
 
-constexpr NumberRange kLight{"0, or 1e-25 to 1e25", 0, most_light};
-constexpr NumberRange kZenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
-constexpr int kMaxVerticalCells = 100000;
-constexpr std::size_t kMaxWavelengths = 1000;
+constexpr NumberRange light_range{"0, or 1e-25 to 1e25", 0, most_light};
+constexpr NumberRange zenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
+constexpr int max_vertical_cells = 100000;
+constexpr std::size_t max_wavelengths = 1000;
 
 /// Irradiance or radiance, which results hold in float.
 std::optional<double> light(const ConfigReader& reader, const std::string& key, SpectralPlace at) {
-  const auto value = reader.find_number(key, kLight, at);
+  const auto value = reader.find_number(key, light_range, at);
   if (value && *value > 0 && *value < least_light)
-    reader.fail(key, "out of range", fmt::format("{}", *value), kLight.allowed);
+    reader.fail(key, "out of range", fmt::format("{}", *value), light_range.allowed);
   return value;
 }
 
@@ -32,11 +32,11 @@ std::vector<double> read_wavelengths(const ConfigReader& root) {
   const auto spectrum = root.find_table("spectrum");
   if (!spectrum) return {};
   spectrum->check_keys({"wavelengths_um"});
-  const auto wavelengths = spectrum->find_numbers("wavelengths_um", kPositive);
+  const auto wavelengths = spectrum->find_numbers("wavelengths_um", positive);
   if (!wavelengths) spectrum->fail_missing("wavelengths_um", "a list of wavelengths > 0");
-  if (wavelengths->empty() || wavelengths->size() > kMaxWavelengths) {
+  if (wavelengths->empty() || wavelengths->size() > max_wavelengths) {
     spectrum->fail("wavelengths_um", "empty or too long", fmt::format("{} wavelengths", wavelengths->size()),
-                   fmt::format("1 to {}", kMaxWavelengths));
+                   fmt::format("1 to {}", max_wavelengths));
   }
   // As a coordinate of the result, which readers search, must be.
   const bool ascend =
@@ -110,8 +110,8 @@ void SceneReader::read_domain(const ConfigReader& reader) {
   reader.check_keys({"boundary", "min_m", "max_m", "vertical_cells"});
   SceneDomain& domain = scene_.domain;
   domain.periodic = reader.find_choice("boundary", {"periodic", "open"}).value_or("periodic") == "periodic";
-  domain.min_m = reader.find_triple("min_m", kFinite);
-  domain.max_m = reader.find_triple("max_m", kFinite);
+  domain.min_m = reader.find_triple("min_m", finite);
+  domain.max_m = reader.find_triple("max_m", finite);
   if (domain.min_m && domain.max_m) {
     for (int axis = 0; axis < 3; ++axis) {
       if ((*domain.max_m)[axis] <= (*domain.min_m)[axis]) {
@@ -120,7 +120,7 @@ void SceneReader::read_domain(const ConfigReader& reader) {
       }
     }
   }
-  domain.vertical_cells = reader.find_integer("vertical_cells", 1, kMaxVerticalCells).value_or(0);
+  domain.vertical_cells = reader.find_integer("vertical_cells", 1, max_vertical_cells).value_or(0);
   if (domain.vertical_cells > 0 && scene_.cloud) {
     reader.fail("vertical_cells", "only for scenes without [cloud]", std::to_string(domain.vertical_cells),
                 "no such key: the cloud's voxels give the levels");
@@ -130,8 +130,8 @@ void SceneReader::read_domain(const ConfigReader& reader) {
 
 // Counter-clockwise from +x, from whichever of the two keys is there.
 std::optional<double> SceneReader::read_azimuth(const ConfigReader& reader) {
-  const auto azimuth = reader.find_number("azimuth_deg", kFinite);
-  const auto bearing = reader.find_number("bearing_deg", kFinite);
+  const auto azimuth = reader.find_number("azimuth_deg", finite);
+  const auto bearing = reader.find_number("bearing_deg", finite);
   if (azimuth && bearing) reader.fail("bearing_deg", "excludes azimuth_deg", "both", "one of the two");
   if (bearing) return 90 - *bearing;
   return azimuth;
@@ -140,7 +140,7 @@ std::optional<double> SceneReader::read_azimuth(const ConfigReader& reader) {
 void SceneReader::read_sun(const ConfigReader& reader) {
   reader.check_keys({"zenith_deg", "azimuth_deg", "bearing_deg", "irradiance_w_m2"});
   SceneSun sun;
-  sun.zenith_deg = reader.number("zenith_deg", kZenith);
+  sun.zenith_deg = reader.number("zenith_deg", zenith);
   const auto azimuth = read_azimuth(reader);
   if (!azimuth) {
     reader.fail("azimuth_deg", "missing", "neither azimuth_deg nor bearing_deg",
@@ -161,22 +161,22 @@ void SceneReader::read_surface(const ConfigReader& reader) {
   };
   Surface& surface = scene_.surface;
   surface.tilt.slope_deg = reader.find_number("slope_deg", {"0 to 89", 0, 89}).value_or(0);
-  surface.tilt.aspect_deg = reader.find_number("aspect_deg", kFinite).value_or(0);
+  surface.tilt.aspect_deg = reader.find_number("aspect_deg", finite).value_or(0);
   if (type == "lambertian") {
     check_keys({"albedo", "albedo_map"});
-    surface.albedo = reader.find_number("albedo", kFraction, at_).value_or(0);
+    surface.albedo = reader.find_number("albedo", fraction, at_).value_or(0);
     if (reader.has("albedo_map")) read_albedo_map_key(reader);
     if (surface.tilt.slope_deg > 0) surface.brdf = SurfaceBrdf::lambertian(surface.albedo);
   } else if (type == "rpv") {
     check_keys({"rho0", "k", "theta", "rho_c"});
-    const double rho0 = reader.number("rho0", kNotNegative, at_);
-    surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", kPositive, at_),
+    const double rho0 = reader.number("rho0", not_negative, at_);
+    surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", positive, at_),
                                     reader.number("theta", {"between -1 and 1", -1, 1, false, false}, at_),
-                                    reader.find_number("rho_c", kNotNegative, at_).value_or(rho0));
+                                    reader.find_number("rho_c", not_negative, at_).value_or(rho0));
   } else if (type == "ross-li") {
     check_keys({"f_iso", "f_vol", "f_geo"});
-    surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", kNotNegative, at_), reader.number("f_vol", kFinite, at_),
-                                        reader.number("f_geo", kFinite, at_));
+    surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", not_negative, at_), reader.number("f_vol", finite, at_),
+                                        reader.number("f_geo", finite, at_));
   } else {
     check_keys({"wind_speed_m_s", "refractive_index"});
     surface.brdf = SurfaceBrdf::cox_munk(

@@ -15,7 +15,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr NumberRange kAsymmetry{"-1 < g < 1", -1, 1, false, false};
+constexpr NumberRange asymmetry{"-1 < g < 1", -1, 1, false, false};
 
 }  // namespace
 
@@ -39,13 +39,13 @@ SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const ConfigR
   }
   if (type == "henyey-greenstein") {
     reader.check_keys({"type", "asymmetry_parameter"});
-    return {PhaseFunction::henyey_greenstein(reader.number("asymmetry_parameter", kAsymmetry, at_))};
+    return {PhaseFunction::henyey_greenstein(reader.number("asymmetry_parameter", asymmetry, at_))};
   }
   if (type == "double-henyey-greenstein") {
     reader.check_keys({"type", "forward_asymmetry_parameter", "backward_asymmetry_parameter", "forward_weight"});
-    return {PhaseFunction::double_henyey_greenstein(reader.number("forward_asymmetry_parameter", kAsymmetry, at_),
-                                                    reader.number("backward_asymmetry_parameter", kAsymmetry, at_),
-                                                    reader.number("forward_weight", kFraction, at_))};
+    return {PhaseFunction::double_henyey_greenstein(reader.number("forward_asymmetry_parameter", asymmetry, at_),
+                                                    reader.number("backward_asymmetry_parameter", asymmetry, at_),
+                                                    reader.number("forward_weight", fraction, at_))};
   }
   if (type == "legendre") return read_legendre(reader);
   if (type == "table") {
@@ -87,11 +87,11 @@ SceneReader::DefinedPhaseFunction SceneReader::read_function_file(
 SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& reader) {
   reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um"});
   const auto file = existing_spectral_file(reader, "file");
-  auto wavelength = reader.find_number("wavelength_um", kPositive, at_);
+  auto wavelength = reader.find_number("wavelength_um", positive, at_);
   if (!wavelength) wavelength = scene_.wavelength_um;
   DefinedPhaseFunction defined;
   defined.measured = true;
-  defined.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
+  defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
   reader.with_place(
       "file", [&] { defined.droplets = std::make_shared<const DropletTable>(read_droplet_table(file, wavelength)); });
   note(reader, "file", defined.droplets->notes);
@@ -147,7 +147,7 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
                   fmt::format("{} to {} um", smallest_effective_radius_um, largest_effective_radius_um));
     }
     if (cloud.single_scattering_albedo_grid.empty()) {
-      cloud.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
+      cloud.single_scattering_albedo = reader.number("single_scattering_albedo", fraction, at_);
     }
     if (defined.set != nullptr) {
       cloud.phase_set = defined.set;
@@ -156,7 +156,7 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
     cloud.phase_function = add_phase_function(name, *defined.function, defined.measured);
     return;
   }
-  cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", kFraction, at_);
+  cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", fraction, at_);
   const std::string of_function = fmt::format("phase_function.{}.effective_radius_um", name);
   if (!cloud.effective_radius_grid.empty()) {
     if (defined.effective_radius_um) {
@@ -191,7 +191,7 @@ void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {
                 "a single phase function");
   }
   if (defined.droplets == nullptr) {
-    layer.single_scattering_albedo = reader.number("single_scattering_albedo", kFraction, at_);
+    layer.single_scattering_albedo = reader.number("single_scattering_albedo", fraction, at_);
     layer.phase_function = add_phase_function(name, *defined.function, defined.measured);
     return;
   }
@@ -201,7 +201,7 @@ void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {
   }
   const DropletOptics optics = droplet_optics(*defined.droplets, *defined.effective_radius_um);
   layer.single_scattering_albedo =
-      reader.find_number("single_scattering_albedo", kFraction, at_).value_or(optics.single_scattering_albedo);
+      reader.find_number("single_scattering_albedo", fraction, at_).value_or(optics.single_scattering_albedo);
   layer.phase_function = add_phase_function(name, optics.phase_function, true);
 }
 
@@ -213,14 +213,14 @@ void SceneReader::read_cloud(const ConfigReader& reader) {
   cloud.file = existing_file(reader, "file");
   if (reader.has("grid")) cloud.read.grid = reader.text("grid");
   cloud.quantity = reader.find_choice("quantity", {"extinction", "liquid_water_content"}).value_or("");
-  cloud.read.scale = reader.find_number("scale", kPositive, at_).value_or(1);
+  cloud.read.scale = reader.find_number("scale", positive, at_).value_or(1);
   cloud.read.up_axis = reader.find_choice("up_axis", {"x", "y", "z"}).value_or("z");
   if (const ConfigNode* size = reader.find("voxel_size_m"); size != nullptr && size->kind == ConfigNode::Kind::array) {
-    cloud.read.voxel_size_m = reader.find_triple("voxel_size_m", kPositive);
-  } else if (const auto edge = reader.find_number("voxel_size_m", kPositive)) {
+    cloud.read.voxel_size_m = reader.find_triple("voxel_size_m", positive);
+  } else if (const auto edge = reader.find_number("voxel_size_m", positive)) {
     cloud.read.voxel_size_m = {*edge, *edge, *edge};
   }
-  cloud.effective_radius_um = reader.find_number("effective_radius_um", kPositive);
+  cloud.effective_radius_um = reader.find_number("effective_radius_um", positive);
   if (reader.has("effective_radius_grid")) {
     if (cloud.effective_radius_um) {
       reader.fail("effective_radius_grid", "excludes effective_radius_um", "both", "one of the two");
@@ -243,12 +243,12 @@ void SceneReader::read_layer(const ConfigReader& reader) {
                      "single_scattering_albedo", "phase_function"});
   reader.find_text("name");
   Layer layer;
-  layer.bottom_m = reader.number("bottom_m", kFinite);
-  layer.top_m = reader.number("top_m", kFinite);
+  layer.bottom_m = reader.number("bottom_m", finite);
+  layer.top_m = reader.number("top_m", finite);
   if (layer.top_m <= layer.bottom_m) {
     reader.fail("top_m", "not above bottom_m", fmt::format("{}", layer.top_m), fmt::format("> {}", layer.bottom_m));
   }
-  layer.optical_depth = reader.number("optical_depth", kNotNegative, at_);
+  layer.optical_depth = reader.number("optical_depth", not_negative, at_);
   read_layer_optics(reader, layer);
   if (reader.has("optical_depth_wavelength_um")) layer.optical_depth *= rayleigh_ratio(reader, layer);
   for (const char* key : {"bottom_m", "top_m"}) remember(reader, key);
@@ -257,7 +257,7 @@ void SceneReader::read_layer(const ConfigReader& reader) {
 
 double SceneReader::rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const {
   const char* const key = "optical_depth_wavelength_um";
-  const double given_um = reader.number(key, kPositive);
+  const double given_um = reader.number(key, positive);
   if (!scene_.wavelength_um) reader.fail(key, "needs [spectrum]", fmt::format("{}", given_um), "no such key");
   const ScenePhaseFunction& phase = scene_.phase_functions[static_cast<std::size_t>(layer.phase_function)];
   if (phase.function.key() != PhaseFunction::rayleigh().key())

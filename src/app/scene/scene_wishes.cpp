@@ -12,9 +12,9 @@
 namespace cloudbow {
 namespace {
 
-constexpr NumberRange kTolerance{"1e-8 to 0.1", 1e-8, 0.1};
-constexpr int kMaxPixels = 16384;
-constexpr int kMaxRays = 16;
+constexpr NumberRange tolerance_range{"1e-8 to 0.1", 1e-8, 0.1};
+constexpr int max_pixels = 16384;
+constexpr int max_rays = 16;
 
 }  // namespace
 
@@ -43,8 +43,8 @@ void SceneReader::read_radiance(const ConfigReader& reader) {
   if (reader.has("width") != reader.has("height")) {
     reader.fail_missing(reader.has("width") ? "height" : "width", "width and height, or neither");
   }
-  radiance.width = reader.find_integer("width", 1, kMaxPixels).value_or(0);
-  radiance.height = reader.find_integer("height", 1, kMaxPixels).value_or(0);
+  radiance.width = reader.find_integer("width", 1, max_pixels).value_or(0);
+  radiance.height = reader.find_integer("height", 1, max_pixels).value_or(0);
   scene_.radiances.push_back(radiance);
 }
 
@@ -53,7 +53,7 @@ void SceneReader::read_camera(const ConfigReader& reader) {
   const std::string name = read_image_name(reader);
   const std::string type = reader.find_choice("type", {"perspective", "fisheye", "panorama"}).value_or("perspective");
   const auto vector = [&](const char* key) -> std::optional<Eigen::Vector3d> {
-    const auto triple = reader.find_triple(key, kFinite);
+    const auto triple = reader.find_triple(key, finite);
     if (!triple) return std::nullopt;
     return Eigen::Vector3d((*triple)[0], (*triple)[1], (*triple)[2]);
   };
@@ -81,12 +81,12 @@ void SceneReader::read_camera(const ConfigReader& reader) {
   }
   const double field_of_view_deg = reader.find_number("field_of_view_deg", allowed).value_or(default_deg);
   const auto pixels = [&](const char* key) {
-    const auto count = reader.find_integer(key, 1, kMaxPixels);
-    if (!count) reader.fail_missing(key, fmt::format("an integer from 1 to {}", kMaxPixels));
+    const auto count = reader.find_integer(key, 1, max_pixels);
+    if (!count) reader.fail_missing(key, fmt::format("an integer from 1 to {}", max_pixels));
     return *count;
   };
   const int width = pixels("width"), height = pixels("height");
-  const int rays = reader.find_integer("rays", 1, kMaxRays).value_or(2);
+  const int rays = reader.find_integer("rays", 1, max_rays).value_or(2);
   reader.with_place(reader.has("look_at_m") ? "look_at_m" : "up", [&] {
     scene_.cameras.push_back(
         make_camera(name, projection, placement, field_of_view_deg * std::numbers::pi / 180, width, height, rays));
@@ -127,7 +127,7 @@ void SceneReader::read_solver(const ConfigReader& reader) {
   }
   solver.column_streams = reader.find_integer("column_streams", 2, 16);
   solver.largest_level_depth = reader.find_number("largest_level_depth", {">= 0", 0, 1e9});
-  solver.tolerance = reader.find_number("tolerance", kTolerance);
+  solver.tolerance = reader.find_number("tolerance", tolerance_range);
   solver.class_tolerance = reader.find_number("class_tolerance", {"0 to 0.1", 0, 0.1});
   solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);
   solver.half_precision_radiance = reader.find_choice("radiance_storage", {"float32", "float16"}) == "float16";
@@ -141,7 +141,7 @@ void SceneReader::read_output(const ConfigReader& reader) {
   if (const ConfigNode* levels = reader.find("flux_levels"); levels != nullptr) {
     if (levels->kind == ConfigNode::Kind::array) {
       output.flux_levels = FluxLevels::listed;
-      output.heights_m = *reader.find_numbers("flux_levels", kFinite);
+      output.heights_m = *reader.find_numbers("flux_levels", finite);
       if (output.heights_m.empty()) reader.fail("flux_levels", "empty", "[]", "all, boundaries, or heights in metres");
       std::sort(output.heights_m.begin(), output.heights_m.end());
     } else {

@@ -37,7 +37,7 @@ std::size_t after_string(std::string_view text, std::size_t begin) {
 /// Counts levels token by token.
 class DepthCounter {
  public:
-  bool too_deep() const { return above_ + parts_ > kMaxTomlDepth; }
+  bool too_deep() const { return above_ + parts_ > max_toml_depth; }
 
   /// A bare word or a string: part of a key, or a value.
   void word() {

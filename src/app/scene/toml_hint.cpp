@@ -8,13 +8,13 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-constexpr std::size_t kLongestValue = 60;  // bytes of a value in a message
+constexpr std::string_view blanks = " \t\r";
+constexpr std::size_t longest_value = 60;  // bytes of a value in a message
 
 std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlanks);
+  const auto first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
 bool begins_with_digit(std::string_view text) {
@@ -49,7 +49,7 @@ std::string hint_of_value(std::string_view value, std::string_view key) {
   if (begins_with_digit(value) || (value.front() == '.' && begins_with_digit(value.substr(1))))
     return hint_of_number(value);
   const bool printable = std::none_of(value.begin(), value.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
-  if (value.front() == '[' || value.front() == '{' || value.size() > kLongestValue || !printable)
+  if (value.front() == '[' || value.front() == '{' || value.size() > longest_value || !printable)
     return "text stands in quotes";
   return fmt::format("text stands in quotes: {}\"{}\"", key.empty() ? "" : fmt::format("{} = ", key), value);
 }

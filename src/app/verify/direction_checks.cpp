@@ -9,15 +9,15 @@
 namespace cloudbow {
 namespace {
 
-constexpr int kWidth = 9;  // columns along x and y
-constexpr std::array<double, 3> kCell{1, .8, .75};
-const double kCosine = std::sqrt(.5);    // of the zenith angle
-constexpr double kOff = 3.5 * kCell[2];  // what is so high is seen so far off
+constexpr int width = 9;  // columns along x and y
+constexpr std::array<double, 3> cell{1, .8, .75};
+const double cosine = std::sqrt(.5);    // of the zenith angle
+constexpr double sight_distance = 3.5 * cell[2];  // what is so high is seen so far off
 
 // One voxel in an empty box of four levels.
 ExtinctionField one_voxel(int k, float extinction) {
-  ExtinctionField field{kWidth, kWidth, 4, std::vector<float>(kWidth * kWidth * 4, 0.F), kCell};
-  field.extinction[static_cast<std::size_t>((k * kWidth + kWidth / 2) * kWidth + kWidth / 2)] = extinction;
+  ExtinctionField field{width, width, 4, std::vector<float>(width * width * 4, 0.F), cell};
+  field.extinction[static_cast<std::size_t>((k * width + width / 2) * width + width / 2)] = extinction;
   return field;
 }
 
@@ -25,18 +25,18 @@ ExtinctionField one_voxel(int k, float extinction) {
 template <class Weight>
 double centre_off(const Weight& weight, double off_x, double off_y) {
   double sum = 0, sum_x = 0, sum_y = 0;
-  for (int j = 0; j < kWidth; ++j) {
-    for (int i = 0; i < kWidth; ++i) {
-      const double w = weight(static_cast<std::size_t>(j * kWidth + i));
+  for (int j = 0; j < width; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const double w = weight(static_cast<std::size_t>(j * width + i));
       sum += w;
-      sum_x += w * (i - kWidth / 2) * kCell[0];
-      sum_y += w * (j - kWidth / 2) * kCell[1];
+      sum_x += w * (i - width / 2) * cell[0];
+      sum_y += w * (j - width / 2) * cell[1];
     }
   }
   return std::hypot(sum_x / sum - off_x, sum_y / sum - off_y);
 }
 
-constexpr std::array<double, 6> kAzimuths{0, 90, 180, 270, 30, 205};
+constexpr std::array<double, 6> azimuths{0, 90, 180, 270, 30, 205};
 
 SolverOptions with_many_rays() {
   SolverOptions options = field_options();
@@ -47,12 +47,12 @@ SolverOptions with_many_rays() {
 // The shadow of a voxel lies on the side away from the sun, as far off as the voxel is high.
 double shadow() {
   Worst worst;
-  for (const double azimuth : kAzimuths) {
+  for (const double azimuth : azimuths) {
     const Solution solution = solve(
-        field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(kCosine, azimuth)), with_many_rays());
+        field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(cosine, azimuth)), with_many_rays());
     const double angle = azimuth * std::numbers::pi / 180;
-    worst.meet(centre_off([&](std::size_t c) { return kCosine - static_cast<double>(solution.direct_flux[c]); },
-                          -kOff * std::cos(angle), -kOff * std::sin(angle)));
+    worst.meet(centre_off([&](std::size_t c) { return cosine - static_cast<double>(solution.direct_flux[c]); },
+                          -sight_distance * std::cos(angle), -sight_distance * std::sin(angle)));
   }
   return worst.value();
 }
@@ -60,31 +60,31 @@ double shadow() {
 // A sensor sees a voxel near the ground, along a slanted line, through the top nearer to itself.
 double parallax() {
   SolverOptions options = with_many_rays();
-  for (const double azimuth : kAzimuths) options.views.push_back({"view", travel_to_sensor(kCosine, azimuth)});
+  for (const double azimuth : azimuths) options.views.push_back({"view", travel_to_sensor(cosine, azimuth)});
   const Solution solution =
       solve(field_problem(one_voxel(0, .01F), 1, PhaseFunction::isotropic(), sun_at(1, 0)), options);
   Worst worst;
-  for (std::size_t v = 0; v < kAzimuths.size(); ++v) {
-    const double angle = kAzimuths[v] * std::numbers::pi / 180;
+  for (std::size_t v = 0; v < azimuths.size(); ++v) {
+    const double angle = azimuths[v] * std::numbers::pi / 180;
     worst.meet(centre_off([&](std::size_t c) { return static_cast<double>(solution.images.at(v).radiance.at(c)); },
-                          kOff * std::cos(angle), kOff * std::sin(angle)));
+                          sight_distance * std::cos(angle), sight_distance * std::sin(angle)));
   }
   return worst.value();
 }
 
 // ---- maps of a square field onto itself -----------------------------------------------------------------------------
 
-constexpr int kSide = 6;
+constexpr int side = 6;
 
 // x' = xx x + xy y, y' = yx x + yy y about the field's centre, then a shift by columns, round the periodic box.
 struct Map {
   int xx, xy, yx, yy, shift_x, shift_y;
 
   std::size_t column(std::size_t c) const {
-    const int x = 2 * (static_cast<int>(c) % kSide) - (kSide - 1);
-    const int y = 2 * (static_cast<int>(c) / kSide) - (kSide - 1);
-    const auto place = [](int doubled, int shift) { return ((doubled + kSide - 1) / 2 + shift) % kSide; };
-    return static_cast<std::size_t>(place(yx * x + yy * y, shift_y) * kSide + place(xx * x + xy * y, shift_x));
+    const int x = 2 * (static_cast<int>(c) % side) - (side - 1);
+    const int y = 2 * (static_cast<int>(c) / side) - (side - 1);
+    const auto place = [](int doubled, int shift) { return ((doubled + side - 1) / 2 + shift) % side; };
+    return static_cast<std::size_t>(place(yx * x + yy * y, shift_y) * side + place(xx * x + xy * y, shift_x));
   }
   Direction direction(const Direction& d) const { return {xx * d.x() + xy * d.y(), yx * d.x() + yy * d.y(), d.z()}; }
 };
@@ -95,8 +95,8 @@ struct MapDeviation {
 };
 
 MapDeviation under(const Map& map) {
-  constexpr std::size_t columns = kSide * kSide;
-  const ExtinctionField field = uneven_field(kSide, kSide, 4, 3);
+  constexpr std::size_t columns = side * side;
+  const ExtinctionField field = uneven_field(side, side, 4, 3);
   ExtinctionField mapped = field;
   for (std::size_t c = 0; c < field.extinction.size(); ++c)
     mapped.extinction[c / columns * columns + map.column(c % columns)] = field.extinction[c];

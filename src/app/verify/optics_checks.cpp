@@ -9,7 +9,7 @@ namespace cloudbow {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double kAsymmetry = .85;
+constexpr double asymmetry = .85;
 
 // Integral of P mu^k over the sphere, divided by 4 pi: Simpson's rule in the scattering angle.
 double moment_of_values(const PhaseFunction& phase, int k) {
@@ -26,7 +26,7 @@ double moment_of_values(const PhaseFunction& phase, int k) {
 double norms_and_asymmetries() {
   Worst worst;
   for (const auto& [phase, g] : {std::pair(PhaseFunction::isotropic(), 0.), std::pair(PhaseFunction::rayleigh(), 0.),
-                                 std::pair(PhaseFunction::henyey_greenstein(kAsymmetry), kAsymmetry),
+                                 std::pair(PhaseFunction::henyey_greenstein(asymmetry), asymmetry),
                                  std::pair(PhaseFunction::henyey_greenstein(-.4), -.4),
                                  std::pair(PhaseFunction::double_henyey_greenstein(.8, -.5, .9), .9 * .8 - .1 * .5),
                                  std::pair(PhaseFunction::legendre({1, .5, .2}), .5)}) {
@@ -41,7 +41,7 @@ struct FittedScattering {
   OrdinateSet ordinates;
   Direction beam = Direction(.48, .36, -.8);
   FitOptions options;
-  PhaseFunction phase = PhaseFunction::henyey_greenstein(kAsymmetry);
+  PhaseFunction phase = PhaseFunction::henyey_greenstein(asymmetry);
   ScatteringTable table;
 };
 
@@ -75,9 +75,9 @@ double column_sums() {
 double column_asymmetries() {
   const FittedScattering fit = fitted("draft");
   // Delta-M: a peak that holds the fraction f = g^N of the light is counted as unscattered (Wiscombe 1977).
-  const double f = std::pow(kAsymmetry, fit.options.delta_m_order);
+  const double f = std::pow(asymmetry, fit.options.delta_m_order);
   Worst worst;
-  for (int d = 0; d < fit.ordinates.size(); ++d) worst.meet(moment_of_column(fit, d, 1), (kAsymmetry - f) / (1 - f));
+  for (int d = 0; d < fit.ordinates.size(); ++d) worst.meet(moment_of_column(fit, d, 1), (asymmetry - f) / (1 - f));
   return worst.value();
 }
 
@@ -86,11 +86,11 @@ double column_asymmetries() {
 double first_scattering_of_the_beam() {
   const FittedScattering fit = fitted("draft");
   const int order = fit.options.beam_delta_m_order;
-  const double f = std::pow(kAsymmetry, order);
+  const double f = std::pow(asymmetry, order);
   const auto truncated = [&](double cosine) {
     double before = 0, here = 1, sum = 0;
     for (int l = 0; l < order; ++l) {
-      sum += (2 * l + 1) * (std::pow(kAsymmetry, l) - f) / (1 - f) * here;
+      sum += (2 * l + 1) * (std::pow(asymmetry, l) - f) / (1 - f) * here;
       const double next = ((2 * l + 1) * cosine * here - l * before) / (l + 1);
       before = here;
       here = next;

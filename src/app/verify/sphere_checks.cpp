@@ -9,8 +9,8 @@ namespace cloudbow {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::array<int, 4> kPoints{12, 42, 162, 642};
-constexpr std::array<Interpolation, 2> kInterpolations{Interpolation::spherical_area, Interpolation::planar};
+constexpr std::array<int, 4> point_counts{12, 42, 162, 642};
+constexpr std::array<Interpolation, 2> interpolations{Interpolation::spherical_area, Interpolation::planar};
 
 // Directions spread evenly: equal steps in z, the golden angle in azimuth.
 std::vector<Direction> spread_directions(int count) {
@@ -26,9 +26,9 @@ std::vector<Direction> spread_directions(int count) {
 
 double sum_of_weights() {
   Worst worst;
-  for (const int count : kPoints) {
+  for (const int count : point_counts) {
     const ControlPoints points(count);
-    for (const Interpolation interpolation : kInterpolations) {
+    for (const Interpolation interpolation : interpolations) {
       for (const Direction& direction : spread_directions(1000)) {
         const auto weight = points.stencil(direction, interpolation).weight;
         worst.meet(weight[0] + weight[1] + weight[2], 1);
@@ -40,9 +40,9 @@ double sum_of_weights() {
 
 double values_at_control_points() {
   Worst worst;
-  for (const int count : kPoints) {
+  for (const int count : point_counts) {
     const ControlPoints points(count);
-    for (const Interpolation interpolation : kInterpolations) {
+    for (const Interpolation interpolation : interpolations) {
       for (int m = 0; m < points.size(); ++m) {
         // The function that is 1 at this point and 0 at the others.
         const Stencil stencil = points.stencil(points.directions()[m], interpolation);

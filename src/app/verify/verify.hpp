@@ -37,7 +37,7 @@ std::vector<PhysicalCheck> physical_checks();
 CheckOutcome carry_out(const PhysicalCheck& check);
 
 /// Carries out the checks and prints a line for each to stdout.
-/// @returns kExitDone, or kExitDoesNotHold where any has failed.
+/// @returns exit_done, or exit_does_not_hold where any has failed.
 /// @throws InputError for a name that no check has.
 int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& options);
 

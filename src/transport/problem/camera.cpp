@@ -13,7 +13,7 @@ namespace cloudbow {
 namespace {
 
 // Sine of the angle between up and line of sight below which the frame is undefined to the digits of a scene file.
-constexpr double kParallel = 1e-6;
+constexpr double parallel = 1e-6;
 
 std::string text(const Eigen::Vector3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }
 
@@ -59,7 +59,7 @@ Camera make_camera(const std::string& name, Camera::Projection projection, const
   Camera camera{name,   projection, placement.position_m, sight.normalized(), {}, up.normalized(), field_of_view, width,
                 height, rays};
   const Eigen::Vector3d right = camera.forward.cross(camera.up);
-  if (right.norm() < kParallel) {
+  if (right.norm() < parallel) {
     throw InputError(
         fmt::format("up parallel to the line of sight (found {}, allowed any other direction)", text(placement.up)));
   }

@@ -10,7 +10,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::size_t kNotChosen = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t not_chosen = std::numeric_limits<std::size_t>::max();
 
 /// Calls see(column, k, cell) for all active cells, in their order.
 template <class See>
@@ -37,13 +37,13 @@ Problem side_by_side(const Problem& problem, const std::vector<std::size_t>& cho
   for (const std::size_t column : chosen) {
     if (!problem.surface.albedo_map.empty()) row.surface.albedo_map.push_back(problem.surface.albedo_map[column]);
   }
-  std::vector<std::size_t> location(from.box.columns(), kNotChosen);
+  std::vector<std::size_t> location(from.box.columns(), not_chosen);
   for (std::size_t n = 0; n < chosen.size(); ++n) location[chosen[n]] = n;
   // Cells of each level by their location in the row.
   std::vector<std::vector<std::uint32_t>> cell(from.box.nz(),
                                                std::vector<std::uint32_t>(chosen.size(), GridMap::no_cell));
   for_each_cell(from, [&](std::size_t column, int k, std::uint32_t c) {
-    if (location[column] != kNotChosen) cell[k][location[column]] = c;
+    if (location[column] != not_chosen) cell[k][location[column]] = c;
   });
   GridMap map;
   map.box = from.box;

@@ -9,7 +9,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kLargestOpticalDepth = 1e6;
+constexpr double largest_optical_depth = 1e6;
 
 }  // namespace
 
@@ -23,11 +23,11 @@ void check_cell_thickness(const Problem& problem) {
       if (scatters) largest = std::max(largest, grid.box.thickness_m(k) * grid.extinction(c));
     }
   });
-  if (largest > kLargestOpticalDepth) {
+  if (largest > largest_optical_depth) {
     throw InputError(
         fmt::format("cell: too thick to be solved (found an optical depth of {:.4g}, allowed up to {:g} where light "
                     "scatters) thinner cells, or solver.mode = \"independent-columns\", which takes any",
-                    largest, kLargestOpticalDepth));
+                    largest, largest_optical_depth));
   }
 }
 

@@ -38,11 +38,11 @@ TEST_F(AvailableMemory, WithoutAnyFileIsThatOfTheMachine) {
 }
 
 TEST_F(AvailableMemory, IsWhatTheSystemCallsAvailableAndWhatTheProcessHolds) {
-  write("proc/meminfo", "MemTotal:  900000 kB\nMemFree:  1000 kB\nMemAvailable:   200000 kB\n");
+  write("proc/meminfo", "MemTotal:  900000 b\nMemFree:  1000 b\nMemAvailable:   200000 b\n");
   EXPECT_EQ(bytes(), 200000U * 1024);
-  write("proc/self/status", "Name:\tcloudbow\nVmSize:\t  90000 kB\nVmRSS:\t  50000 kB\nVmData:\t 60000 kB\n");
+  write("proc/self/status", "Name:\tcloudbow\nVmSize:\t  90000 b\nVmRSS:\t  50000 b\nVmData:\t 60000 b\n");
   EXPECT_EQ(bytes(), 250000U * 1024);
-  write("proc/meminfo", "MemTotal:  240000 kB\nMemAvailable:   200000 kB\n");
+  write("proc/meminfo", "MemTotal:  240000 b\nMemAvailable:   200000 b\n");
   EXPECT_EQ(bytes(), 240000U * 1024);
 }
 
@@ -78,7 +78,7 @@ TEST_F(AvailableMemory, InAContainerByItsRootWhereTheGroupIsNamedFromOutside) {
 }
 
 TEST_F(AvailableMemory, IsLessUnderLimitsOnAddressesAndData) {
-  write("proc/self/status", "VmSize:\t90000 kB\nVmRSS:\t50000 kB\nVmData:\t70000 kB\n");
+  write("proc/self/status", "VmSize:\t90000 b\nVmRSS:\t50000 b\nVmData:\t70000 b\n");
   // In a child, whose limits end with it.
   const auto under = [&](auto resource, std::uint64_t limit) {
     const pid_t child = fork();

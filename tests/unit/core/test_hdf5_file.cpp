@@ -21,7 +21,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr H5Z_filter_t kForeignFilter = 300;
+constexpr H5Z_filter_t foreign_filter = 300;
 
 std::size_t same_bytes(unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*, void**) {
   return bytes;
@@ -31,10 +31,10 @@ class Hdf5File : public TemporaryFolder {
  protected:
   Hdf5File() {
     hdf5::start_library();
-    const H5Z_class2_t foreign{H5Z_CLASS_T_VERS, kForeignFilter, 1, 1, "made for this", nullptr, nullptr, same_bytes};
+    const H5Z_class2_t foreign{H5Z_CLASS_T_VERS, foreign_filter, 1, 1, "made for this", nullptr, nullptr, same_bytes};
     H5Zregister(&foreign);
   }
-  ~Hdf5File() override { H5Zunregister(kForeignFilter); }
+  ~Hdf5File() override { H5Zunregister(foreign_filter); }
 
   void make_file(const std::function<void(hid_t)>& fill) const {
     const hid_t file = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
@@ -136,7 +136,7 @@ TEST_F(Hdf5File, AFilterOfAPlugInIsRefused) {
     make_dataset(file, "odd", [](hid_t properties) {
       const hsize_t chunk = 2;
       H5Pset_chunk(properties, 1, &chunk);
-      H5Pset_filter(properties, kForeignFilter, H5Z_FLAG_OPTIONAL, 0, nullptr);
+      H5Pset_filter(properties, foreign_filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
     });
   });
   expect_refused("'odd', filter 300 of a plug-in (made for this)");

@@ -25,13 +25,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::filesystem::path kFile = CLOUDBOW_SOURCE_DIR "/README.md";
+const std::filesystem::path file = CLOUDBOW_SOURCE_DIR "/README.md";
 
 std::string message_of(const std::function<void()>& read, const cloudbow::RehearsalOptions& limits = {}) {
   cloudbow::RehearsalOptions options = limits;
   options.library = "Papyrus";
   try {
-    rehearse(kFile, options, read);
+    rehearse(file, options, read);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -44,9 +44,9 @@ TEST(Rehearsal, PassesWhatGoesWell) {
 
 TEST(Rehearsal, ChangesNothingInThisProcess) {
   int reads = 0;
-  rehearse(kFile, {}, [&] { ++reads; });
+  rehearse(file, {}, [&] { ++reads; });
   EXPECT_EQ(reads, 0);
-  EXPECT_EQ(cloudbow::after_rehearsal(kFile, {}, [&] { return ++reads; }), 1);
+  EXPECT_EQ(cloudbow::after_rehearsal(file, {}, [&] { return ++reads; }), 1);
 }
 
 TEST(Rehearsal, HandsOnTheMessageOfAnError) {
@@ -60,7 +60,7 @@ TEST(Rehearsal, TellsACrash) {
                   ::signal(signal, SIG_DFL);
                   raise(signal);
                 }),
-                AllOf(HasSubstr(kFile.string()), HasSubstr("Papyrus crashes on it")));
+                AllOf(HasSubstr(file.string()), HasSubstr("Papyrus crashes on it")));
   }
 }
 

@@ -289,7 +289,7 @@ TEST_F(DropletTableFile, KnowsTheUnitHoweverItIsSpelled) {
   }
 }
 
-constexpr const char* kShdom =
+constexpr const char* shdom =
     "! Mie scattering table vs. effective radius (LWC=1 g/m^3)\n"
     "    0.660    0.680  wavelength range (micron)\n"
     "  1.000  W   particle density (g/cm^3) and type (Water, Ice, Aerosol)\n"
@@ -303,7 +303,7 @@ constexpr const char* kShdom =
     "     1.00000   1.35000   0.70000   0.06300\n";
 
 TEST_F(DropletTableFile, ReadsShdom) {
-  const DropletTable table = read_droplet_table(write_text(kShdom));
+  const DropletTable table = read_droplet_table(write_text(shdom));
   EXPECT_DOUBLE_EQ(table.wavelength_um, 0.67);
   EXPECT_EQ(table.effective_radius_um, (std::vector<double>{5, 10}));
   EXPECT_DOUBLE_EQ(table.extinction_m2_per_g[0], 0.301);  // 301 1/km for 1 g/m3
@@ -313,7 +313,7 @@ TEST_F(DropletTableFile, ReadsShdom) {
   EXPECT_DOUBLE_EQ(table.moments[0][1], 0.425);
   EXPECT_DOUBLE_EQ(table.moments[0][4], 0.005);
   EXPECT_DOUBLE_EQ(table.moments[1][3], 0.009);
-  std::string upper = kShdom;  // heads in any case
+  std::string upper = shdom;  // heads in any case
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   EXPECT_EQ(read_droplet_table(write_text(upper)).moments, table.moments);
@@ -335,7 +335,7 @@ TEST_F(DropletTableFile, ReadsShdomPolarised) {
 
 TEST_F(DropletTableFile, SaysWhatIsWrongWithShdomsForm) {
   const auto message_after = [&](const std::string& from, const std::string& to) {
-    std::string text = kShdom;
+    std::string text = shdom;
     text.replace(text.find(from), from.size(), to);
     return message(write_text(text));
   };

@@ -29,7 +29,7 @@ using Cell = std::array<std::int32_t, 3>;
 using Values = std::map<Cell, float>;
 
 // Doubles that are rounded to float at the end: half a unit in its last place.
-constexpr double kFloat = 6e-8;
+constexpr double float_type = 6e-8;
 
 /// Active voxels of a grid.
 Values values_of(const CloudField& field) {
@@ -94,7 +94,7 @@ TEST_F(FieldExport, RadianceIsInterpolatedAsByTheLibrary) {
     ASSERT_EQ(values.size(), cells_.size());
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       const double expected = sample::queried(points_, *solution.radiance_field, c, travel);
-      EXPECT_NEAR(values.at(cells_[c]), expected, kFloat * expected);
+      EXPECT_NEAR(values.at(cells_[c]), expected, float_type * expected);
     }
   }
 }
@@ -158,7 +158,7 @@ TEST_F(FieldExport, FieldsOfManyChunksAreReadWhole) {
   ASSERT_EQ(values.size(), cells.size());
   for (std::size_t c = 0; c < cells.size(); c += 7) {
     const double expected = sample::queried(points_, *solution.radiance_field, c, *options_.travel);
-    ASSERT_NEAR(values.at(cells[c]), expected, kFloat * expected);
+    ASSERT_NEAR(values.at(cells[c]), expected, float_type * expected);
   }
 }
 

@@ -21,7 +21,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double degree = std::numbers::pi / 180;
 
 class PhaseFiles : public testing::Test {
  protected:
@@ -56,7 +56,7 @@ std::string lines(int count, const std::function<std::string(double, double)>& l
   std::string text;
   for (int n = 0; n <= count; ++n) {
     const double angle = 180.0 * n / count;
-    text += line(angle, factor * phase(std::cos(angle * kDegree))) + "\n";
+    text += line(angle, factor * phase(std::cos(angle * degree))) + "\n";
   }
   return text;
 }
@@ -80,7 +80,7 @@ TEST_F(PhaseFiles, TablesAreReadHoweverTheyAreWritten) {
         lines(180, [](double angle, double value) { return fmt::format("{}, {}  ! both", angle, value); }),
         lines(180, [](double angle, double value) { return fmt::format("+{}\t+{}\r", angle, value); }),
         lines(180, [](double angle, double value) {
-          return plain(180 - angle, PhaseFunction::henyey_greenstein(0.5)(-std::cos(angle * kDegree)) + 0 * value);
+          return plain(180 - angle, PhaseFunction::henyey_greenstein(0.5)(-std::cos(angle * degree)) + 0 * value);
         })}) {
     const PhaseFunctionFile read = table(text);
     expect_henyey_greenstein(read);
@@ -89,12 +89,12 @@ TEST_F(PhaseFiles, TablesAreReadHoweverTheyAreWritten) {
 }
 
 TEST_F(PhaseFiles, RadiansCosinesAndOtherNormsAreTold) {
-  const auto radians = [](double angle, double value) { return fmt::format("{:.4f} {}", angle * kDegree, value); };
+  const auto radians = [](double angle, double value) { return fmt::format("{:.4f} {}", angle * degree, value); };
   PhaseFunctionFile read = table(lines(180, radians));
   expect_henyey_greenstein(read);
   EXPECT_THAT(read.notes, ElementsAre(HasSubstr("radians")));
   read = table(lines(
-      180, [](double angle, double value) { return fmt::format("{:.12f} {}", std::cos(angle * kDegree), value); }));
+      180, [](double angle, double value) { return fmt::format("{:.12f} {}", std::cos(angle * degree), value); }));
   expect_henyey_greenstein(read);
   EXPECT_THAT(read.notes, ElementsAre(HasSubstr("cosine")));
   read = table(lines(180, plain, 0.25 / std::numbers::pi));

@@ -314,9 +314,9 @@ TEST_F(ResultFile, FullDiskLeavesTheOlderFileAndNothingElse) {
   const auto size = fs::file_size(file);
   write_text(file, "older");
   // Limits from nothing to one byte too few: HDF5 then fails while creating, writing, flushing and closing.
-  constexpr unsigned kSteps = 60;
-  for (unsigned step = 0; step <= kSteps; ++step) {
-    const rlim_t limit = (size - 1) * step / kSteps;
+  constexpr unsigned steps = 60;
+  for (unsigned step = 0; step <= steps; ++step) {
+    const rlim_t limit = (size - 1) * step / steps;
     EXPECT_EXIT(write_on_full_disk(file, solution, limit), testing::ExitedWithCode(2),
                 "r\\.h5: can't be written \\(File too large\\)")
         << limit;

@@ -210,16 +210,16 @@ struct NetcdfFile {
   }
 };
 
-const std::vector<float> kAscending{0, .1F, .2F, .3F, .4F, .5F};
-const std::vector<float> kRowsTurned{.3F, .4F, .5F, 0, .1F, .2F};
+const std::vector<float> ascending{0, .1F, .2F, .3F, .4F, .5F};
+const std::vector<float> rows_turned{.3F, .4F, .5F, 0, .1F, .2F};
 
 TEST_F(AlbedoMapFile, ReadsNetcdfOfAllForms) {
   for (const int form : {0, NC_64BIT_OFFSET, NC_64BIT_DATA, NC_NETCDF4, NC_NETCDF4 | NC_CLASSIC_MODEL}) {
     NetcdfFile content;
     content.format = NC_CLOBBER | form;
-    expect_values(content.write(folder_ / "map.nc"), kAscending);
+    expect_values(content.write(folder_ / "map.nc"), ascending);
     content.dimension[0].first = {"lat", {51, 50}, "degrees_north"};
-    expect_values(content.write(folder_ / "map.nc"), kRowsTurned);
+    expect_values(content.write(folder_ / "map.nc"), rows_turned);
   }
 }
 
@@ -234,7 +234,7 @@ TEST_F(AlbedoMapFile, CoordinatesAndNamesSayWhichWayItLies) {
   expect_values(content.write(folder_ / "map.nc"), {.2F, .5F, .1F, .4F, 0, .3F});  // transposed, and turned
   EXPECT_FALSE(read_albedo_map(folder_ / "map.nc").length_m[1]);
   content.dimension = {{{"row"}, 2}, {{"column"}, 3}};
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content.dimension = {{{"y"}, 2}, {{"x", {0, 1, 5}, "m"}, 3}};
   EXPECT_THAT(message(content.write(folder_ / "map.nc")), AllOf(HasSubstr("'x': uneven"), HasSubstr("interpolate")));
   content.dimension = {{{"y"}, 2}, {{"x", {358, 359, 0}, "degrees_east"}, 3}};
@@ -246,11 +246,11 @@ TEST_F(AlbedoMapFile, CoordinatesAndNamesSayWhichWayItLies) {
 TEST_F(AlbedoMapFile, DimensionsOfLengthOneAreLeftOut) {
   NetcdfFile content;
   content.dimension = {{{"time", {7}, "days"}, 1}, {{"band"}, 1}, {{"y"}, 2}, {{"x"}, 3}};
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content.dimension = {{{"y"}, 2}, {{"x"}, 3}, {{"band"}, 1}};
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content.dimension = {{{"y"}, 1}, {{"x"}, 6}};
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content.dimension = {{{"time"}, 2}, {{"y"}, 1}, {{"x"}, 3}};
   EXPECT_THAT(message(content.write(folder_ / "map.nc")), AllOf(HasSubstr("time = 2"), HasSubstr("length 1")));
   content.dimension = {{{"time"}, 2}, {{"x"}, 3}};
@@ -263,13 +263,13 @@ TEST_F(AlbedoMapFile, ObeysPackingAndUnits) {
   content.first = 300;
   content.step = 100;
   content.numbers = {{"scale_factor", {.001}}, {"add_offset", {-.3}}, {"_FillValue", {32767}}};
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content = {};
   content.step = 10;
   content.units = "%";
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content.units = "Percent";
-  expect_values(content.write(folder_ / "map.nc"), kAscending);
+  expect_values(content.write(folder_ / "map.nc"), ascending);
   content.units = "W m-2";
   EXPECT_THAT(message(content.write(folder_ / "map.nc")), AllOf(HasSubstr("W m-2"), HasSubstr("1, %")));
   content.units = "1";
@@ -332,8 +332,8 @@ class AlbedoMapInHdf5 : public AlbedoMapFile {
 };
 
 TEST_F(AlbedoMapInHdf5, ReadsTheNamedDatasetOrTheOnlyOne) {
-  expect_values(hdf5({{"other", 2}, {"albedo", .1F}}), kAscending);
-  expect_values(hdf5({{"other", .1F}}), kAscending);
+  expect_values(hdf5({{"other", 2}, {"albedo", .1F}}), ascending);
+  expect_values(hdf5({{"other", .1F}}), ascending);
 }
 
 TEST_F(AlbedoMapInHdf5, SaysWhatIsWrong) {
@@ -392,7 +392,7 @@ TEST(AreaMeans, OfALongStripTakeNoMoreMemoryThanItsColumns) {
   EXPECT_THAT(area_means(strip, 3000, 2), testing::Each(FloatEq(.5F)));
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  EXPECT_LT(usage.ru_maxrss, 1 << 20);  // kB
+  EXPECT_LT(usage.ru_maxrss, 1 << 20);  // b
 }
 
 }  // namespace

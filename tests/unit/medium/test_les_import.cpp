@@ -22,13 +22,13 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr int nx = 2, ny = 3, nz = 10;
-constexpr double kTheta = 300, kGravity = 9.80665, kGasConstant = 287.05, kHeatCapacity = 3.5 * kGasConstant;
+constexpr double theta = 300, gravity = 9.80665, gas_constant = 287.05, heat_capacity = 3.5 * gas_constant;
 
 double height(int k) { return 420 + 40.0 * k; }
-double exner(int k) { return 1 - kGravity * height(k) / (kHeatCapacity * kTheta); }
+double exner(int k) { return 1 - gravity * height(k) / (heat_capacity * theta); }
 double pressure(int k) { return 1e5 * std::pow(exner(k), 3.5); }
-double kelvin(int k) { return kTheta * exner(k); }
-double density(int k) { return pressure(k) / (kGasConstant * kelvin(k)); }
+double kelvin(int k) { return theta * exner(k); }
+double density(int k) { return pressure(k) / (gas_constant * kelvin(k)); }
 /// kg/kg, different in all cells of the levels with cloud
 double water(int k, int j, int i) { return k < 3 || k > 6 ? 0 : 1e-4 * (k + 1) + 1e-5 * (1 + i + nx * j); }
 
@@ -128,7 +128,7 @@ TEST_F(LesImport, WrfsPerturbationsAndGeopotentialAreRead) {
   file.variable("QCLOUD", whole, "kg kg-1", field(water));
   file.variable("P", whole, "Pa", field([](int k, int, int) { return 100 - 20.0 * k; }));
   file.variable("PB", whole, "Pa", field([](int k, int, int) { return pressure(k) - 100 + 20.0 * k; }));
-  file.variable("T", whole, "K", field([](int, int, int) { return kTheta - 300; }));
+  file.variable("T", whole, "K", field([](int, int, int) { return theta - 300; }));
   file.variable("PH", staggered, "m2 s-2", field([](int k, int, int) { return 3.0 * k; }, nz + 1));
   file.variable("PHB", staggered, "m2 s-2",
                 field([](int k, int, int) { return 9.81 * (400 + 40.0 * k) - 3.0 * k; }, nz + 1));
@@ -149,7 +149,7 @@ TEST_F(LesImport, PotentialTemperatureIsKnownByNameByAttributeAndByTheWeightOfTh
   const auto read = [&](const std::string& name, const std::string& meaning, const std::string& pressure_name) {
     return import_cloud(with([&](NetcdfBuilder& file) {
       file.variable(pressure_name, {"z"}, "Pa", profile(pressure));
-      file.variable(name, {"z"}, "K", profile([](int) { return kTheta; }));
+      file.variable(name, {"z"}, "K", profile([](int) { return theta; }));
       file.text(name, "long_name", meaning);
     }));
   };
@@ -173,7 +173,7 @@ TEST_F(LesImport, TemperatureThatRisesInTheCloudIsPotentialIfTheWeightTellsNothi
     file.variable("T", {"z"}, "K", profile([](int k) { return 300 + 0.2 * k; }));
   }));
   EXPECT_THAT(notes_of(cloud), HasSubstr("it rises from"));
-  const double expected = 9e4 / (kGasConstant * 300.6 * std::pow(0.9, 2.0 / 7));
+  const double expected = 9e4 / (gas_constant * 300.6 * std::pow(0.9, 2.0 / 7));
   EXPECT_NEAR(cloud.field.value[0] / (1e3 * water(3, 0, 0) * expected), 1, 1e-5);
 }
 

@@ -12,7 +12,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::array<double, 3> kOrigin{0, 0, 0};
+constexpr std::array<double, 3> origin{0, 0, 0};
 
 /// 4 x 3 x 5 cells of 10 x 20 x 30 m from z = 60 m, of which the lowest and the highest plane are empty.
 CloudField small_cloud() {
@@ -50,14 +50,14 @@ std::vector<double> column_optical_depth(const OpticalGrid& grid) {
 
 OpticalGrid slab(double optical_depth, double forward_fraction = 0,
                  LevelOptions options = LevelOptions::layers_only()) {
-  return make_optical_grid(nullptr, {}, {{0, 1000, optical_depth, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1,
+  return make_optical_grid(nullptr, {}, {{0, 1000, optical_depth, 1.0, 0}}, origin, {1, 1, 1000}, true, 1,
                            {forward_fraction}, options);
 }
 
 TEST(OpticalGrid, VoxelFacesJoinLayerEdgesAndEmptyPlanesStayWhole) {
   const CloudField cloud = small_cloud();
   // The layer cuts the voxels of the plane 120 to 150 m; it is thin enough not to be cut outside the cloud.
-  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, kOrigin, {40, 60, 300}, true, 2,
+  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, origin, {40, 60, 300}, true, 2,
                                              {0, 0}, LevelOptions{});
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 40, 90, 120, 130, 150, 180, 300}));
   EXPECT_EQ(grid.box.cloud.count, 3);
@@ -146,7 +146,7 @@ TEST(OpticalGrid, AlbedoByVoxel) {
 TEST(OpticalGrid, LayersOnlyIsTheLayersAsOneColumn) {
   const CloudField cloud = small_cloud();
   const OpticalGrid grid =
-      make_optical_grid(&cloud, {}, {{40, 130, 0.9, 0.5, 1}}, kOrigin, {40, 60, 300}, false, 2, {0, 0}, LevelOptions{});
+      make_optical_grid(&cloud, {}, {{40, 130, 0.9, 0.5, 1}}, origin, {40, 60, 300}, false, 2, {0, 0}, LevelOptions{});
   const OpticalGrid column = layers_only(grid);
   EXPECT_EQ(column.box.columns(), 1u);
   EXPECT_TRUE(column.box.periodic);
@@ -191,12 +191,12 @@ TEST(OpticalGrid, DeltaMCoarsensLevels) {
 
 TEST(OpticalGrid, SplittingALayerAddsEdgesButNoNewInterfaces) {
   const OpticalGrid whole = slab(40);
-  const OpticalGrid split = make_optical_grid(nullptr, {}, {{0, 500, 20, 1.0, 0}, {500, 1000, 20, 1.0, 0}}, kOrigin,
+  const OpticalGrid split = make_optical_grid(nullptr, {}, {{0, 500, 20, 1.0, 0}, {500, 1000, 20, 1.0, 0}}, origin,
                                               {1, 1, 1000}, true, 1, {0}, LevelOptions::layers_only());
   EXPECT_NE(std::find(split.box.z_edge_m.begin(), split.box.z_edge_m.end(), 500.0), split.box.z_edge_m.end());
   EXPECT_LE(split.box.nz(), whole.box.nz() + 1);
   // Different optics at 500 m: levels get thin there.
-  const OpticalGrid other = make_optical_grid(nullptr, {}, {{0, 500, 20, 1.0, 0}, {500, 1000, 20, 0.9, 0}}, kOrigin,
+  const OpticalGrid other = make_optical_grid(nullptr, {}, {{0, 500, 20, 1.0, 0}, {500, 1000, 20, 0.9, 0}}, origin,
                                               {1, 1, 1000}, true, 1, {0}, LevelOptions::layers_only());
   const auto& z = other.box.z_edge_m;
   const auto middle = std::find(z.begin(), z.end(), 500.0);
@@ -208,7 +208,7 @@ TEST(OpticalGrid, SplittingALayerAddsEdgesButNoNewInterfaces) {
 TEST(OpticalGrid, LevelsByHand) {
   LevelOptions options;
   options.layer_cells = 4;
-  const OpticalGrid grid = make_optical_grid(nullptr, {}, {{100, 200, 5, 1.0, 0}, {150, 200, 1, 1.0, 0}}, kOrigin,
+  const OpticalGrid grid = make_optical_grid(nullptr, {}, {{100, 200, 5, 1.0, 0}, {150, 200, 1, 1.0, 0}}, origin,
                                              {1, 1, 300}, true, 1, {0}, options);
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 100, 112.5, 125, 137.5, 150, 162.5, 175, 187.5, 200, 300}));
 }
@@ -230,7 +230,7 @@ TEST(OpticalGrid, LevelsAsGiven) {
   LevelOptions options;
   options.levels_m = {0, 10, 100, 200, 300};
   const OpticalGrid grid =
-      make_optical_grid(nullptr, {}, {{100, 200, 5, 1.0, 0}}, kOrigin, {1, 1, 300}, true, 1, {0}, options);
+      make_optical_grid(nullptr, {}, {{100, 200, 5, 1.0, 0}}, origin, {1, 1, 300}, true, 1, {0}, options);
   EXPECT_EQ(grid.box.z_edge_m, options.levels_m);
   ASSERT_EQ(grid.active_cells(), 1u);
   EXPECT_FLOAT_EQ(grid.scattering[0][0], 0.05f);
@@ -238,12 +238,12 @@ TEST(OpticalGrid, LevelsAsGiven) {
 
 TEST(OpticalGrid, Errors) {
   const LevelOptions levels = LevelOptions::layers_only();
-  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1200, 1, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1, {0}, levels),
+  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1200, 1, 1.0, 0}}, origin, {1, 1, 1000}, true, 1, {0}, levels),
                InputError);
-  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-8, 1, 1.0, 0}}, kOrigin, {1, 1, 1000}, true, 1, {0}, levels),
+  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-8, 1, 1.0, 0}}, origin, {1, 1, 1000}, true, 1, {0}, levels),
                InputError);
   // An extinction of 1e300 1/m, which 32 bits do not hold.
-  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-300, 1, 1.0, 0}}, kOrigin, {1, 1, 1e-300}, true, 1, {0}, levels),
+  EXPECT_THROW(make_optical_grid(nullptr, {}, {{0, 1e-300, 1, 1.0, 0}}, origin, {1, 1, 1e-300}, true, 1, {0}, levels),
                InputError);
   const CloudField cloud = small_cloud();
   CloudOptics optics;

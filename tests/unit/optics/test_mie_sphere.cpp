@@ -135,7 +135,7 @@ struct Published {
   double last_digit;
 };
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 void expect_published(const Published& table) {
   const MieEfficiencies q = efficiencies(table.x, table.m);
@@ -166,17 +166,17 @@ TEST(MieSphere, AgreesWithWiscombesTestCases) {
            Published{0.101, 0.75, 0.000008, 0.000008, 0.001507, digit},
            Published{10, 0.75, 2.232265, 2.232265, 0.896473, digit},
            Published{1000, 0.75, 1.997908, 1.997908, 0.844944, digit},
-           Published{1, {1.33, 1e-5}, kNone, 0.093923, 0.184517, digit},
-           Published{100, {1.33, 1e-5}, kNone, 2.096594, 0.868959, digit},
-           Published{10000, {1.33, 1e-5}, kNone, 1.723857, 0.907840, digit},
+           Published{1, {1.33, 1e-5}, none, 0.093923, 0.184517, digit},
+           Published{100, {1.33, 1e-5}, none, 2.096594, 0.868959, digit},
+           Published{10000, {1.33, 1e-5}, none, 1.723857, 0.907840, digit},
            Published{0.055, {1.5, 1}, 0.101491, 0.000011, 0.000491, digit},
            Published{0.056, {1.5, 1}, 0.103347, 0.000012, 0.000509, digit},
            Published{1, {1.5, 1}, 2.336321, 0.663454, 0.192136, digit},
            Published{100, {1.5, 1}, 2.097502, 1.283697, 0.850252, digit},
            Published{10000, {1.5, 1}, 2.004368, 1.236575, 0.846309, 2 * digit},
-           Published{1, {10, 10}, kNone, 2.049405, -0.110664, digit},
-           Published{100, {10, 10}, kNone, 1.836785, 0.556215, digit},
-           Published{10000, {10, 10}, kNone, 1.795393, 0.548194, digit},
+           Published{1, {10, 10}, none, 2.049405, -0.110664, digit},
+           Published{100, {10, 10}, none, 1.836785, 0.556215, digit},
+           Published{10000, {10, 10}, none, 1.795393, 0.548194, digit},
        }) {
     expect_published(table);
   }

@@ -16,7 +16,7 @@ namespace {
 using std::numbers::pi;
 using Method = PhaseFitMethod;
 
-constexpr ResidualScale kScales[] = {ResidualScale::absolute, ResidualScale::relative, ResidualScale::square_root};
+constexpr ResidualScale scales[] = {ResidualScale::absolute, ResidualScale::relative, ResidualScale::square_root};
 
 std::vector<Method> every_method() {
   std::vector<Method> methods;
@@ -45,7 +45,7 @@ TEST_F(SphereFitTest, FindsAFunctionThatIsAnInterpolant) {
   for (int m = 0; m < points.size(); ++m) x[m] = 1 + Direction(0.3, -0.2, 0.5).dot(points.directions()[m]);
   const Eigen::VectorXd value = fit.interpolated(x);
   EXPECT_LE((fit.least_squares(value) - x).cwiseAbs().maxCoeff(), 1e-13);
-  for (const ResidualScale scale : kScales) {
+  for (const ResidualScale scale : scales) {
     const auto found = fit.minimax(value, scale);
     ASSERT_TRUE(found);
     EXPECT_LE((*found - x).cwiseAbs().maxCoeff(), 1e-8);  // the simplex stops at 1e-9
@@ -66,12 +66,12 @@ TEST_F(SphereFitTest, NoChangeImprovesAMinimaxFit) {
   const Eigen::VectorXd value = values_of(PhaseFunction::henyey_greenstein(0.7), fit.samples(), {0, 0.6, 0.8});
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
-  for (const ResidualScale scale : kScales) {
+  for (const ResidualScale scale : scales) {
     const auto x = fit.minimax(value, scale);
     ASSERT_TRUE(x);
     const double h = largest(*x, value, scale);
     EXPECT_LE(h, largest(fit.least_squares(value), value, scale));
-    for (const ResidualScale other : kScales)
+    for (const ResidualScale other : scales)
       EXPECT_LE(h, (1 + 1e-8) * largest(*fit.minimax(value, other), value, scale));
     for (int trial = 0; trial < 300; ++trial) {
       Eigen::VectorXd changed = *x;

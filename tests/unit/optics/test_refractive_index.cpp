@@ -56,8 +56,8 @@ TEST(RefractiveIndex, IceIsAsPublished) {
 
 TEST(RefractiveIndex, CoversItsRangeAndNoMore) {
   for (const Substance substance : {Substance::water, Substance::ice}) {
-    double before = refractive_index(substance, kShortestIndexWavelength).real();
-    for (double um = kShortestIndexWavelength; um <= kLongestIndexWavelength; um *= 1.002) {
+    double before = refractive_index(substance, shortest_index_wavelength).real();
+    for (double um = shortest_index_wavelength; um <= longest_index_wavelength; um *= 1.002) {
       const auto m = refractive_index(substance, um);
       EXPECT_GT(m.imag(), 0);
       // No slip of the pen: n moves by less than 0.04 in a step of 0.2 % (the bands at 2.9 and 3.06 um are the
@@ -65,7 +65,7 @@ TEST(RefractiveIndex, CoversItsRangeAndNoMore) {
       EXPECT_NEAR(m.real(), before, 0.04) << um;
       before = m.real();
     }
-    EXPECT_NO_THROW(refractive_index(substance, kLongestIndexWavelength));
+    EXPECT_NO_THROW(refractive_index(substance, longest_index_wavelength));
     EXPECT_THROW(refractive_index(substance, 0.1999), InputError);
     EXPECT_THROW(refractive_index(substance, 40.1), InputError);
     EXPECT_THROW(refractive_index(substance, std::nan("")), InputError);

@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr PlotColour kBlack{0, 0, 0}, kWhite{255, 255, 255}, kRed{255, 0, 0};
+constexpr PlotColour black{0, 0, 0}, white{255, 255, 255}, red{255, 0, 0};
 
 double ink(const PlotCanvas& canvas) {
   double sum = 0;
@@ -25,7 +25,7 @@ TEST(PlotCanvas, ALineCoversLengthTimesWidth) {
   for (const double width : {0.5, 1.0, 3.0}) {
     PlotCanvas canvas(300, 200);
     const std::vector<PlotPoint> line = {{20.3, 30.7}, {260.1, 150.2}};
-    canvas.line(line, {kBlack, width, {}, 1});
+    canvas.line(line, {black, width, {}, 1});
     const double length = std::hypot(239.8, 119.5);
     // round ends: about another width; thin lines are paler
     EXPECT_NEAR(ink(canvas), (length + width) * width, 0.04 * length * width);
@@ -35,26 +35,26 @@ TEST(PlotCanvas, ALineCoversLengthTimesWidth) {
 TEST(PlotCanvas, ACornerIsNotDrawnTwice) {
   PlotCanvas canvas(100, 100);
   const std::vector<PlotPoint> line = {{10, 50.5}, {90, 50.5}, {10, 50.5}};
-  canvas.line(line, {kBlack, 5, {}, 0.5});
+  canvas.line(line, {black, 5, {}, 0.5});
   EXPECT_NEAR(canvas.colour_at(50, 50)[0], 127, 1);
 }
 
 TEST(PlotCanvas, DashesLeaveTheGapsBlank) {
   PlotCanvas canvas(120, 20);
   const std::vector<PlotPoint> line = {{10, 10.5}, {110, 10.5}};
-  canvas.line(line, {kBlack, 1, {10, 10}, 1});
-  EXPECT_EQ(canvas.colour_at(15, 10), kBlack);
-  EXPECT_EQ(canvas.colour_at(25, 10), kWhite);
-  EXPECT_EQ(canvas.colour_at(35, 10), kBlack);
+  canvas.line(line, {black, 1, {10, 10}, 1});
+  EXPECT_EQ(canvas.colour_at(15, 10), black);
+  EXPECT_EQ(canvas.colour_at(25, 10), white);
+  EXPECT_EQ(canvas.colour_at(35, 10), black);
 }
 
 TEST(PlotCanvas, NothingIsDrawnOutsideTheClip) {
   PlotCanvas canvas(100, 100);
   const std::vector<PlotPoint> line = {{-1e9, -1e9}, {1e9, 1e9}};
-  canvas.line(line, {kRed, 3, {}, 1}, {40, 40, 60, 60});
-  EXPECT_EQ(canvas.colour_at(50, 50), kRed);
-  EXPECT_EQ(canvas.colour_at(30, 30), kWhite);
-  EXPECT_EQ(canvas.colour_at(70, 70), kWhite);
+  canvas.line(line, {red, 3, {}, 1}, {40, 40, 60, 60});
+  EXPECT_EQ(canvas.colour_at(50, 50), red);
+  EXPECT_EQ(canvas.colour_at(30, 30), white);
+  EXPECT_EQ(canvas.colour_at(70, 70), white);
 }
 
 TEST(PlotCanvas, TextLiesWhereItsAnchorSays) {
@@ -64,7 +64,7 @@ TEST(PlotCanvas, TextLiesWhereItsAnchorSays) {
     int first = 200, last = -1;
     for (int x = 0; x < 200; ++x) {
       for (int y = 0; y < 40; ++y) {
-        if (canvas.colour_at(x, y) == kWhite) continue;
+        if (canvas.colour_at(x, y) == white) continue;
         first = std::min(first, x);
         last = x;
       }
@@ -87,7 +87,7 @@ TEST(PlotCanvas, TakesAnyBytesAsText) {
 TEST(PlotCanvas, WritesThePixels) {
   const auto file = std::filesystem::temp_directory_path() / "cloudbow_test_line_plot.png";
   PlotCanvas canvas(7, 5);
-  canvas.fill({2, 1, 3, 2}, kRed);
+  canvas.fill({2, 1, 3, 2}, red);
   canvas.write_png(file);
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -129,11 +129,11 @@ TEST(LinePlot, DrawsACurveWhereItsValuesAre) {
   LinePlot plot;
   plot.x.range = plot.y.range = {0, 1};
   plot.legend = LegendPlace::none;
-  plot.series = {{"", {0, 1}, {0.5, 0.5}, {kRed, 3, {}, 1}}};
+  plot.series = {{"", {0, 1}, {0.5, 0.5}, {red, 3, {}, 1}}};
   draw(canvas, canvas.everything(), plot, 10);
   int rows = 0, centre = 0;
   for (int y = 0; y < 300; ++y) {
-    if (canvas.colour_at(250, y) != kRed) continue;
+    if (canvas.colour_at(250, y) != red) continue;
     ++rows;
     centre += y;
   }
@@ -148,11 +148,11 @@ TEST(LinePlot, BreaksTheLineWhereNothingCanBeShown) {
   plot.x.range = {0, 4};
   plot.y = {"", true, std::pair(0.1, 10.0), {}};
   plot.legend = LegendPlace::none;
-  plot.series = {{"", {0, 1, 2, 3, 4}, {1, 1, -1, 1, 1}, {kRed, 3, {}, 1}}};
+  plot.series = {{"", {0, 1, 2, 3, 4}, {1, 1, -1, 1, 1}, {red, 3, {}, 1}}};
   draw(canvas, canvas.everything(), plot, 10);
   const auto red_in_column = [&](int x) {
     for (int y = 0; y < 300; ++y) {
-      if (canvas.colour_at(x, y) == kRed) return true;
+      if (canvas.colour_at(x, y) == red) return true;
     }
     return false;
   };

@@ -24,8 +24,8 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::ThrowsMessage;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double na_n = std::numeric_limits<double>::quiet_NaN();
 
 BoundaryResult two_columns() { return {"truth.h5", {50, 150}, {25}, {}, {{0.5, 0.375, {1, 3}, {2, 6}}}, {}}; }
 
@@ -45,7 +45,7 @@ TEST(ParetoFront, OfPointsInAPlane) {
   EXPECT_THAT(front({4, 3, 2, 1}, {1, 2, 4, 8}), ElementsAre(3, 2, 1, 0));
   EXPECT_THAT(front({1, 1, 2}, {5, 3, 3}), ElementsAre(1));
   EXPECT_THAT(front({1, 1}, {3, 3}), ElementsAre(0));
-  EXPECT_THAT(front({1, 2, 3}, {kInfinity, 0, kNaN}), ElementsAre(1));
+  EXPECT_THAT(front({1, 2, 3}, {infinite, 0, na_n}), ElementsAre(1));
   EXPECT_THAT(front({}, {}), ElementsAre());
 }
 

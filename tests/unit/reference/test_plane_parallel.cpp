@@ -13,7 +13,7 @@ namespace cloudbow::reference {
 namespace {
 
 // Doubled forty times, a thin slab's rounding is a few hundred times that of double.
-constexpr double kRounding = 1e-12;
+constexpr double rounding = 1e-12;
 
 double henyey_greenstein_moment(int l) { return std::pow(0.85, l); }
 double isotropic_moment(int l) { return l == 0 ? 1 : 0; }
@@ -23,7 +23,7 @@ TEST(PlaneParallel, AbsorbingSlabObeysBeer) {
   const std::vector<double> mu = {1, 0.3};
   const auto fluxes = plane_parallel_fluxes(isotropic_moment, mu, 2, 0);
   for (std::size_t i = 0; i < mu.size(); ++i) {
-    EXPECT_NEAR(fluxes[i].transmittance, std::exp(-2 / mu[i]), kRounding);
+    EXPECT_NEAR(fluxes[i].transmittance, std::exp(-2 / mu[i]), rounding);
     EXPECT_NEAR(fluxes[i].reflectance, 0, 1e-15);
   }
 }
@@ -63,7 +63,7 @@ TEST(PlaneParallel, SurfaceReflectsThroughAnAbsorber) {
   const std::vector<double> mu = {0.5};
   const auto fluxes = plane_parallel_fluxes(isotropic_moment, mu, 1, 0, 0.3);
   EXPECT_NEAR(fluxes[0].reflectance, 0.3 * std::exp(-2) * 0.2193839, 1e-7);
-  EXPECT_NEAR(fluxes[0].transmittance, std::exp(-2), kRounding);
+  EXPECT_NEAR(fluxes[0].transmittance, std::exp(-2), rounding);
 }
 
 TEST(PlaneParallel, DeepIsotropicSlabHasTheAlbedoOfChandrasekhar) {

@@ -8,7 +8,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double kRounding = 1e-6;  // fluxes of columns are floats
+constexpr double rounding = 1e-6;  // fluxes of columns are floats
 
 /// 3 x 2 columns, two levels, 10 W m-2 in; up and down in units of which the means are 2 and 6.
 Solution made_up(double up_offset, double down_offset) {
@@ -48,8 +48,8 @@ TEST(FluxDistance, OfASolutionToItselfIsZero) {
 
 TEST(FluxDistance, OfColumnsIsTheirRootMeanSquareOverTheMean) {
   const ByFlux distance = flux_distance(made_up(0, 0), made_up(.1, .3));
-  EXPECT_NEAR(distance.up, .1 / 2, kRounding);
-  EXPECT_NEAR(distance.down, .3 / 6, kRounding);
+  EXPECT_NEAR(distance.up, .1 / 2, rounding);
+  EXPECT_NEAR(distance.down, .3 / 6, rounding);
   EXPECT_EQ(distance.domain, 0);
 }
 
@@ -73,8 +73,8 @@ TEST(FluxDistance, BetweenTheEndsIsTheWorstOfTheOtherPlanes) {
   EXPECT_EQ(ends.up, 0);
   EXPECT_EQ(ends.down, 0);
   const ByFlux between = flux_distance_between_ends(made_up(0, 0), other);
-  EXPECT_NEAR(between.up, .1 / 2, kRounding);
-  EXPECT_NEAR(between.down, .3 / 6, kRounding);
+  EXPECT_NEAR(between.up, .1 / 2, rounding);
+  EXPECT_NEAR(between.down, .3 / 6, rounding);
   EXPECT_EQ(between.domain, 0);
 }
 
@@ -91,7 +91,7 @@ TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
   const Companions off{three_levels(.1F), three_levels(.1F)};
   const ErrorEstimate estimate = estimate_error(three_levels(0), off, weights, false);
   EXPECT_EQ(estimate.up.total(), 0);
-  EXPECT_NEAR(estimate.between_ends, 2.5 * .1 / 2, kRounding) << "which count 2.5 times";
+  EXPECT_NEAR(estimate.between_ends, 2.5 * .1 / 2, rounding) << "which count 2.5 times";
   EXPECT_NE(error_line(estimate).find("at levels between 12 %"), std::string::npos) << error_line(estimate);
   const Companions at_ends{made_up(.1, .3), made_up(.1, .3)};
   const ErrorEstimate of_two = estimate_error(made_up(0, 0), at_ends, weights, false);
@@ -104,11 +104,11 @@ TEST(ErrorEstimate, CountsProbesAsSpatialWhereTheyAreTheLargerPart) {
   Companions companions{made_up(.1, .3), made_up(.14, .3), Companions::Probe{made_up(0, 0), made_up(.2, .12)}};
   const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {0, 0, 0}};
   const ErrorEstimate estimate = estimate_error(made_up(0, 0), companions, weights, false);
-  EXPECT_NEAR(estimate.probe_distance.up, .1, kRounding);
-  EXPECT_NEAR(estimate.up.spatial, .1, kRounding) << "for 2 x .02";
-  EXPECT_NEAR(estimate.down.spatial, .02, kRounding);
+  EXPECT_NEAR(estimate.probe_distance.up, .1, rounding);
+  EXPECT_NEAR(estimate.up.spatial, .1, rounding) << "for 2 x .02";
+  EXPECT_NEAR(estimate.down.spatial, .02, rounding);
   companions.constant = made_up(.5, .3);
-  EXPECT_NEAR(estimate_error(made_up(0, 0), companions, weights, false).up.spatial, 2 * .2, kRounding);
+  EXPECT_NEAR(estimate_error(made_up(0, 0), companions, weights, false).up.spatial, 2 * .2, rounding);
 }
 
 TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
@@ -117,10 +117,10 @@ TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
   const Companions companions{made_up(.1, .3), made_up(.14, .3)};
   const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {.001, 0, .1}};
   const ErrorEstimate estimate = estimate_error(solution, companions, weights, false);
-  EXPECT_NEAR(estimate.up.angular, .5 * .05, kRounding);
-  EXPECT_NEAR(estimate.up.spatial, 2 * .02, kRounding);
+  EXPECT_NEAR(estimate.up.angular, .5 * .05, rounding);
+  EXPECT_NEAR(estimate.up.spatial, 2 * .02, rounding);
   EXPECT_EQ(estimate.up.iteration, .003);
-  EXPECT_NEAR(estimate.up.total(), std::sqrt(.025 * .025 + .04 * .04 + .003 * .003), kRounding);
+  EXPECT_NEAR(estimate.up.total(), std::sqrt(.025 * .025 + .04 * .04 + .003 * .003), rounding);
   EXPECT_EQ(estimate.domain.angular, .001) << "the least";
   EXPECT_EQ(estimate.down.angular, .1) << "the least";
   EXPECT_EQ(estimate.columns(), estimate.down.total());
@@ -133,8 +133,8 @@ TEST(ErrorEstimate, OfSingleColumnsHasTheRootMeanSquareOfTheWhole) {
   const Companions companions{made_up(.1, .3), made_up(.14, .35)};
   const ErrorEstimate estimate = estimate_error(solution, companions, {{1, .5, .5}, {1, 2, 1}, {0, 0, 0}}, true);
   ASSERT_EQ(estimate.upwelling_flux_error.size(), 6u);
-  EXPECT_NEAR(rms(estimate.upwelling_flux_error), 2 * estimate.up.total(), kRounding);
-  EXPECT_NEAR(rms(estimate.downwelling_flux_error), 6 * estimate.down.total(), kRounding);
+  EXPECT_NEAR(rms(estimate.upwelling_flux_error), 2 * estimate.up.total(), rounding);
+  EXPECT_NEAR(rms(estimate.downwelling_flux_error), 6 * estimate.down.total(), rounding);
 }
 
 TEST(ErrorEstimate, OfSingleColumnsIsLargeWhereCompanionsDiffer) {

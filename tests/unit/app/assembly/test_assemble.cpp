@@ -19,7 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
+constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 
 /// 4 x 3 x 2 cells of 25 m from the origin; one voxel (1, 1, 1) of 0.02.
 class AssembleTest : public testing::Test {
@@ -35,7 +35,7 @@ class AssembleTest : public testing::Test {
   AssembledScene assembled(const std::string& more, const std::string& cloud = "single_scattering_albedo = 0.9") {
     const std::string text = "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\n" + cloud +
                              "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" + more;
-    return assemble(read_scene(folder_.write("scene.toml", text)), kMemory);
+    return assemble(read_scene(folder_.write("scene.toml", text)), memory);
   }
   std::string message(const std::string& more, const std::string& cloud = "single_scattering_albedo = 0.9") {
     try {
@@ -92,10 +92,10 @@ TEST_F(AssembleTest, FilesAreReadOnceForAllWavelengths) {
       "single_scattering_albedo = [0.9, 0.5]\nscale = [1, 2]\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n";
   const std::vector<Scene> scenes = read_scenes(folder_.write("scene.toml", text));
   CloudFiles files(true);
-  EXPECT_FLOAT_EQ(assemble(scenes[0], kMemory, files, {}).problem.grid.scattering[0][0], 0.018f);
-  EXPECT_FLOAT_EQ(assemble(scenes[1], kMemory, files, {}).problem.grid.scattering[0][0], 0.02f);
+  EXPECT_FLOAT_EQ(assemble(scenes[0], memory, files, {}).problem.grid.scattering[0][0], 0.018f);
+  EXPECT_FLOAT_EQ(assemble(scenes[1], memory, files, {}).problem.grid.scattering[0][0], 0.02f);
   std::filesystem::remove(folder_ / "cloud.vdb");
-  EXPECT_FLOAT_EQ(assemble(scenes[0], kMemory, files, {}).problem.grid.scattering[0][0], 0.018f);
+  EXPECT_FLOAT_EQ(assemble(scenes[0], memory, files, {}).problem.grid.scattering[0][0], 0.018f);
 }
 
 TEST_F(AssembleTest, DomainMistakesNameTheNearestNumbers) {
@@ -218,7 +218,7 @@ TEST_F(AssembleTest, DoubtsAndNotesAreToldOnce) {
       folder_.write("scene.toml",
                     "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\nsingle_scattering_albedo = 1\n"
                     "effective_radius_um = 0.1\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n"));
-  for (int n = 0; n < 2; ++n) assemble(scene, kMemory, files, {});
+  for (int n = 0; n < 2; ++n) assemble(scene, memory, files, {});
   EXPECT_THAT(told, testing::ElementsAre(AllOf(HasSubstr("warning: "), HasSubstr("2005 g/m3")),
                                          AllOf(HasSubstr("warning: "), HasSubstr("optical depth 7.519e+05"))));
 }
@@ -232,7 +232,7 @@ TEST_F(AssembleTest, ARadiusThatNothingUsesIsTold) {
     const Scene scene = read_scene(folder_.write(
         "scene.toml", "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\nsingle_scattering_albedo = 1\n" +
                           key + "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n"));
-    const AssembledScene assembled = assemble(scene, kMemory, files, {});
+    const AssembledScene assembled = assemble(scene, memory, files, {});
     EXPECT_THAT(told, testing::ElementsAre(AllOf(HasSubstr("cloud.effective_radius"), HasSubstr("not used"))));
     EXPECT_FALSE(assembled.cloud->effective_radius_um);
   }
@@ -251,7 +251,7 @@ class MieSceneTest : public AssembleTest {
     const std::string text = "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"drops\"\n" + cloud +
                              "\n[phase_function.drops]\ntype = \"mie\"\nfile = \"drops.h5\"\n" + phase_function +
                              "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" + more;
-    return assemble(read_scene(folder_.write("scene.toml", text)), kMemory);
+    return assemble(read_scene(folder_.write("scene.toml", text)), memory);
   }
   std::string mie_message(const std::string& cloud, const std::string& phase_function = "",
                           const std::string& more = "") {
@@ -331,8 +331,8 @@ TEST_F(MieSceneTest, SpectraTakeTheTableOfTheWavelength) {
         keys + "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n";
     const auto scenes = read_scenes(folder_.write("scene.toml", text));
     EXPECT_EQ(scenes.size(), 2U);
-    return std::array{assemble(scenes[0], kMemory).problem.grid.absorption[0],
-                      assemble(scenes[1], kMemory).problem.grid.absorption[0]};
+    return std::array{assemble(scenes[0], memory).problem.grid.absorption[0],
+                      assemble(scenes[1], memory).problem.grid.absorption[0]};
   };
   EXPECT_THAT(absorption("file = \"both.h5\""), testing::ElementsAre(0.01F, 0.005F));
   EXPECT_THAT(absorption("file = [\"drops.h5\", \"blue.h5\"]"), testing::ElementsAre(0.01F, 0.005F));
@@ -381,7 +381,7 @@ class PhaseSetTest : public AssembleTest {
         "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"drops\"\nsingle_scattering_albedo_grid = \"albedo\"\n"
         "[phase_function.drops]\ntype = \"set\"\nfile = \"set.csv\"\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" +
         more;
-    return assemble(read_scene(folder_.write("scene.toml", text)), kMemory);
+    return assemble(read_scene(folder_.write("scene.toml", text)), memory);
   }
   std::string set_message(const std::string& more = "") {
     try {

@@ -23,7 +23,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string kSlab = R"([[layer]]
+const std::string slab_toml = R"([[layer]]
 bottom_m = 0
 top_m = 100
 optical_depth = 1
@@ -207,7 +207,7 @@ TEST(CommandLine, MakesAMieTableThatAppearsWhole) {
 
 TEST(CommandLine, RunsASlab) {
   const TemporaryFolder folder;
-  const auto scene = folder.write("slab.toml", kSlab);
+  const auto scene = folder.write("slab.toml", slab_toml);
   const auto result = folder / "result.h5";
   const Outcome outcome = cloudbow({"run", scene, "-o", result, "--threads", "1"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
@@ -223,7 +223,7 @@ TEST(CommandLine, RunsASlab) {
 
 TEST(CommandLine, CheckpointsOfColumnsWithoutIterationAreSaidToBeUnused) {
   const TemporaryFolder folder;
-  const auto scene = folder.write("slab.toml", kSlab);
+  const auto scene = folder.write("slab.toml", slab_toml);
   const std::vector<std::string> run{"run", scene, "-o", folder / "slab.h5", "--checkpoint", folder / "state.h5"};
   const Outcome columns = cloudbow(run);
   EXPECT_EQ(columns.exit_code, 0);
@@ -239,7 +239,7 @@ TEST(CommandLine, CheckpointsOfColumnsWithoutIterationAreSaidToBeUnused) {
 
 TEST(CommandLine, OneColumnIsItsOwnIndependentColumn) {
   const TemporaryFolder folder;
-  const auto scene = folder.write("slab.toml", kSlab);
+  const auto scene = folder.write("slab.toml", slab_toml);
   const auto result = folder / "result.h5";
   const Outcome outcome = cloudbow({"run", scene, "-o", result, "--compare"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
@@ -251,7 +251,7 @@ TEST(CommandLine, OneColumnIsItsOwnIndependentColumn) {
 
 TEST(CommandLine, DryRunWritesNothing) {
   const TemporaryFolder folder;
-  const Outcome outcome = cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--dry-run"});
+  const Outcome outcome = cloudbow({"run", folder.write("slab.toml", slab_toml), "-o", folder / "result.h5", "--dry-run"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("memory"), HasSubstr("time")));
   EXPECT_FALSE(std::filesystem::exists(folder / "result.h5"));
@@ -297,7 +297,7 @@ TEST(CommandLine, MessagesHoldNoControlCharacters) {
 TEST(CommandLine, NotConvergedIsThreeAndStillWritten) {
   const TemporaryFolder folder;
   const Outcome outcome =
-      cloudbow({"run", folder.write("slab.toml", kSlab), "-o", folder / "result.h5", "--quiet", "--set",
+      cloudbow({"run", folder.write("slab.toml", slab_toml), "-o", folder / "result.h5", "--quiet", "--set",
                 "solver.mode=3d", "--set", "solver.max_sweeps=1", "--set", "layer.0.optical_depth=50"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.errors, HasSubstr("not converged"));
@@ -306,7 +306,7 @@ TEST(CommandLine, NotConvergedIsThreeAndStillWritten) {
 
 TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
   const TemporaryFolder folder;
-  const auto scene = folder.write("slab.toml", kSlab);
+  const auto scene = folder.write("slab.toml", slab_toml);
   const auto result = folder / "result.h5";
   for (const std::string wrong :
        {"sun.zenith_deg=95", "sun.zenith=1", "surface.albedo=1.2", "layer.0.single_scattering_albedo=1.01",
@@ -326,7 +326,7 @@ TEST(CommandLine, WrongInputIsTwoAndLeavesNoFile) {
 
 TEST(CommandLine, GoalsTellWhatIsWrongBeforeAnythingIsSolved) {
   const TemporaryFolder folder;
-  const std::string scene = folder.write("slab.toml", kSlab);
+  const std::string scene = folder.write("slab.toml", slab_toml);
   const auto result = folder / "result.h5";
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--target-error", "much"}, "'much'"},
@@ -348,7 +348,7 @@ TEST(CommandLine, GoalsTellWhatIsWrongBeforeAnythingIsSolved) {
 
 TEST(CommandLine, TradeoffTellsWhatIsWrongBeforeItSolves) {
   const TemporaryFolder folder;
-  const std::string scene = folder.write("slab.toml", kSlab);
+  const std::string scene = folder.write("slab.toml", slab_toml);
   const auto csv = folder / "table.csv";
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--levels", "draft"}, "two or more"},
@@ -376,7 +376,7 @@ TEST(CommandLine, TradeoffTellsWhatIsWrongBeforeItSolves) {
 TEST(CommandLine, TradeoffLeavesOutWhatDoesNotFit) {
   const TemporaryFolder folder;
   TradeoffOptions options;
-  options.scene = folder.write("slab.toml", kSlab);
+  options.scene = folder.write("slab.toml", slab_toml);
   options.memory_bytes = 1'000'000;  // more than the grid takes, less than any solve
   EXPECT_THAT([&] { tradeoff(options); },
               testing::ThrowsMessage<InputError>(
@@ -491,7 +491,7 @@ class Signals : public testing::TestWithParam<int> {};
 TEST_P(Signals, EndARunBetweenSweepsAndLeaveNothing) {
   const TemporaryFolder folder;
   // Thick and conservative with a tolerance that takes many sweeps: still busy when the signal comes.
-  const std::string scene = folder.write("slab.toml", kSlab);
+  const std::string scene = folder.write("slab.toml", slab_toml);
   const std::string result = folder / "result.h5";
   const std::string log = folder / "log";
   const pid_t child = fork();

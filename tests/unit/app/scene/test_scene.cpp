@@ -15,7 +15,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string kLayers = R"(title = "three layers"
+const std::string layers_toml = R"(title = "three layers"
 
 [phase_function.droplets]
 type = "henyey-greenstein"
@@ -51,7 +51,7 @@ accuracy = "fine"
 
 /// The text with one part replaced; the part must be there.
 std::string replaced(const std::string& part, const std::string& by) {
-  std::string text = kLayers;
+  std::string text = layers_toml;
   const auto at = text.find(part);
   EXPECT_NE(at, std::string::npos) << part;
   return text.replace(at, part.size(), by);
@@ -69,9 +69,9 @@ std::string message_of(const std::string& text, const std::vector<std::string>& 
 
 TEST(Scene, EveryValueArrives) {
   const TemporaryFolder folder;
-  const Scene scene = read_scene(folder.write("scene.toml", kLayers));
+  const Scene scene = read_scene(folder.write("scene.toml", layers_toml));
   EXPECT_EQ(scene.title, "three layers");
-  EXPECT_EQ(scene.text, kLayers);
+  EXPECT_EQ(scene.text, layers_toml);
   EXPECT_FALSE(scene.cloud);
   ASSERT_EQ(scene.layers.size(), 2u);
   EXPECT_EQ(scene.layers[0].bottom_m, 500);
@@ -209,7 +209,7 @@ TEST(Scene, BearingIsClockwiseFromNorth) {
 
 TEST(Scene, Overrides) {
   const TemporaryFolder folder;
-  const auto file = folder.write("scene.toml", kLayers);
+  const auto file = folder.write("scene.toml", layers_toml);
   const std::vector<std::string> overrides{"sun.zenith_deg=30", "layer.1.optical_depth=2", "sky.radiance_w_m2_sr=0.5",
                                            "title=a \"new\" title", "layer.0.phase_function=isotropic"};
   const Scene scene = read_scene(file, overrides);
@@ -229,15 +229,15 @@ TEST(Scene, Overrides) {
 }
 
 TEST(Scene, WrongOverrides) {
-  EXPECT_THAT(message_of(kLayers, {"sun.zenit_deg=30"}),
+  EXPECT_THAT(message_of(layers_toml, {"sun.zenit_deg=30"}),
               AllOf(HasSubstr("--set sun.zenit_deg=30"), HasSubstr("unknown key"), HasSubstr("mean zenith_deg")));
-  EXPECT_THAT(message_of(kLayers, {"layer.2.optical_depth=1"}), AllOf(HasSubstr("layer.2"), HasSubstr("0 to 1")));
-  EXPECT_THAT(message_of(kLayers, {"layer.x.optical_depth=1"}), HasSubstr("layer.x"));
-  EXPECT_THAT(message_of(kLayers, {"sun.zenith_deg"}), HasSubstr("KEY=VALUE"));
-  EXPECT_THAT(message_of(kLayers, {"sun..zenith_deg=3"}), HasSubstr("KEY=VALUE"));
-  EXPECT_THAT(message_of(kLayers, {"title.x=3"}), HasSubstr("below a value"));
-  EXPECT_THAT(message_of(kLayers, {"sun.zenith_deg=steep"}), AllOf(HasSubstr("not a number"), HasSubstr("\"steep\"")));
-  EXPECT_THAT(message_of(kLayers, {"sun.zenith_deg=95"}), AllOf(HasSubstr("--set sun.zenith_deg=95"), HasSubstr("90")));
+  EXPECT_THAT(message_of(layers_toml, {"layer.2.optical_depth=1"}), AllOf(HasSubstr("layer.2"), HasSubstr("0 to 1")));
+  EXPECT_THAT(message_of(layers_toml, {"layer.x.optical_depth=1"}), HasSubstr("layer.x"));
+  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg"}), HasSubstr("KEY=VALUE"));
+  EXPECT_THAT(message_of(layers_toml, {"sun..zenith_deg=3"}), HasSubstr("KEY=VALUE"));
+  EXPECT_THAT(message_of(layers_toml, {"title.x=3"}), HasSubstr("below a value"));
+  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg=steep"}), AllOf(HasSubstr("not a number"), HasSubstr("\"steep\"")));
+  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg=95"}), AllOf(HasSubstr("--set sun.zenith_deg=95"), HasSubstr("90")));
 }
 
 struct Mistake {
@@ -394,7 +394,7 @@ TEST(Scene, WholeScenesThatMakeNoSense) {
 }
 
 std::string with_camera(const std::string& keys, const std::string& more = "") {
-  return kLayers + "[[camera]]\nname = \"eye\"\nwidth = 40\nheight = 30\n" + keys + "\n" + more;
+  return layers_toml + "[[camera]]\nname = \"eye\"\nwidth = 40\nheight = 30\n" + keys + "\n" + more;
 }
 
 TEST(Scene, CamerasArrive) {
@@ -460,7 +460,7 @@ TEST(Scene, CameraMistakes) {
   EXPECT_THAT(message_of(with_camera(good + "\nfocus = 2")), HasSubstr("unknown key"));
   EXPECT_THAT(message_of(with_camera(good, "[[radiance]]\nname = \"eye\"\nzenith_deg = 0")),
               AllOf(HasSubstr("camera.0.name"), HasSubstr("already in use")));
-  EXPECT_THAT(message_of(kLayers + "[[radiance]]\nname = \"a\"\nzenith_deg = 0\nwidth = 3"),
+  EXPECT_THAT(message_of(layers_toml + "[[radiance]]\nname = \"a\"\nzenith_deg = 0\nwidth = 3"),
               AllOf(HasSubstr("radiance.0.height"), HasSubstr("missing")));
 }
 
@@ -502,11 +502,11 @@ TEST(Scene, SpectrumMistakes) {
   EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = [1, 2, 3]")),
               AllOf(HasSubstr("an array of 3"), HasSubstr("a list of 2")));
   EXPECT_THAT(message_of(spectral("optical_depth = 10.0", "optical_depth = [1, -2]")), HasSubstr("-2"));
-  EXPECT_THAT(message_of(kLayers + "[spectrum]\n"), AllOf(HasSubstr("wavelengths_um"), HasSubstr("missing")));
-  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = []\n"), HasSubstr("empty"));
-  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"),
+  EXPECT_THAT(message_of(layers_toml + "[spectrum]\n"), AllOf(HasSubstr("wavelengths_um"), HasSubstr("missing")));
+  EXPECT_THAT(message_of(layers_toml + "[spectrum]\nwavelengths_um = []\n"), HasSubstr("empty"));
+  EXPECT_THAT(message_of(layers_toml + "[spectrum]\nwavelengths_um = [0.5, 0.5]\n"),
               HasSubstr("neither ascending nor descending"));
-  EXPECT_THAT(message_of(kLayers + "[spectrum]\nwavelengths_um = [0.5, 0]\n"), HasSubstr("> 0"));
+  EXPECT_THAT(message_of(layers_toml + "[spectrum]\nwavelengths_um = [0.5, 0]\n"), HasSubstr("> 0"));
   EXPECT_THAT(
       message_of(replaced("optical_depth = 0.1\n", "optical_depth = 0.1\noptical_depth_wavelength_um = 0.55\n")),
       HasSubstr("needs [spectrum]"));

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::ThrowsMessage;
 
-const std::string kSlab =
+const std::string slab_toml =
     "[[layer]]\nbottom_m = 0\ntop_m = 100\noptical_depth = 1\nsingle_scattering_albedo = 0.9\nphase_function = "
     "\"rayleigh\"\n[sun]\nzenith_deg = 60\nazimuth_deg = 0\n";
 
@@ -55,7 +55,7 @@ TEST(Toml, DeepNestingIsRefused) {
       {repeated("b.", 15) + "b = {" + repeated("c.", 16) + "c = 1}", 1},
       {"x = " + repeated("[", 17) + "{" + repeated("c.", 15) + "c = 1}", 1}};
   const TemporaryFolder folder;
-  const auto slab = folder.write("slab.toml", kSlab);
+  const auto slab = folder.write("slab.toml", slab_toml);
   for (const auto& [text, line] : texts) {
     const auto file = folder.write("deep.toml", text);
     EXPECT_THAT([&] { read_scene(file); },
@@ -79,7 +79,7 @@ TEST(Toml, DotsAndBracketsInTextAreNoLevels) {
         "title = \"\"\"" + marks + "\\\"\"\"\"\n", "# " + marks + "\n", std::string("\xef\xbb\xbf# with a mark\r\n"),
         "[output]\nflux_levels = [" + repeated("50.0, ", 100) + "]\n",
         repeated("[[radiance]]\nzenith_deg = 0.5\n", 50)}) {
-    const auto file = folder.write("scene.toml", text.find('[') == 0 ? kSlab + text : text + kSlab);
+    const auto file = folder.write("scene.toml", text.find('[') == 0 ? slab_toml + text : text + slab_toml);
     try {
       read_scene(file);
     } catch (const InputError& error) {
@@ -128,7 +128,7 @@ TEST(Toml, NamesInMessagesAreOnOneLine) {
   EXPECT_THAT([&] { read_scene(file); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("\"a\\u001B\\u000A\""), Not(HasSubstr("\n")))));
   const std::vector<std::string> set{"x=\n1"};
-  EXPECT_THAT([&] { read_scene(folder.write("slab.toml", kSlab), set); },
+  EXPECT_THAT([&] { read_scene(folder.write("slab.toml", slab_toml), set); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("--set \"x=\\u000A1\""), Not(HasSubstr("\n")))));
 }
 

@@ -53,7 +53,7 @@ TEST(Verify, PassesUpToTheToleranceAndNotBeyond) {
 
 TEST(Verify, PrintsALineACheck) {
   const Printed printed = verified({check("good", 2e-4), check("better", 0)});
-  EXPECT_EQ(printed.exit_code, kExitDone);
+  EXPECT_EQ(printed.exit_code, exit_done);
   EXPECT_EQ(std::count(printed.output.begin(), printed.output.end(), '\n'), 3);
   EXPECT_THAT(printed.output,
               AllOf(HasSubstr("good "), HasSubstr("0.0002"), HasSubstr("tolerance 0.001"), HasSubstr("of \"it\""),
@@ -86,7 +86,7 @@ TEST(Verify, OnlyThoseThatAreNamed) {
   options.only = {"good"};
   const std::vector<PhysicalCheck> checks{check("good", 0), check("bad", 1)};
   const Printed printed = verified(checks, options);
-  EXPECT_EQ(printed.exit_code, kExitDone);
+  EXPECT_EQ(printed.exit_code, exit_done);
   EXPECT_THAT(printed.output, AllOf(HasSubstr("1 of 1 checks passed"), Not(HasSubstr("bad"))));
   options.only = {"good", "ugly"};
   try {
@@ -101,7 +101,7 @@ TEST(Verify, ListsWithoutChecking) {
   VerifyOptions options;
   options.list = true;
   const Printed printed = verified({check("bad", 1)}, options);
-  EXPECT_EQ(printed.exit_code, kExitDone);
+  EXPECT_EQ(printed.exit_code, exit_done);
   EXPECT_THAT(printed.output, AllOf(HasSubstr("bad "), HasSubstr("what must hold"), Not(HasSubstr("FAILED"))));
 }
 
