@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "io/hdf5_handle.hpp"
 
 namespace cloudbow {
@@ -118,7 +118,7 @@ class Reader {
 }  // namespace
 
 BoundaryResult read_boundary_result(const std::filesystem::path& file) {
-  return after_rehearsal(file, {.library = "HDF5"}, [&] {
+  return after_sandbox(file, {.library = "HDF5"}, [&] {
     try {
       return Reader(file).read();
     } catch (const hdf5::Error& error) {

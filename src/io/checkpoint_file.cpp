@@ -13,7 +13,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/printable.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "io/hdf5_handle.hpp"
 #include "io/netcdf4_file.hpp"
 
@@ -141,7 +141,7 @@ CheckpointInput::CheckpointInput(const std::filesystem::path& path) : path_(path
     if (format != checkpoint_format) fail_version(path, format, source_);
     key_ = {key_attribute(opened_->file, "layout"), key_attribute(opened_->file, "problem")};
   };
-  rehearse(path, {.library = "HDF5"}, [&] {
+  read_in_sandbox(path, {.library = "HDF5"}, [&] {
     naming(path, [&] {
       open();
       read_every_value(opened_->file, std::filesystem::file_size(path));

@@ -16,7 +16,7 @@
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "io/droplet_table_readers.hpp"
 #include "io/netcdf4_file.hpp"
 
@@ -285,7 +285,7 @@ void write_droplet_tables(const std::filesystem::path& file, std::span<const Dro
 }
 
 DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um) {
-  return after_rehearsal(file, {.library = "HDF5 or netCDF"}, [&] {
+  return after_sandbox(file, {.library = "HDF5 or netCDF"}, [&] {
     check_input(file, "a table of droplets");
     hdf5::check_file(file);
     try {

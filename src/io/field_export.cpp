@@ -11,7 +11,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "io/result_input.hpp"
 
@@ -266,7 +266,7 @@ FieldExportReport export_fields(const FieldExportOptions& options) {
                                    options.result_file.string(), error.what()));
     }
   };
-  rehearse(options.result_file, {.library = "HDF5"}, [&] { reading([](Exporter& all) { all.read(); }); });
+  read_in_sandbox(options.result_file, {.library = "HDF5"}, [&] { reading([](Exporter& all) { all.read(); }); });
   return reading([](Exporter& all) { return all.write(); });
 }
 

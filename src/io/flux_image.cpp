@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "io/hdf5_handle.hpp"
 
 namespace cloudbow {
@@ -126,13 +126,13 @@ std::vector<double> edges_between(const std::vector<double>& level) {
 }
 
 std::vector<float> upside_down(const std::vector<float>& value, int rows, int columns) {
-  std::vector<float> turned;
-  turned.reserve(value.size());
+  std::vector<float> transposed;
+  transposed.reserve(value.size());
   for (int row = rows - 1; row >= 0; --row) {
     const auto begin = value.begin() + static_cast<std::ptrdiff_t>(row) * columns;
-    turned.insert(turned.end(), begin, begin + columns);
+    transposed.insert(transposed.end(), begin, begin + columns);
   }
-  return turned;
+  return transposed;
 }
 
 FluxImage read_image(hid_t file, const std::string& where, const std::string& variable, const ImageChoice& choice) {
@@ -208,7 +208,7 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
 template <class Action>
 auto with_result(const std::filesystem::path& result_file, const Action& action) {
   const std::string where = result_file.string();
-  return after_rehearsal(result_file, {.library = "HDF5"}, [&] {
+  return after_sandbox(result_file, {.library = "HDF5"}, [&] {
     try {
       const Handle file = hdf5::open_file(result_file);
       return action(file);

@@ -31,12 +31,12 @@ struct FluxName {
   const char* standard_name;
 };
 constexpr FluxName upwelling_name{"upwelling_flux", "upwelling diffuse flux through a horizontal surface",
-                              "upwelling_shortwave_flux_in_air"};
-constexpr FluxName downwelling_diffuse_name{"downwelling_diffuse_flux",
-                                       "downwelling diffuse flux through a horizontal surface, without the direct beam",
-                                       "diffuse_downwelling_shortwave_flux_in_air"};
+                                  "upwelling_shortwave_flux_in_air"};
+constexpr FluxName downwelling_diffuse_name{
+    "downwelling_diffuse_flux", "downwelling diffuse flux through a horizontal surface, without the direct beam",
+    "diffuse_downwelling_shortwave_flux_in_air"};
 constexpr FluxName direct_name{"direct_flux", "unscattered sunlight through a horizontal surface (true extinction)",
-                           "direct_downwelling_shortwave_flux_in_air"};
+                               "direct_downwelling_shortwave_flux_in_air"};
 
 constexpr const char* without_sun_disc = "the sun's disc is left out";
 
@@ -208,7 +208,8 @@ class ResultWriter {
         flux_attributes(upwelling_name));
     write_variable(
         file, downwelling_diffuse_name.name, flux_dimensions,
-        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; }, flux_attributes(downwelling_diffuse_name));
+        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; },
+        flux_attributes(downwelling_diffuse_name));
     write_variable(
         file, direct_name.name, flux_dimensions, [](const Solution& s) -> auto& { return s.direct_flux; },
         flux_attributes(direct_name));
@@ -474,7 +475,7 @@ class ResultWriter {
                                {"directions", first_.report.directions},
                                {"radiance_storage", first_.report.radiance_storage},
                                {"mode", first_.report.mode},
-                               {"left_out_axes", first_.report.left_out_axes},
+                               {"left_out_axes", first_.report.collapsed_axes},
                                {"added_levels", whole(&R::added_levels)},
                                {"active_voxels", size(&R::active_voxels)},
                                {"threads", whole(&R::threads)},

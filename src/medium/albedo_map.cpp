@@ -8,7 +8,7 @@
 #include "albedo_map_readers.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 
 namespace cloudbow {
 namespace {
@@ -50,7 +50,7 @@ void overlaps(int old_count, int new_count, Use&& use) {
 AlbedoMap read_albedo_map(const std::filesystem::path& file) {
   check_input(file, "a map of albedo as PNG or netCDF");
   const bool png = is_png(file);
-  return after_rehearsal(file, {.library = png ? "libpng" : "netCDF"}, [&] {
+  return after_sandbox(file, {.library = png ? "libpng" : "netCDF"}, [&] {
     AlbedoMap map = png ? read_png_map(file) : read_netcdf_map(file);
     check_values(file, map);
     return map;

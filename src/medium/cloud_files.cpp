@@ -7,7 +7,7 @@ namespace {
 
 /// What reading depends on and a scene can change from wavelength to wavelength; the rest is the same for one cloud.
 std::string key_of(const VdbReadOptions& options, double low, double high) {
-  return fmt::format("{} {} {} {} {}", options.grid, options.scale, low, high, options.companion_quantity);
+  return fmt::format("{} {} {} {} {}", options.grid, options.scale, low, high, options.auxiliary_quantity);
 }
 
 }  // namespace
@@ -25,12 +25,12 @@ VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptio
   return field;
 }
 
-std::vector<float> CloudFiles::companion(const std::filesystem::path& file, const CloudField& field,
+std::vector<float> CloudFiles::auxiliary(const std::filesystem::path& file, const CloudField& field,
                                          const VdbReadOptions& options, double low, double high) {
   const std::string key = key_of(options, low, high);
-  if (const auto kept = companion_.find(key); kept != companion_.end()) return kept->second;
-  std::vector<float> value = read_companion_vdb(file, field, options, low, high);
-  if (keep_) companion_.emplace(key, value);
+  if (const auto kept = auxiliary_.find(key); kept != auxiliary_.end()) return kept->second;
+  std::vector<float> value = read_auxiliary_vdb(file, field, options, low, high);
+  if (keep_) auxiliary_.emplace(key, value);
   return value;
 }
 

@@ -329,9 +329,9 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   field.min_m = {cloud.x_min_m, cloud.y_min_m, levels.bottom_m};
   field.quantity = cloud.quantity;
 
-  VdbCompanion radius{"reff", "effective_radius", "um", {}};
-  VdbCompanion albedo{"single_scattering_albedo", "single_scattering_albedo", "1", {}};
-  VdbCompanion index{"phase_index", "phase_index", "1", {}};
+  VdbAuxiliary radius{"reff", "effective_radius", "um", {}};
+  VdbAuxiliary albedo{"single_scattering_albedo", "single_scattering_albedo", "1", {}};
+  VdbAuxiliary index{"phase_index", "phase_index", "1", {}};
   std::size_t mixed = 0;
   RowSpanWriter rows(field);
   for (int k = 0; k < levels.count; ++k) {
@@ -359,8 +359,8 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
                     "the larger part; a --vertical-size-m whose voxels end where the levels do keeps them apart",
                     mixed, field.active_voxels()));
   }
-  for (VdbCompanion* companion : {&radius, &albedo, &index}) {
-    if (!companion->value.empty()) imported.companions.push_back(std::move(*companion));
+  for (VdbAuxiliary* auxiliary : {&radius, &albedo, &index}) {
+    if (!auxiliary->value.empty()) imported.auxiliaries.push_back(std::move(*auxiliary));
   }
   return imported;
 }

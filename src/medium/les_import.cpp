@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "import_parts.hpp"
 #include "les_air.hpp"
 #include "les_file.hpp"
@@ -231,9 +231,10 @@ class LesReader {
   // -- effective radius ---------------------------------------------------------------------------------------------
 
   void add_effective_radius() {
-    const NetcdfVariable* radius = options_.droplet_number.empty() && options_.droplet_number_cm3 <= 0
-                                       ? file_.find(options_.effective_radius, effective_radius_names, "--effective-radius")
-                                       : nullptr;
+    const NetcdfVariable* radius =
+        options_.droplet_number.empty() && options_.droplet_number_cm3 <= 0
+            ? file_.find(options_.effective_radius, effective_radius_names, "--effective-radius")
+            : nullptr;
     if (radius != nullptr) {
       cloud_.effective_radius_um = grid_.read(*radius, "effective radius");
       const float largest = *std::max_element(cloud_.effective_radius_um.begin(), cloud_.effective_radius_um.end());
@@ -369,7 +370,7 @@ class LesReader {
 }  // namespace
 
 LevelledCloud import_les(const CloudImportOptions& options) {
-  return after_rehearsal(options.file, {.library = "netCDF"}, [&] { return LesReader(options).read(); });
+  return after_sandbox(options.file, {.library = "netCDF"}, [&] { return LesReader(options).read(); });
 }
 
 }  // namespace cloudbow

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "vdb_module.hpp"
@@ -78,15 +78,15 @@ VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions&
   return vdb_module().read_cloud(path, options);
 }
 
-std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
+std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options, double lowest, double highest) {
-  return vdb_module().read_companion(path, cloud, options, lowest, highest);
+  return vdb_module().read_auxiliary(path, cloud, options, lowest, highest);
 }
 
 namespace {
 
 /// Whether the grid describes the voxels of another one.
-bool is_companion(const std::string& quantity) {
+bool is_auxiliary(const std::string& quantity) {
   return quantity == "effective_radius" || quantity == "single_scattering_albedo" || quantity == "phase_index";
 }
 
@@ -94,7 +94,7 @@ bool is_companion(const std::string& quantity) {
 void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, VdbGridInfo& water) {
   CloudField field = read_cloud_vdb(path, {.grid = water.name});
   const std::vector<float> radius =
-      read_companion_vdb(path, field, {.grid = radius_grid}, smallest_effective_radius_um, largest_effective_radius_um);
+      read_auxiliary_vdb(path, field, {.grid = radius_grid}, smallest_effective_radius_um, largest_effective_radius_um);
   water_to_extinction_by_radius(field, radius);
   const CloudSummary summary = summarize(field);
   water.optical_depth = summary.column;
@@ -111,7 +111,7 @@ CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
     try {
       VdbReadOptions options;
       options.grid = grid.name;
-      options.ignores_background = is_companion(grid.quantity);
+      options.ignores_background = is_auxiliary(grid.quantity);
       const VdbCloud cloud = read_cloud_vdb(path, options);
       grid.cloud = summarize(cloud);
       grid.cloud->notes = cloud.notes;
@@ -132,8 +132,8 @@ CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
 }
 
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                     const std::vector<VdbCompanion>& companions) {
-  vdb_module().write_cloud(path, field, options, companions);
+                     const std::vector<VdbAuxiliary>& auxiliaries) {
+  vdb_module().write_cloud(path, field, options, auxiliaries);
 }
 
 void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,

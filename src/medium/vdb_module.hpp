@@ -9,12 +9,12 @@ namespace cloudbow {
 /// Functions as the public ones of the same names, which document them.
 struct VdbModule {
   VdbCloud (*read_cloud)(const std::filesystem::path& path, const VdbReadOptions& options);
-  std::vector<float> (*read_companion)(const std::filesystem::path& path, const CloudField& cloud,
+  std::vector<float> (*read_auxiliary)(const std::filesystem::path& path, const CloudField& cloud,
                                        const VdbReadOptions& options, double lowest, double highest);
   /// The grids with their metadata; none is read as a cloud.
   std::vector<VdbGridInfo> (*list_grids)(const std::filesystem::path& path);
   void (*write_cloud)(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                      const std::vector<VdbCompanion>& companions);
+                      const std::vector<VdbAuxiliary>& auxiliaries);
   void (*write_fields)(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
                        const std::function<VdbField(std::size_t)>& field);
 };

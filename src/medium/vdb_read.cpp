@@ -9,7 +9,7 @@
 
 #include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 #include "row_spans.hpp"
 #include "vdb_input.hpp"
 #include "vdb_module.hpp"
@@ -400,15 +400,15 @@ VdbCloud read_cloud(const std::filesystem::path& path, const VdbReadOptions& opt
   return field;
 }
 
-std::vector<float> read_companion(const std::filesystem::path& path, const CloudField& cloud,
+std::vector<float> read_auxiliary(const std::filesystem::path& path, const CloudField& cloud,
                                   const VdbReadOptions& options, double lowest, double highest) {
   const Place where{path, options.grid};
   VdbInput input(path, options.grid);
   const auto& entry = input.find(options.grid);
   const std::string quantity = text_metadata(*entry.grid, "quantity");
-  if (!options.companion_quantity.empty() && !quantity.empty() && quantity != options.companion_quantity) {
+  if (!options.auxiliary_quantity.empty() && !quantity.empty() && quantity != options.auxiliary_quantity) {
     where.fail("holds something else by its metadata (found the quantity {}, allowed {}) name the grid that holds it",
-               quantity, options.companion_quantity);
+               quantity, options.auxiliary_quantity);
   }
   const Placement placement = place(entry.grid->transform(), options, where);
   std::array<std::int64_t, 3> first{};
@@ -466,7 +466,7 @@ auto after_parsing(const std::filesystem::path& path, Parse parse, Read read) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   // A grid of constant leaves takes 30 MB for each megabyte of the file; then something to spare.
-  rehearse(path, {.library = "OpenVDB", .memory_bytes = 64 * (error ? 0 : bytes) + 512000000}, parse);
+  read_in_sandbox(path, {.library = "OpenVDB", .memory_bytes = 64 * (error ? 0 : bytes) + 512000000}, parse);
   return read();
 }
 
@@ -497,10 +497,10 @@ VdbCloud read_cloud_safely(const std::filesystem::path& path, const VdbReadOptio
   return after_parsing_grid(path, options.grid, [&] { return read_cloud(path, options); });
 }
 
-std::vector<float> read_companion_safely(const std::filesystem::path& path, const CloudField& cloud,
+std::vector<float> read_auxiliary_safely(const std::filesystem::path& path, const CloudField& cloud,
                                          const VdbReadOptions& options, double lowest, double highest) {
   check_options(options);
-  return after_parsing_grid(path, options.grid, [&] { return read_companion(path, cloud, options, lowest, highest); });
+  return after_parsing_grid(path, options.grid, [&] { return read_auxiliary(path, cloud, options, lowest, highest); });
 }
 
 std::vector<VdbGridInfo> list_grids_safely(const std::filesystem::path& path) {
@@ -512,6 +512,6 @@ std::vector<VdbGridInfo> list_grids_safely(const std::filesystem::path& path) {
 
 }  // namespace cloudbow
 
-const cloudbow::VdbModule cloudbow_vdb_module = {cloudbow::read_cloud_safely, cloudbow::read_companion_safely,
+const cloudbow::VdbModule cloudbow_vdb_module = {cloudbow::read_cloud_safely, cloudbow::read_auxiliary_safely,
                                                  cloudbow::list_grids_safely, cloudbow::vdb::write_cloud,
                                                  cloudbow::vdb::write_fields};

@@ -186,13 +186,13 @@ class PartFile {
 }  // namespace
 
 void vdb::write_cloud(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                      const std::vector<VdbCompanion>& companions) {
+                      const std::vector<VdbAuxiliary>& auxiliaries) {
   openvdb::initialize();
   const std::string units = units_of(field.quantity);
   openvdb::GridCPtrVec grids{to_grid(field, {options.grid, field.quantity, units, field.value, options.half})};
-  for (const VdbCompanion& companion : companions) {
-    assert(companion.value.size() == field.value.size());
-    grids.push_back(to_grid(field, {companion.grid, companion.quantity, companion.units, companion.value, false}));
+  for (const VdbAuxiliary& auxiliary : auxiliaries) {
+    assert(auxiliary.value.size() == field.value.size());
+    grids.push_back(to_grid(field, {auxiliary.grid, auxiliary.quantity, auxiliary.units, auxiliary.value, false}));
   }
   PartFile file(path);
   file.doing([&] {

@@ -143,14 +143,15 @@ double ErrorParts::total() const { return std::hypot(angular, spatial, iteration
 
 double ErrorEstimate::columns() const { return std::max(up.total(), down.total()); }
 
-ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
+ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coarse_solves, const ErrorWeights& weights,
                              bool fields) {
   ErrorEstimate estimate;
-  estimate.angular_distance = flux_distance(solution, companions.linear);
-  estimate.spatial_distance = flux_distance(companions.linear, companions.constant);
+  estimate.angular_distance = flux_distance(solution, coarse_solves.linear);
+  estimate.spatial_distance = flux_distance(coarse_solves.linear, coarse_solves.constant);
   // Companions on the same cells do not know what thick cells cost, nor, with few directions, what thin air under a low
   // sun does.
-  if (const auto& probe = companions.probe) estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
+  if (const auto& probe = coarse_solves.probe)
+    estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
   const auto parts = [&](double ByFlux::*flux, const ByFlux& angular, const ByFlux& spatial, const ByFlux& probe) {
     return ErrorParts{std::max(weights.least.*flux, weights.angular.*flux * (angular.*flux)),
                       std::max(weights.spatial.*flux * (spatial.*flux), probe.*flux), solution.report.estimated_error};
@@ -162,29 +163,31 @@ ErrorEstimate estimate_error(const Solution& solution, const Companions& compani
   estimate.up = at_ends(&ByFlux::up);
   estimate.down = at_ends(&ByFlux::down);
   if (planes(solution) > 2) {
-    const ByFlux angular = flux_distance_between_ends(solution, companions.linear);
-    const ByFlux spatial = flux_distance_between_ends(companions.linear, companions.constant);
+    const ByFlux angular = flux_distance_between_ends(solution, coarse_solves.linear);
+    const ByFlux spatial = flux_distance_between_ends(coarse_solves.linear, coarse_solves.constant);
     ByFlux probe;
-    if (companions.probe) probe = flux_distance_between_ends(companions.probe->by_ordinates, companions.probe->exact);
+    if (coarse_solves.probe)
+      probe = flux_distance_between_ends(coarse_solves.probe->by_ordinates, coarse_solves.probe->exact);
     estimate.between_ends = between_ends_factor * std::max(parts(&ByFlux::up, angular, spatial, probe).total(),
-                                                    parts(&ByFlux::down, angular, spatial, probe).total());
+                                                           parts(&ByFlux::down, angular, spatial, probe).total());
   }
   const auto count = [&estimate](const SolverReport& report) {
     estimate.cpu_seconds += report.cpu_seconds;
     estimate.table_seconds += report.seconds_tables;
   };
-  count(companions.linear.report);
-  count(companions.constant.report);
-  if (const auto& probe = companions.probe) {
+  count(coarse_solves.linear.report);
+  count(coarse_solves.constant.report);
+  if (const auto& probe = coarse_solves.probe) {
     count(probe->by_ordinates.report);
     count(probe->exact.report);
   }
   if (fields) {
-    estimate.upwelling_flux_error = error_field(
-        {up_at_top(solution), up_at_top(companions.linear), up_at_top(companions.constant)}, estimate.up, solution.box);
-    estimate.downwelling_flux_error =
-        error_field({down_at_bottom(solution), down_at_bottom(companions.linear), down_at_bottom(companions.constant)},
-                    estimate.down, solution.box);
+    estimate.upwelling_flux_error =
+        error_field({up_at_top(solution), up_at_top(coarse_solves.linear), up_at_top(coarse_solves.constant)},
+                    estimate.up, solution.box);
+    estimate.downwelling_flux_error = error_field(
+        {down_at_bottom(solution), down_at_bottom(coarse_solves.linear), down_at_bottom(coarse_solves.constant)},
+        estimate.down, solution.box);
   }
   return estimate;
 }

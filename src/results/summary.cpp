@@ -23,8 +23,8 @@ std::string summary_table(const Solution& solution) {
   }
   if (report.added_levels > 0)
     line("levels", fmt::format(" {} more, where the direct beam fades within a voxel", report.added_levels));
-  if (!report.left_out_axes.empty())
-    line("solved as", fmt::format(" {}: nothing varies along {}", report.mode, report.left_out_axes));
+  if (!report.collapsed_axes.empty())
+    line("solved as", fmt::format(" {}: nothing varies along {}", report.mode, report.collapsed_axes));
   line("energy residual", fmt::format("{:9.1e}", ledger.residual));
   line("estimated error",
        fmt::format("{:9.1e}   after {} sweep{}", report.estimated_error, report.sweeps, report.sweeps == 1 ? "" : "s"));

@@ -1,5 +1,5 @@
 // What a solve is made of, on a field of small clouds: one sweep, scattering, moments, the low-order correction, the
-// last gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one.
+// final gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one.
 #include <benchmark/benchmark.h>
 #include <omp.h>
 

@@ -27,8 +27,8 @@ class CloudFiles {
 
   /// As read_cloud_vdb(); its notes are reported.
   VdbCloud field(const std::filesystem::path& file, const VdbReadOptions& options);
-  /// As read_companion_vdb().
-  std::vector<float> companion(const std::filesystem::path& file, const CloudField& field,
+  /// As read_auxiliary_vdb().
+  std::vector<float> auxiliary(const std::filesystem::path& file, const CloudField& field,
                                const VdbReadOptions& options, double low, double high);
 
  private:
@@ -36,7 +36,7 @@ class CloudFiles {
   std::function<void(const std::string&)> tell_;
   std::set<std::string> told_;
   std::map<std::string, VdbCloud> field_;
-  std::map<std::string, std::vector<float>> companion_;
+  std::map<std::string, std::vector<float>> auxiliary_;
 };
 
 }  // namespace cloudbow

@@ -57,7 +57,7 @@ std::string cloud_import_format(const CloudImportOptions& options);
 
 struct ImportedCloud {
   CloudField field;
-  std::vector<VdbCompanion> companions;      ///< "reff", "single_scattering_albedo", "phase_index"
+  std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index"
   std::vector<std::vector<double>> moments;  ///< [phase function][l] where the file holds them, without the factor 2l+1
   std::vector<std::string> notes;            ///< what was found and what was guessed, for the user to check
 };

@@ -33,7 +33,7 @@ struct VdbReadOptions {
   /// How far a background other than 0 reaches where the grid's metadata do not say it.
   std::optional<VdbDomain> domain_m{};
   /// What a companion's metadata `quantity` has to be where it is there; empty: anything.
-  std::string companion_quantity{};
+  std::string auxiliary_quantity{};
   bool ignores_background = false;  ///< the active values alone: of a grid that describes the voxels of another
   /// Largest memory that reading may take; 0: half of the machine's.
   std::uint64_t memory_limit_bytes = 0;
@@ -64,9 +64,9 @@ VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions&
 /// grid's numbers. Where the grid has no active value its background counts if it is not 0: a background other than 0
 /// states what holds elsewhere.
 /// @param lowest, highest the range allowed, ends included, after scaling.
-/// @throws InputError as read_cloud_vdb does, and where the metadata contradict companion_quantity, the voxels do not
+/// @throws InputError as read_cloud_vdb does, and where the metadata contradict auxiliary_quantity, the voxels do not
 /// coincide with the cloud's, a value is missing or out of range.
-std::vector<float> read_companion_vdb(const std::filesystem::path& path, const CloudField& cloud,
+std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options,
                                       double lowest = std::numeric_limits<double>::lowest(),
                                       double highest = std::numeric_limits<double>::max());
@@ -77,7 +77,7 @@ struct VdbWriteOptions {
 };
 
 /// A second grid on the voxels of a field.
-struct VdbCompanion {
+struct VdbAuxiliary {
   std::string grid;
   std::string quantity;
   std::string units;
@@ -88,7 +88,7 @@ struct VdbCompanion {
 /// beside `path` that is renamed when complete. Cell (0, 0, 0) is voxel (0, 0, 0). Companions are stored as float.
 /// @throws InputError where the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
-                     const std::vector<VdbCompanion>& companions = {});
+                     const std::vector<VdbAuxiliary>& auxiliaries = {});
 
 /// Where the voxels of fields lie: nx, ny, nz cells of cell_size_m from the corner min_m on, z up.
 struct VdbBox {

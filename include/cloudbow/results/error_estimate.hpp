@@ -56,7 +56,7 @@ struct ErrorEstimate {
 };
 
 /// Solutions with cheaper options, of the same problem.
-struct Companions {
+struct CoarseSolves {
   Solution linear;    ///< fewer directions
   Solution constant;  ///< the same with SolverOptions::linear_source = false
   /// Some columns by themselves (probe_columns.hpp), as the solve would have them and as they are.
@@ -67,7 +67,7 @@ struct Companions {
 };
 
 /// @param fields whether the errors of single columns are asked for.
-ErrorEstimate estimate_error(const Solution& solution, const Companions& companions, const ErrorWeights& weights,
+ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coarse_solves, const ErrorWeights& weights,
                              bool fields);
 
 /// "estimated error ..." as one line in per cent, for the summary; ends with a newline.

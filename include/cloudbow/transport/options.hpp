@@ -25,7 +25,7 @@ struct SolverOptions {
   std::string directions = "double-gauss-8x16";  ///< an ordinate set by name
   FitOptions fit;
   int gather_directions =
-      512;             ///< directions a hemisphere in the last gather, >= 1; columns that exchange no light do without
+      512;             ///< directions a hemisphere in the final gather, >= 1; columns that exchange no light do without
   int beam_rays = 16;  ///< rays of the direct beam a column, a square number
   double tolerance = 1e-4;  ///< estimated true relative error of the iteration
   double energy_tolerance = 1e-5;

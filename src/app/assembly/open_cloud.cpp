@@ -66,14 +66,14 @@ std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, 
                                          VdbReadOptions options) {
   const SceneCloud& cloud = *scene.cloud;
   options.grid = cloud.effective_radius_grid;
-  options.companion_quantity = "effective_radius";
+  options.auxiliary_quantity = "effective_radius";
   constexpr double rounding = 1e-6;  // of grids of floats
   if (cloud.droplets != nullptr) {
-    return files.companion(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
+    return files.auxiliary(cloud.file, field, options, cloud.droplets->effective_radius_um.front() * (1 - rounding),
                            cloud.droplets->effective_radius_um.back() * (1 + rounding));
   }
   std::vector<float> radius =
-      files.companion(cloud.file, field, options, 0, static_cast<double>(std::numeric_limits<float>::max()));
+      files.auxiliary(cloud.file, field, options, 0, static_cast<double>(std::numeric_limits<float>::max()));
   const auto [least, largest] = std::minmax_element(radius.begin(), radius.end());
   if (const auto doubt = doubt_effective_radius(*least, *largest))
     throw InputError(fmt::format("{}: {}", grid_place(cloud, options.grid), *doubt));
@@ -127,8 +127,8 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   read.domain_m = given_domain(scene.domain);
   OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}};
   VdbCloud& field = opened.field;
-  VdbReadOptions companion = read;
-  companion.scale = 1;
+  VdbReadOptions auxiliary = read;
+  auxiliary.scale = 1;
   const double class_error = scene.solver.class_tolerance.value_or(class_tolerance(scene.solver.accuracy));
   const bool is_water = quantity_of(scene, field) == "liquid_water_content";
   const auto doubt = [&](const std::optional<std::string>& sentence) {
@@ -149,7 +149,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
                              cloud.read.grid));
     }
   } else if (has_radius_grid) {
-    radius = read_effective_radius(scene, files, field, companion);
+    radius = read_effective_radius(scene, files, field, auxiliary);
     const auto [least, largest] = std::minmax_element(radius.begin(), radius.end());
     opened.figures.effective_radius_um = {*least, *largest};
   } else if (cloud.effective_radius_um) {
@@ -177,20 +177,20 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
                                      ? cloud.phase_function
                                      : static_cast<int>(scene.phase_functions.size());
   if (!cloud.single_scattering_albedo_grid.empty()) {
-    companion.grid = cloud.single_scattering_albedo_grid;
-    companion.companion_quantity = "single_scattering_albedo";
-    const std::vector<float> albedo = files.companion(cloud.file, field, companion, 0, 1);
+    auxiliary.grid = cloud.single_scattering_albedo_grid;
+    auxiliary.auxiliary_quantity = "single_scattering_albedo";
+    const std::vector<float> albedo = files.auxiliary(cloud.file, field, auxiliary, 0, 1);
     opened.optics.voxel_single_scattering_albedo.assign(albedo.begin(), albedo.end());
   } else if (cloud.single_scattering_albedo) {
     opened.optics.single_scattering_albedo = *cloud.single_scattering_albedo;
     opened.optics.voxel_single_scattering_albedo.clear();
   }
   if (cloud.phase_set != nullptr) {
-    companion.grid = cloud.phase_set->index_grid;
-    companion.companion_quantity = "phase_index";
+    auxiliary.grid = cloud.phase_set->index_grid;
+    auxiliary.auxiliary_quantity = "phase_index";
     const std::vector<float> number =
-        files.companion(cloud.file, field, companion, 1, static_cast<double>(cloud.phase_set->function.size()));
-    take_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, companion.grid), opened);
+        files.auxiliary(cloud.file, field, auxiliary, 1, static_cast<double>(cloud.phase_set->function.size()));
+    take_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, auxiliary.grid), opened);
   }
   return opened;
 }

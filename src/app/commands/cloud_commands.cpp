@@ -140,9 +140,9 @@ std::vector<std::vector<double>> phase_functions_of(const ImportCommand& command
 }
 
 void check_indices(const ImportedCloud& cloud, std::size_t functions) {
-  for (const VdbCompanion& companion : cloud.companions) {
-    if (companion.grid != "phase_index") continue;
-    for (const float index : companion.value) {
+  for (const VdbAuxiliary& auxiliary : cloud.auxiliaries) {
+    if (auxiliary.grid != "phase_index") continue;
+    for (const float index : auxiliary.value) {
       if (index > static_cast<float>(functions)) {
         throw InputError(
             fmt::format("--phase-functions: too few functions (found {}, allowed at least {}, which a cell has)",
@@ -181,7 +181,7 @@ int import_to_vdb(const CLI::App& app, const ImportCommand& command) {
     cloud.notes.push_back(fmt::format("phase functions: written to {}, for [phase_function.NAME] type = \"set\"",
                                       phase_set_beside(command.output).string()));
   }
-  write_cloud_vdb(command.output, cloud.field, command.write, cloud.companions);
+  write_cloud_vdb(command.output, cloud.field, command.write, cloud.auxiliaries);
   if (command.quiet) return exit_done;
   for (const std::string& note : cloud.notes) fmt::print("{}\n", printable(note));
   fmt::print("{}", format_cloud_info(describe_cloud_vdb(command.output)));

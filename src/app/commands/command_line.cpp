@@ -42,22 +42,22 @@ constexpr int exit_broken_pipe = 128 + SIGPIPE;  // as a shell tells it
 using Action = std::function<int()>;
 
 /// What --target-error, --of and --budget say.
-struct GoalText {
+struct TargetText {
   std::string error, of = "domain", budget;
 
-  std::optional<Goal> goal() const {
+  std::optional<Target> target() const {
     if (error.empty() && budget.empty()) return std::nullopt;
-    Goal goal;
-    if (!error.empty()) goal.error = parse_target_error(error);
-    goal.of = of == "domain" ? ErrorOf::domain : ErrorOf::columns;
-    if (!budget.empty()) goal.budget_seconds = parse_budget(budget);
-    return goal;
+    Target target;
+    if (!error.empty()) target.error = parse_target_error(error);
+    target.of = of == "domain" ? ErrorOf::domain : ErrorOf::columns;
+    if (!budget.empty()) target.budget_seconds = parse_budget(budget);
+    return target;
   }
 };
 
 void add_run(CLI::App& app, Action& action, const std::string& command) {
   auto options = std::make_shared<RunOptions>();
-  auto goal = std::make_shared<GoalText>();
+  auto target = std::make_shared<TargetText>();
   options->command = command;
   CLI::App* run_app = app.add_subcommand("run", "Solve a scene file and write one HDF5 file");
   run_app->add_option("scene", options->scene, "Scene file (TOML)")->type_name("FILE")->required();
@@ -94,7 +94,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
                        "guess. May be the --checkpoint of the same command: not there yet, the run begins anew")
           ->type_name("FILE");
   run_app
-      ->add_option("--target-error", goal->error,
+      ->add_option("--target-error", target->error,
                    "Choose the cheapest level of accuracy that is expected to reach this error, as 1%")
       ->type_name("ERROR")
       ->excludes(compare)
@@ -103,7 +103,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
       ->excludes(resume);
   run_app
       ->add_option(
-          "--budget", goal->budget,
+          "--budget", target->budget,
           "Choose the best level (with --target-error: the cheapest that reaches it) within this time, as 30s, "
           "2m, 1.5h")
       ->type_name("TIME")
@@ -111,12 +111,12 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
       ->excludes(dry_run)
       ->excludes(checkpoint)
       ->excludes(resume);
-  run_app->add_option("--of", goal->of, "Fluxes that the error is of: domain, columns")
+  run_app->add_option("--of", target->of, "Fluxes that the error is of: domain, columns")
       ->capture_default_str()
       ->check(CLI::IsMember({"domain", "columns"}));
-  run_app->callback([&action, options, goal] {
-    action = [options, goal] {
-      options->goal = goal->goal();
+  run_app->callback([&action, options, target] {
+    action = [options, target] {
+      options->target = target->target();
       return run(*options);
     };
   });

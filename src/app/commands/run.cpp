@@ -7,10 +7,10 @@
 #include <set>
 #include <string>
 
-#include "app/planning/goal_run.hpp"
 #include "app/planning/run_checkpoints.hpp"
 #include "app/planning/run_options.hpp"
 #include "app/planning/solve_scenes.hpp"
+#include "app/planning/target_run.hpp"
 #include "app/process/cache_directory.hpp"
 #include "app/process/exit_codes.hpp"
 #include "app/process/history.hpp"
@@ -47,13 +47,13 @@ void check_comparable(const Scene& scene) {
   }
 }
 
-void check_memory(const Scene& scene, const Forecast& forecast, std::uint64_t available) {
-  if (forecast.memory <= available) return;
-  throw InputError(fmt::format(
-      "{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
-      "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
-      "less",
-      scene.path.string(), static_cast<double>(forecast.memory) / 1e9, static_cast<double>(available) / 1e9));
+void check_memory(const Scene& scene, const CostEstimate& cost, std::uint64_t available) {
+  if (cost.memory <= available) return;
+  throw InputError(
+      fmt::format("{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
+                  "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
+                  "less",
+                  scene.path.string(), static_cast<double>(cost.memory) / 1e9, static_cast<double>(available) / 1e9));
 }
 
 std::string figures_text(const ColumnFigures& figures, double columns, const char* unit) {
@@ -87,8 +87,8 @@ void print_figures(const Scene& scene, const AssembledScene& assembled) {
   if (!scene.layers.empty()) fmt::print("layers    optical depth: {:.4g}\n", layers);
 }
 
-void print_forecast(const std::vector<Scene>& scenes, const PlannedScene& planned, const Forecast& forecast,
-                    std::uint64_t available) {
+void print_plan(const std::vector<Scene>& scenes, const PlannedScene& planned, const CostEstimate& cost,
+                std::uint64_t available) {
   const AssembledScene& first = *planned.scene;
   const OpticalGrid& grid = first.problem.grid;
   fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
@@ -106,9 +106,9 @@ void print_forecast(const std::vector<Scene>& scenes, const PlannedScene& planne
     fmt::print("spectrum  {} um\n", list);
   }
   if (first.phase_classes) fmt::print("phase     {}\n", classes_text(*first.phase_classes));
-  fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(forecast.memory) / 1e9,
+  fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(cost.memory) / 1e9,
              static_cast<double>(available) / 1e9);
-  fmt::print("time      {:.1f} s predicted\n", forecast.seconds);
+  fmt::print("time      {:.1f} s predicted\n", cost.seconds);
 }
 
 /// Each once: the scenes of a spectrum share their files.
@@ -220,19 +220,19 @@ int run(const RunOptions& options) {
   const InterruptGuard guard;
   Solved solved;
   std::optional<RunPlan> plan;
-  if (options.goal) {
-    GoalRun done = reach_goal(options, available, files);
+  if (options.target) {
+    TargetRun done = reach_target(options, available, files);
     scenes = std::move(done.scenes);
     solved = std::move(done.solved);
     plan = std::move(done.plan);
   } else {
-    Forecast expected = forecast(scenes, available, options.threads, options.compare, files);
+    CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
     check_memory(first, expected, available);
     if (options.dry_run) {
       const PlannedScene planned = expected.only
                                        ? std::move(*expected.only)
                                        : plan_scene(first, available, files, expected.levels_m, options.threads);
-      print_forecast(scenes, planned, expected, available);
+      print_plan(scenes, planned, expected, available);
       return exit_done;
     }
     solved = solve_all(scenes, std::move(expected), options, available, files);

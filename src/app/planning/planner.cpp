@@ -21,25 +21,25 @@ double rounded_up(double value) {
 std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
 std::string seconds(double value) { return fmt::format("{:.2g} s", value); }
 
-bool fits(const LevelForecast& level, const Goal& goal, const Means& means) {
-  return level.memory_bytes <= means.memory_bytes &&
-         (!goal.budget_seconds || means.spent_seconds + level.seconds <= *goal.budget_seconds);
+bool fits(const LevelCost& level, const Target& target, const Resources& resources) {
+  return level.memory_bytes <= resources.memory_bytes &&
+         (!target.budget_seconds || resources.spent_seconds + level.seconds <= *target.budget_seconds);
 }
 
-[[noreturn]] void refuse_error(const LevelForecast& best, const Goal& goal, const std::string& why) {
+[[noreturn]] void refuse_error(const LevelCost& best, const Target& target, const std::string& why) {
   throw InputError(
       fmt::format("--target-error: {} of {} can't be promised{} (found {}, allowed: `{}` is expected to "
                   "reach {}; ask for >= {})",
-                  percent(*goal.error), name_of(goal.of), why, percent(*goal.error), best.level, percent(best.error),
-                  percent(rounded_up(best.error))));
+                  percent(*target.error), name_of(target.of), why, percent(*target.error), best.level,
+                  percent(best.error), percent(rounded_up(best.error))));
 }
 
-[[noreturn]] void refuse_budget(const LevelForecast& cheapest, const Goal& goal, const Means& means) {
-  const double needed = means.spent_seconds + cheapest.seconds;
+[[noreturn]] void refuse_budget(const LevelCost& cheapest, const Target& target, const Resources& resources) {
+  const double needed = resources.spent_seconds + cheapest.seconds;
   throw InputError(
       fmt::format("--budget: too short for `{}`, the cheapest level that would do (found {}, allowed at "
                   "least {})",
-                  cheapest.level, seconds(*goal.budget_seconds), seconds(rounded_up(needed))));
+                  cheapest.level, seconds(*target.budget_seconds), seconds(rounded_up(needed))));
 }
 
 /// Number at the beginning of a text, and what follows it without blanks.
@@ -56,49 +56,49 @@ std::pair<std::optional<double>, std::string> number_and_unit(const std::string&
 
 std::string name_of(ErrorOf of) { return of == ErrorOf::domain ? "domain" : "columns"; }
 
-std::size_t choose_level(std::span<const LevelForecast> levels, const Goal& goal, const Means& means) {
-  assert(!levels.empty() && (goal.error || goal.budget_seconds));
+std::size_t choose_level(std::span<const LevelCost> levels, const Target& target, const Resources& resources) {
+  assert(!levels.empty() && (target.error || target.budget_seconds));
   std::optional<std::size_t> chosen, in_memory;
-  const LevelForecast* cheapest_enough = nullptr;
+  const LevelCost* cheapest_enough = nullptr;
   for (std::size_t n = 0; n < levels.size(); ++n) {
-    const LevelForecast& level = levels[n];
-    if (level.memory_bytes > means.memory_bytes) continue;
+    const LevelCost& level = levels[n];
+    if (level.memory_bytes > resources.memory_bytes) continue;
     if (!in_memory || level.error < levels[*in_memory].error) in_memory = n;
-    const bool enough = !goal.error || level.error <= *goal.error;
+    const bool enough = !target.error || level.error <= *target.error;
     if (!enough) continue;
     if (cheapest_enough == nullptr || level.seconds < cheapest_enough->seconds) cheapest_enough = &level;
-    if (!fits(level, goal, means)) continue;
+    if (!fits(level, target, resources)) continue;
     const bool better =
-        !chosen || (goal.error ? level.seconds < levels[*chosen].seconds : level.error < levels[*chosen].error);
+        !chosen || (target.error ? level.seconds < levels[*chosen].seconds : level.error < levels[*chosen].error);
     if (better) chosen = n;
   }
   if (chosen) return *chosen;
   if (!in_memory) {
     throw InputError(
         fmt::format("no level of accuracy fits into memory (found {:.2f} GB needed by `{}`, allowed {:.2f} GB)",
-                    levels.front().memory_bytes / 1e9, levels.front().level, means.memory_bytes / 1e9));
+                    levels.front().memory_bytes / 1e9, levels.front().level, resources.memory_bytes / 1e9));
   }
   if (cheapest_enough != nullptr) {
-    const LevelForecast* best_in_time = nullptr;
-    for (const LevelForecast& level : levels) {
-      if (fits(level, goal, means) && (best_in_time == nullptr || level.error < best_in_time->error))
+    const LevelCost* best_in_time = nullptr;
+    for (const LevelCost& level : levels) {
+      if (fits(level, target, resources) && (best_in_time == nullptr || level.error < best_in_time->error))
         best_in_time = &level;
     }
-    if (goal.error && best_in_time != nullptr)
-      refuse_error(*best_in_time, goal,
-                   fmt::format(" within {} (`{}` would take {})", seconds(*goal.budget_seconds), cheapest_enough->level,
-                               seconds(means.spent_seconds + cheapest_enough->seconds)));
-    refuse_budget(*cheapest_enough, goal, means);
+    if (target.error && best_in_time != nullptr)
+      refuse_error(*best_in_time, target,
+                   fmt::format(" within {} (`{}` would take {})", seconds(*target.budget_seconds),
+                               cheapest_enough->level, seconds(resources.spent_seconds + cheapest_enough->seconds)));
+    refuse_budget(*cheapest_enough, target, resources);
   }
-  const bool all_fit = std::all_of(levels.begin(), levels.end(), [&](const LevelForecast& level) {
-    return level.memory_bytes <= means.memory_bytes;
+  const bool all_fit = std::all_of(levels.begin(), levels.end(), [&](const LevelCost& level) {
+    return level.memory_bytes <= resources.memory_bytes;
   });
-  refuse_error(levels[*in_memory], goal, all_fit ? "" : " in the memory that there is");
+  refuse_error(levels[*in_memory], target, all_fit ? "" : " in the memory that there is");
 }
 
-std::optional<std::size_t> next_level(std::span<const LevelForecast> levels, std::size_t level, const Goal& goal,
-                                      const Means& means) {
-  if (level + 1 >= levels.size() || !fits(levels[level + 1], goal, means)) return std::nullopt;
+std::optional<std::size_t> next_level(std::span<const LevelCost> levels, std::size_t level, const Target& target,
+                                      const Resources& resources) {
+  if (level + 1 >= levels.size() || !fits(levels[level + 1], target, resources)) return std::nullopt;
   return level + 1;
 }
 

@@ -13,14 +13,14 @@ enum class ErrorOf { domain, columns };
 std::string name_of(ErrorOf of);
 
 /// At least one of the two numbers is given.
-struct Goal {
+struct Target {
   std::optional<double> error;  ///< fraction, > 0
   ErrorOf of = ErrorOf::domain;
   std::optional<double> budget_seconds;  ///< wall time of all solves, > 0
 };
 
 /// What a level of accuracy is expected to reach and to take in one scene.
-struct LevelForecast {
+struct LevelCost {
   std::string level;
   double error = 0;  ///< of the fluxes that the goal names; fraction
   double seconds = 0;
@@ -28,7 +28,7 @@ struct LevelForecast {
 };
 
 /// What there is.
-struct Means {
+struct Resources {
   double spent_seconds = 0;  ///< by solves before
   double memory_bytes = 0;
 };
@@ -37,11 +37,11 @@ struct Means {
 /// that fits.
 /// @param levels from the coarsest on, at least one.
 /// @returns index of the level. @throws InputError where there is none; it says what would be possible.
-std::size_t choose_level(std::span<const LevelForecast> levels, const Goal& goal, const Means& means);
+std::size_t choose_level(std::span<const LevelCost> levels, const Target& target, const Resources& resources);
 
 /// The level after `level`, where time and memory allow it; else nothing.
-std::optional<std::size_t> next_level(std::span<const LevelForecast> levels, std::size_t level, const Goal& goal,
-                                      const Means& means);
+std::optional<std::size_t> next_level(std::span<const LevelCost> levels, std::size_t level, const Target& target,
+                                      const Resources& resources);
 
 /// "1%", "1 %" or ".01" as a fraction. @throws InputError for anything else, and outside of (0, 1).
 double parse_target_error(const std::string& text);

@@ -17,9 +17,9 @@ struct RunOptions {
       output;       ///< empty: what the scene says, else the scene's name with .h5 in the working directory
   int threads = 0;  ///< 0: all
   bool quiet = false;
-  bool compare = false;      ///< solve as independent columns too and write the differences of the column fluxes
-  bool dry_run = false;      ///< validate, predict memory and time, write nothing
-  std::optional<Goal> goal;  ///< the level of accuracy is chosen, in place of the scene's
+  bool compare = false;          ///< solve as independent columns too and write the differences of the column fluxes
+  bool dry_run = false;          ///< validate, predict memory and time, write nothing
+  std::optional<Target> target;  ///< the level of accuracy is chosen, in place of the scene's
   std::filesystem::path checkpoint;  ///< keeps the state of the iteration here; empty: nowhere
   double checkpoint_minutes = 10;    ///< after so many, >= 0; and where a signal ends the run, and when it is done
   std::filesystem::path resume;      ///< begins with the state here; empty: from nothing

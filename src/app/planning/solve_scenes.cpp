@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "app/planning/companions.hpp"
+#include "app/planning/coarse_solves.hpp"
 #include "app/planning/error_calibration.hpp"
 #include "app/planning/run_checkpoints.hpp"
 #include "app/process/interrupt.hpp"
@@ -16,23 +16,22 @@ namespace cloudbow {
 namespace {
 
 ErrorEstimate estimate(const Scene& scene, const PlannedScene& planned, const Solution& solution) {
-  const Companions companions = solve_companions(planned.plan, scene.solver.accuracy, planned.as,
-                                                 [](const SolverProgress&) { InterruptGuard::check(); });
+  const CoarseSolves coarse_solves = solve_coarsely(planned.plan, scene.solver.accuracy, planned.as,
+                                                    [](const SolverProgress&) { InterruptGuard::check(); });
   ErrorEstimate error =
-      estimate_error(solution, companions, error_weights(scene.solver.accuracy, planned.as), scene.output.errors);
+      estimate_error(solution, coarse_solves, error_weights(scene.solver.accuracy, planned.as), scene.output.errors);
   error.calibrated_for = scene.solver.accuracy;
   return error;
 }
 
 }  // namespace
 
-Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunOptions& options,
+Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files) {
   Solved solved;
   for (const Scene& scene : scenes) {
-    const PlannedScene planned = forecast.only
-                                     ? std::move(*forecast.only)
-                                     : plan_scene(scene, available, files, forecast.levels_m, options.threads);
+    const PlannedScene planned =
+        cost.only ? std::move(*cost.only) : plan_scene(scene, available, files, cost.levels_m, options.threads);
     const AssembledScene& assembled = *planned.scene;
     if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
     const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "app/planning/forecast.hpp"
+#include "app/planning/cost_estimate.hpp"
 #include "app/planning/run_options.hpp"
 #include "cloudbow/results/error_estimate.hpp"
 
@@ -19,7 +19,7 @@ struct Solved {
 };
 
 /// @throws Interrupted.
-Solved solve_all(const std::vector<Scene>& scenes, Forecast forecast, const RunOptions& options,
+Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files);
 
 }  // namespace cloudbow

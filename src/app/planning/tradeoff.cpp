@@ -8,7 +8,7 @@
 #include <optional>
 #include <system_error>
 
-#include "app/planning/forecast.hpp"
+#include "app/planning/cost_estimate.hpp"
 #include "app/process/child_run.hpp"
 #include "app/process/exit_codes.hpp"
 #include "app/process/interrupt.hpp"

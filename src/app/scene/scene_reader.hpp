@@ -1,5 +1,5 @@
 // The scene at one of its wavelengths, read table by table: scene.cpp where and in what light things are,
-// scene_optics.cpp what light meets, scene_wishes.cpp how it is solved and what is asked for.
+// scene_optics.cpp what light meets, scene_settings.cpp how it is solved and what is asked for.
 #pragma once
 
 #include <cstddef>

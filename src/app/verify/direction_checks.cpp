@@ -11,7 +11,7 @@ namespace {
 
 constexpr int width = 9;  // columns along x and y
 constexpr std::array<double, 3> cell{1, .8, .75};
-const double cosine = std::sqrt(.5);    // of the zenith angle
+const double cosine = std::sqrt(.5);              // of the zenith angle
 constexpr double sight_distance = 3.5 * cell[2];  // what is so high is seen so far off
 
 // One voxel in an empty box of four levels.
@@ -48,8 +48,8 @@ SolverOptions with_many_rays() {
 double shadow() {
   Worst worst;
   for (const double azimuth : azimuths) {
-    const Solution solution = solve(
-        field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(cosine, azimuth)), with_many_rays());
+    const Solution solution =
+        solve(field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(cosine, azimuth)), with_many_rays());
     const double angle = azimuth * std::numbers::pi / 180;
     worst.meet(centre_off([&](std::size_t c) { return cosine - static_cast<double>(solution.direct_flux[c]); },
                           -sight_distance * std::cos(angle), -sight_distance * std::sin(angle)));
@@ -140,7 +140,7 @@ double mirror_means() {
   return worst.value();
 }
 
-MapDeviation turned() {
+MapDeviation transposed() {
   Worst mean, column;
   for (const Map& map : {Map{0, -1, 1, 0, 0, 0}, Map{0, 1, 1, 0, 0, 0}}) {
     const MapDeviation deviation = under(map);
@@ -164,8 +164,9 @@ std::vector<PhysicalCheck> direction_checks() {
       {"mirror", "a field mirrored with its sun has the same mean fluxes", "W m-2, F0 = 1", 2e-6, mirror_means},
       // Control points do not: their fits differ, by 5e-4 with the 42 of `draft`, column by column by 3e-3.
       {"turn", "a field turned by 90 degrees, or with x and y exchanged, has the same mean fluxes", "W m-2, F0 = 1",
-       1e-3, [] { return turned().mean; }},
-      {"turn-columns", "and its columns have the same fluxes", "W m-2, F0 = 1", 5e-3, [] { return turned().column; }},
+       1e-3, [] { return transposed().mean; }},
+      {"turn-columns", "and its columns have the same fluxes", "W m-2, F0 = 1", 5e-3,
+       [] { return transposed().column; }},
   };
 }
 

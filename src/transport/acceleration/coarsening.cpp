@@ -30,7 +30,7 @@ template <class Real>
 std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
   const Cells<Real>& cells = *system.cells;
   const BoxGrid& box = system.box;
-  if (!cells.varied) return std::nullopt;
+  if (!cells.heterogeneous) return std::nullopt;
   const int by_x = box.nx % 2 == 0 ? 2 : 1;
   const int by_y = box.ny % 2 == 0 ? 2 : 1;
   const std::vector<int> level = paired_levels(box);

@@ -184,7 +184,7 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
         const auto harmonic = [&](std::size_t other) { return 2 * d * diffusivity[other] / (d + diffusivity[other]); };
         const auto side = [&](std::vector<double>& coupling, int position, int count, std::size_t other, double area,
                               double width) {
-          if (given.vertical || (count == 1 && box.periodic)) return;
+          if (given.independent_columns || (count == 1 && box.periodic)) return;
           if (position + 1 < count || (box.periodic && count > 1)) {
             coupling[c] = harmonic(other) * area / width;
           }

@@ -17,7 +17,7 @@ struct DiffusionCoefficients {
   std::vector<float> transport;   ///< sigma' - sum_p scattering'_p chi'_1p, 1/m
   std::vector<float> absorption;  ///< 1/m
   double surface_albedo = 0;
-  bool vertical = false;  ///< independent columns: no coupling across
+  bool independent_columns = false;  ///< independent columns: no coupling across
 };
 
 /// Seven-point finite volumes with harmonic face coefficients, Marshak conditions at top and bottom (and open sides),

@@ -33,7 +33,7 @@ template <class Real>
 class LowOrderCorrection<Real>::Diffusion {
  public:
   explicit Diffusion(const TransportSystem<Real>& system)
-      : vertical_(system.vertical), box_(system.box), dense_(dense_indices(system.cells->rows)) {
+      : independent_columns_(system.independent_columns), box_(system.box), dense_(dense_indices(system.cells->rows)) {
     const std::size_t columns = box_.columns();
     const int bottom = static_cast<int>(dense_.front() / columns);
     const int top = static_cast<int>(dense_.back() / columns) + 1;
@@ -45,7 +45,7 @@ class LowOrderCorrection<Real>::Diffusion {
     given.transport.assign(places, 0.F);
     given.absorption.assign(places, 0.F);
     given.surface_albedo = system.ground.mean_albedo();
-    given.vertical = vertical_;
+    given.independent_columns = independent_columns_;
     const std::size_t n = dense_.size();
     power_.resize(n);
     forward_.resize(n);
@@ -110,8 +110,9 @@ class LowOrderCorrection<Real>::Diffusion {
                                              : at;
         return (correction_[high] - correction_[low]) / (2 * width);
       };
-      if (!vertical_ && box_.nx > 1) add(0, across(i, box_.nx, 1, box_.dx_m));
-      if (!vertical_ && box_.ny > 1) add(1, across(j, box_.ny, static_cast<std::size_t>(box_.nx), box_.dy_m));
+      if (!independent_columns_ && box_.nx > 1) add(0, across(i, box_.nx, 1, box_.dx_m));
+      if (!independent_columns_ && box_.ny > 1)
+        add(1, across(j, box_.ny, static_cast<std::size_t>(box_.nx), box_.dy_m));
       // At the ends about half the flux is left on the face, half a cell away.
       const bool last = k + 1 == box_.nz();
       const double above = last ? correction_[at] / 2 : correction_[at + columns];
@@ -135,9 +136,9 @@ class LowOrderCorrection<Real>::Diffusion {
             source_[at] -= through;
             source_[other] += through;
           };
-          if (!vertical_ && box_.nx > 1 && (box_.periodic || i + 1 < box_.nx))
+          if (!independent_columns_ && box_.nx > 1 && (box_.periodic || i + 1 < box_.nx))
             face(0, at - i + (i + 1) % box_.nx, box_.dy_m * dz);
-          if (!vertical_ && box_.ny > 1 && (box_.periodic || j + 1 < box_.ny)) {
+          if (!independent_columns_ && box_.ny > 1 && (box_.periodic || j + 1 < box_.ny)) {
             const std::size_t level = static_cast<std::size_t>(k) * columns;
             face(1, level + static_cast<std::size_t>((j + 1) % box_.ny) * box_.nx + i, box_.dx_m * dz);
           }
@@ -147,7 +148,7 @@ class LowOrderCorrection<Real>::Diffusion {
     }
   }
 
-  bool vertical_;
+  bool independent_columns_;
   BoxGrid box_;
   std::vector<std::uint32_t> dense_;
   std::optional<DiffusionOperator> operator_;
@@ -184,21 +185,23 @@ template <class Real>
 TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
                                        const std::optional<Coarsening<Real>>& coarse) {
   TransportSystem<Real> low;
-  low.vertical = full.vertical;
+  low.independent_columns = full.independent_columns;
   low.ordinates = make_ordinate_set(low_directions);
-  low.linear_source = full.linear_source && !full.cells->varied;  // a correction need not be finer where cells are many
+  low.linear_source =
+      full.linear_source && !full.cells->heterogeneous;  // a correction need not be finer where cells are many
   low.truncated_asymmetry = full.truncated_asymmetry;
   if (coarse) {
     const std::vector<double> truncated(full.scattering.size(), 0.);  // its coefficients are so already
     low.box = coarse->grid.box;
-    low.cells = std::make_shared<const Cells<Real>>(make_cells<Real>(coarse->grid, truncated, low.vertical, 0));
+    low.cells =
+        std::make_shared<const Cells<Real>>(make_cells<Real>(coarse->grid, truncated, low.independent_columns, 0));
     low.absorption.assign(coarse->grid.absorption.begin(), coarse->grid.absorption.end());
   } else {
     low.box = full.box;
     low.cells = full.cells;
     low.absorption = full.absorption;
   }
-  low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.vertical);
+  low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.independent_columns);
   if (full.ground.is_lambertian() && !coarse) {
     low.ground = full.ground;
   } else {

@@ -65,7 +65,7 @@ std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
   return turn;
 }
 
-std::vector<double> turned(const std::vector<std::vector<double>>& turn, const std::vector<double>& vector) {
+std::vector<double> transposed(const std::vector<std::vector<double>>& turn, const std::vector<double>& vector) {
   std::vector<double> result;
   for (const auto& row : turn) result.push_back(std::inner_product(row.begin(), row.end(), vector.begin(), 0.));
   return result;
@@ -98,7 +98,7 @@ class ColumnSolver {
       isotropic_ += streams.weight[i] * mu;
     }
     isotropic_ = std::sqrt(isotropic_);
-    mean = turned(turn, mean);
+    mean = transposed(turn, mean);
     for (int i = 0; i < n_; ++i) {
       flux_[i] = V{} + static_cast<Real>(i == 0 ? 2 * pi * isotropic_ : 0);
       mean_[i] = V{} + static_cast<Real>(mean[i]);
@@ -124,7 +124,7 @@ class ColumnSolver {
         from_beam_even[i] = scale * phase.from_beam_even[i];
         from_beam_odd[i] = scale * phase.from_beam_odd[i];
       }
-      for (auto& row : even) row = turned(turn, row);
+      for (auto& row : even) row = transposed(turn, row);
       for (int i = 0; i < n_; ++i) {
         for (int j = 0; j <= i; ++j) {
           double sum = 0;
@@ -132,8 +132,10 @@ class ColumnSolver {
           shape.even.push_back(static_cast<Real>(sum));
         }
       }
-      for (const double value : turned(turn, from_beam_even)) shape.from_beam_even.push_back(static_cast<Real>(value));
-      for (const double value : turned(turn, from_beam_odd)) shape.from_beam_odd.push_back(static_cast<Real>(value));
+      for (const double value : transposed(turn, from_beam_even))
+        shape.from_beam_even.push_back(static_cast<Real>(value));
+      for (const double value : transposed(turn, from_beam_odd))
+        shape.from_beam_odd.push_back(static_cast<Real>(value));
       shapes_.push_back(std::move(shape));
     }
   }

@@ -69,16 +69,18 @@ PathLoad path_load(const Problem& problem, const SolverOptions& options) {
   PathLoad load;
   load.beam = beam_segments(problem, options);
   if (solved_by_polar_streams(problem, options)) return load;
-  const bool vertical = options.independent_columns;
-  const auto length = [&](const Direction& travel) { return pattern_segments(box, travel, vertical, levels); };
+  const bool independent_columns = options.independent_columns;
+  const auto length = [&](const Direction& travel) {
+    return pattern_segments(box, travel, independent_columns, levels);
+  };
   for (const Direction& d : make_ordinate_set(options.directions).direction) {
     load.longest_diffuse = std::max(load.longest_diffuse, length(d));
     // Directions that are marched along x or y cross two or three cells a sheet.
     const double cells = box.nx + box.ny + box.nz();
     load.ordinates +=
-        box.periodic && !vertical && box.nx > 1 && box.ny > 1 ? std::min(length(d), 3 * cells) : length(d);
+        box.periodic && !independent_columns && box.nx > 1 && box.ny > 1 ? std::min(length(d), 3 * cells) : length(d);
   }
-  if (!vertical) {  // the final gather's lowest direction
+  if (!independent_columns) {  // the final gather's lowest direction
     const double mu = std::sqrt(.5 / options.gather_directions);
     const double sine = std::sqrt((1 - mu * mu) / 2);
     load.longest_diffuse = std::max(load.longest_diffuse, length({sine, sine, mu}));

@@ -81,14 +81,14 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   tell("beam", 0);
   phase_start = Clock::now();
   TransportSystem<Real> system = make_system<Real>(problem, discretisation, options);
-  std::optional<Surroundings> surroundings;
+  std::optional<LateralBoundary> lateral_boundary;
   const bool lit_from_outside = problem.sky_radiance > 0 ||
                                 std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
                                             [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
   if (!problem.grid.box.periodic && !options.independent_columns && lit_from_outside) {
-    surroundings.emplace(problem, discretisation, options);
+    lateral_boundary.emplace(problem, discretisation, options);
     for (const Direction& d : system.ordinates.direction) {
-      const auto by_height = surroundings->radiance(d);
+      const auto by_height = lateral_boundary->radiance(d);
       system.side_radiance.emplace_back(by_height.begin(), by_height.end());
       if (d.z() < 0) std::reverse(system.side_radiance.back().begin(), system.side_radiance.back().end());
     }
@@ -113,7 +113,7 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
                                                             : "float64";
 
   phase_start = Clock::now();
-  const Surroundings* const outside = surroundings ? &*surroundings : nullptr;
+  const LateralBoundary* const outside = lateral_boundary ? &*lateral_boundary : nullptr;
   // Columns that exchange no light have their fluxes from the iteration.
   const bool by_ordinates = !solved.fluxes.column_up.empty();
   const Images<Real> images(problem, discretisation, options, system, solved, outside);
@@ -204,7 +204,7 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
   }
   if (const UniformAxes axes = plan.collapsed_axes(); axes.any()) {
     spread(plan.whole(), axes, solution);
-    solution.report.left_out_axes = axes.x && axes.y ? "x, y" : axes.x ? "x" : "y";
+    solution.report.collapsed_axes = axes.x && axes.y ? "x, y" : axes.x ? "x" : "y";
   }
   check_finite(solution);
   return solution;

@@ -22,7 +22,7 @@ constexpr std::size_t width = 8;
 
 }  // namespace
 
-void load_halves(const std::uint16_t* from, std::size_t n, float unit, float* to) {
+void load_float16(const std::uint16_t* from, std::size_t n, float unit, float* to) {
   std::size_t i = 0;
 #ifdef __F16C__
   const __m256 scale = _mm256_set1_ps(unit);
@@ -34,7 +34,7 @@ void load_halves(const std::uint16_t* from, std::size_t n, float unit, float* to
   for (; i < n; ++i) to[i] = unit * static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(from[i]));
 }
 
-void store_halves(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to) {
+void store_float16(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to) {
   const float inverse = 1 / unit;
   std::size_t i = 0;
 #ifdef __F16C__

@@ -13,11 +13,11 @@ namespace cloudbow {
 
 /// Half-precision numbers [n] times `unit`, and back. Beyond 65504 units the largest number stands; below 2^-25 units
 /// zero.
-void load_halves(const std::uint16_t* from, std::size_t n, float unit, float* to);
+void load_float16(const std::uint16_t* from, std::size_t n, float unit, float* to);
 /// Numbers are rounded up or down, in as many places as keeps their mean: like numbers that were all rounded to the
 /// nearest would make or take energy. Whether a number is rounded up depends on it and its place alone, so an iteration
 /// that stores converges. @param place of the first.
-void store_halves(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to);
+void store_float16(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to);
 
 /// One row of a field, [cells].
 template <class Real>
@@ -29,7 +29,7 @@ struct FieldRow {
   /// The values [first, first + n), copied to `room` [n] where they are packed.
   const Real* read(std::size_t first, std::size_t n, Real* room) const {
     if (packed == nullptr) return plain + first;
-    if constexpr (sizeof(Real) == sizeof(float)) load_halves(packed + first, n, unit, room);
+    if constexpr (sizeof(Real) == sizeof(float)) load_float16(packed + first, n, unit, room);
     return room;
   }
 };
@@ -40,29 +40,29 @@ template <class Real>
 struct AngularField {
   int rows = 0;
   std::size_t cells = 0;
-  std::vector<std::vector<Real>> data;             ///< [rows][at least cells + lane_padding], or empty and
-  std::vector<std::vector<std::uint16_t>> halves;  ///< [rows][as above], numbers of units; never with Real = double
-  Real unit = 1;                                   ///< that of the halves, a power of two
+  std::vector<std::vector<Real>> data;              ///< [rows][at least cells + lane_padding], or empty and
+  std::vector<std::vector<std::uint16_t>> float16;  ///< [rows][as above], numbers of units; never with Real = double
+  Real unit = 1;                                    ///< that of the halves, a power of two
 
   AngularField() = default;
-  AngularField(int row_count, std::size_t cell_count, std::optional<Real> unit_of_halves = std::nullopt)
-      : cells(cell_count), unit(unit_of_halves.value_or(1)) {
-    if (unit_of_halves) halves.resize(1);
+  AngularField(int row_count, std::size_t cell_count, std::optional<Real> float16_unit = std::nullopt)
+      : cells(cell_count), unit(float16_unit.value_or(1)) {
+    if (float16_unit) float16.resize(1);
     set_rows(row_count);
   }
 
-  bool packed() const { return !halves.empty(); }
+  bool packed() const { return !float16.empty(); }
   /// Of plain fields alone.
   Real* row(int d) { return data[d].data(); }
   const Real* row(int d) const { return data[d].data(); }
   FieldRow<Real> stored_row(int d) const {
-    return packed() ? FieldRow<Real>{nullptr, halves[d].data(), unit} : FieldRow<Real>{data[d].data(), nullptr, 1};
+    return packed() ? FieldRow<Real>{nullptr, float16[d].data(), unit} : FieldRow<Real>{data[d].data(), nullptr, 1};
   }
   /// Of packed fields alone: puts `from` [n] at row d, from cell `first` on.
   void store(int d, std::size_t first, std::size_t n, const Real* from) {
     if constexpr (sizeof(Real) == sizeof(float)) {
       const std::uint32_t place = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(d) * place_step;
-      store_halves(from, n, unit, place, halves[d].data() + first);
+      store_float16(from, n, unit, place, float16[d].data() + first);
     }
   }
   /// Rows are dropped or added, zero.
@@ -73,7 +73,7 @@ struct AngularField {
       for (auto& row : of) row.resize(padded(cells));
     };
     if (packed()) {
-      set(halves);
+      set(float16);
     } else {
       set(data);
     }

@@ -147,7 +147,7 @@ Sheets sheets_along_y(const ActiveRows& rows) {
 
 // Sheets along x, and the cells level by level in the order i, j.
 std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& rows) {
-  std::vector<std::uint32_t> turned(rows.size());
+  std::vector<std::uint32_t> transposed(rows.size());
   std::vector<std::uint32_t> begin(static_cast<std::size_t>(rows.nz) * rows.nx + 1, 0);  // [k][i]
   std::vector<std::int32_t> row_of(rows.size());                                         // j of each turned cell
   for (int k = 0; k < rows.nz; ++k) {
@@ -160,7 +160,7 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
     for (const Chunk& chunk : rows.levels.of(k)) {
       for (int i = 0; i < chunk.n; ++i) {
         const std::uint32_t place = next[chunk.column + i]++;
-        turned[place] = chunk.cell + static_cast<std::uint32_t>(i);
+        transposed[place] = chunk.cell + static_cast<std::uint32_t>(i);
         row_of[place] = chunk.row;
       }
     }
@@ -183,13 +183,13 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
     sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
   }
   sheets.chunks.resize(sheets.chunks.size() + Sheets::padding);
-  return {std::move(sheets), std::move(turned)};
+  return {std::move(sheets), std::move(transposed)};
 }
 
 }  // namespace
 
 template <class Real>
-Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical,
+Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool independent_columns,
                        std::size_t worth_shortcuts) {
   Cells<Real> cells;
   cells.rows = active_rows(grid);
@@ -223,7 +223,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       const auto neighbour = [&](int step) -> std::uint32_t {
         std::array<int, 3> to = at;
         to[axis] += step;
-        if (axis < 2 && (vertical || count[axis] == 1)) return no_cell;
+        if (axis < 2 && (independent_columns || count[axis] == 1)) return no_cell;
         if (to[axis] < 0 || to[axis] >= count[axis]) {
           if (axis == 2 || !box.periodic) return no_cell;
           to[axis] = (to[axis] + count[axis]) % count[axis];
@@ -251,11 +251,12 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
     }
   }
   const auto constant_along = [&](int axis) { return count[axis] > 1 && !varies_along(cells, axis); };
-  cells.varied = n >= worth_shortcuts && !vertical && box.columns() > 1 && !constant_along(0) && !constant_along(1);
-  if (cells.varied && box.periodic && box.nx > 1 && box.ny > 1) {
+  cells.heterogeneous =
+      n >= worth_shortcuts && !independent_columns && box.columns() > 1 && !constant_along(0) && !constant_along(1);
+  if (cells.heterogeneous && box.periodic && box.nx > 1 && box.ny > 1) {
     cells.even_levels = longest_even_run(box, cells.rows);
-    cells.turned[1].sheets = sheets_along_y(cells.rows);
-    auto& along_x = cells.turned[0];
+    cells.transposed[1].sheets = sheets_along_y(cells.rows);
+    auto& along_x = cells.transposed[0];
     std::tie(along_x.sheets, along_x.cell) = sheets_along_x(cells.rows);
     along_x.extinction.assign(n + lane_padding, Real(0));
     for (std::size_t c = 0; c < n; ++c) along_x.extinction[c] = cells.extinction[along_x.cell[c]];

@@ -67,7 +67,7 @@ ActiveRows active_rows(const OpticalGrid& grid);
 
 /// The cells as a march along x or y meets them: sheets along that axis, rows by level, columns along the other.
 template <class Real>
-struct TurnedCells {
+struct TransposedCells {
   Sheets sheets;
   /// Along x, where cells have an order of their own: [n] index of each among the cells, and [n + lane_padding] their
   /// extinction.
@@ -82,10 +82,10 @@ struct Cells {
   /// Many cells that change along x and along y, as far as there are any: fields for which the sweep takes its
   /// shortcuts (march along x and y, one gradient for an octant), which a field without change along an axis would show
   /// as such a change.
-  bool varied = false;
+  bool heterogeneous = false;
   /// Levels of one thickness that can be marched along x and y as well, and the cells for it; without: empty.
   LevelRange even_levels{0, 0};
-  std::array<TurnedCells<Real>, 2> turned;
+  std::array<TransposedCells<Real>, 2> transposed;
   std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   std::vector<std::vector<Real>>
       scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
@@ -121,7 +121,7 @@ struct CellView {
 /// @param vertical no differences along x and y (independent columns).
 /// @param worth_shortcuts fewer cells than this are never `varied`: they are solved soon enough without.
 template <class Real>
-Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool vertical,
+Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool independent_columns,
                        std::size_t worth_shortcuts = 2000);
 
 /// Indices (k*ny + j)*nx + i of the active cells.

@@ -28,7 +28,7 @@ template <class Real>
 void add_layout(Digest& digest, const TransportSystem<Real>& system, bool packed) {
   digest.add(sizeof(Real));
   digest.add(packed);
-  digest.add(system.vertical);
+  digest.add(system.independent_columns);
   const BoxGrid& box = system.box;
   for (const int number : {box.nx, box.ny, static_cast<int>(box.periodic)}) digest.add(number);
   for (const double length : {box.dx_m, box.dy_m}) digest.add(length);
@@ -76,7 +76,7 @@ template <class Real>
 StateArray radiance_of(AngularField<Real>& radiance) {
   StateArray array{"radiance", radiance.packed() ? sizeof(std::uint16_t) : sizeof(Real), radiance.cells, {}};
   for (int d = 0; d < radiance.rows; ++d) {
-    array.rows.push_back(radiance.packed() ? static_cast<void*>(radiance.halves[d].data())
+    array.rows.push_back(radiance.packed() ? static_cast<void*>(radiance.float16[d].data())
                                            : static_cast<void*>(radiance.data[d].data()));
   }
   return array;
@@ -109,7 +109,7 @@ void make_room(const TransportSystem<Real>& system, SweepFluxes<Real>& fluxes) {
   fluxes.surface_flux.resize(columns);
   fluxes.profile_up.resize(levels);
   fluxes.profile_down.resize(levels);
-  if (system.exchanges_no_light()) {
+  if (system.has_independent_columns()) {
     fluxes.column_up.resize(columns * levels);
     fluxes.column_down.resize(columns * levels);
   }

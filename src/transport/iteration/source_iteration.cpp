@@ -23,7 +23,7 @@ constexpr int anderson_depth = 3;
 constexpr double least_safety = 3;
 // Halves do not follow changes smaller than their steps, so the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Rounding anew in each sweep lets them go, but its noise keeps the iteration from settling (7e-4).
-constexpr double energy_tolerance_of_halves = 1e-4;
+constexpr double float16_energy_tolerance = 1e-4;
 
 class Stopwatch {
  public:
@@ -70,7 +70,7 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
 // In units of this, half precision holds radiances from 1e-6 to 1e3 of the mean of what comes in with its eleven bits,
 // and down to 1e-9 with fewer.
 template <class Real>
-std::optional<Real> unit_of_halves(const TransportSystem<Real>& system, const IterationOptions& options) {
+std::optional<Real> float16_unit(const TransportSystem<Real>& system, const IterationOptions& options) {
   if (!options.half_precision_radiance || sizeof(Real) > sizeof(float) || system.power_in <= 0) return std::nullopt;
   return static_cast<Real>(std::exp2(std::round(std::log2(system.power_in / std::numbers::pi)) - 6));
 }
@@ -106,7 +106,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   const std::size_t n = system.cells->size();
   IterationState<Real> state(anderson_depth);
   IterationResult<Real>& result = state.result;
-  result.radiance = AngularField<Real>(system.ordinates.size(), n, unit_of_halves(system, options));
+  result.radiance = AngularField<Real>(system.ordinates.size(), n, float16_unit(system, options));
   result.moments.assign(low_moments * n, Real(0));
   IterationReport& report = result.report;
   const bool restored = checkpoints != nullptr && restore_state(system, options, state, *checkpoints);
@@ -117,7 +117,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   std::vector<Real>&x = state.x, &change = state.change;
   std::vector<Real> g(low_moments * n);
   const double energy_tolerance = result.radiance.packed()
-                                      ? std::max(options.energy_tolerance, energy_tolerance_of_halves)
+                                      ? std::max(options.energy_tolerance, float16_energy_tolerance)
                                       : options.energy_tolerance;
   const std::size_t mixed = 4 * n;  // the moments l <= 1
   {

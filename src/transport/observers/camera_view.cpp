@@ -45,7 +45,8 @@ class AngleTable {
 // The mean over the directions that are looked along: its relative gradient serves them all.
 template <class Real>
 LinearSource<Real> mean_source(const Problem& problem, const Cells<Real>& cells, const SightPoints& sight,
-                               const AngularField<Real>& source, int first_row, std::span<const SeenBeam<Real>> beams) {
+                               const AngularField<Real>& source, int first_row,
+                               std::span<const ViewingBeam<Real>> beams) {
   LinearSource<Real> mean;
   mean.resize(cells.size());
   const std::span<Real> sum = std::span<Real>(mean.value).first(cells.size());
@@ -53,7 +54,8 @@ LinearSource<Real> mean_source(const Problem& problem, const Cells<Real>& cells,
   for (std::size_t i = 0; i < sight.travel.size(); ++i) {
     const Real* const row = source.row(first_row + static_cast<int>(i));
     for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += row[c];
-    for (const SeenBeam<Real>& beam : beams) add_first_order<Real>(beam, sight.travel[i].dot(problem.sun->travel), sum);
+    for (const ViewingBeam<Real>& beam : beams)
+      add_first_order<Real>(beam, sight.travel[i].dot(problem.sun->travel), sum);
   }
   mean.make_gradient(cells);
   return mean;
@@ -85,7 +87,7 @@ template <class Real>
 std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptions& options,
                                        const TransportSystem<Real>& system, const SightPoints& sight,
                                        const AngularField<Real>& source, int first_row,
-                                       std::span<const SeenBeam<Real>> beams, const GroundRadiance<Real>& ground,
+                                       std::span<const ViewingBeam<Real>> beams, const GroundRadiance<Real>& ground,
                                        const SideRadiance& side) {
   std::vector<CameraImage> images;
   if (options.cameras.empty()) return images;
@@ -101,7 +103,7 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
       lit[b][c] = {static_cast<float>(beams[b].intensity[c]), beams[b].place[c]};
   }
   std::vector<AngleTable> phase;
-  for (const SeenBeam<Real>& beam : beams) phase.emplace_back(beam.phase);
+  for (const ViewingBeam<Real>& beam : beams) phase.emplace_back(beam.phase);
 
   for (const Camera& camera : options.cameras) {
     CameraImage image{camera, std::vector<float>(static_cast<std::size_t>(camera.width) * camera.height)};
@@ -119,7 +121,7 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
             for (std::size_t n = 0; n < 3; ++n)
               at[n] = source.row(first_row + sight.row[static_cast<std::size_t>(stencil.index[n])]);
             for (std::size_t b = 0; b < beams.size(); ++b) scattered[b] = phase[b].at(-line.dot(problem.sun->travel));
-            sum += seen_along<Real>(scene, camera.position_m, line, [&](std::uint32_t cell) {
+            sum += radiance_along<Real>(scene, camera.position_m, line, [&](std::uint32_t cell) {
               double emitted = 0;
               for (std::size_t n = 0; n < 3; ++n) emitted += stencil.weight[n] * static_cast<double>(at[n][cell]);
               for (std::size_t b = 0; b < beams.size(); ++b) {
@@ -145,10 +147,10 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                  \
-  template std::vector<CameraImage> camera_images<Real>(                                            \
-      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const SightPoints&,       \
-      const AngularField<Real>&, int, std::span<const SeenBeam<Real>>, const GroundRadiance<Real>&, \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                     \
+  template std::vector<CameraImage> camera_images<Real>(                                               \
+      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const SightPoints&,          \
+      const AngularField<Real>&, int, std::span<const ViewingBeam<Real>>, const GroundRadiance<Real>&, \
       const SideRadiance&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

@@ -7,7 +7,7 @@
 
 #include "cloudbow/transport/solution.hpp"
 #include "transport/observers/gather.hpp"
-#include "transport/observers/seen_source.hpp"
+#include "transport/observers/viewing_source.hpp"
 
 namespace cloudbow {
 
@@ -30,7 +30,7 @@ template <class Real>
 std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptions& options,
                                        const TransportSystem<Real>& system, const SightPoints& sight,
                                        const AngularField<Real>& source, int first_row,
-                                       std::span<const SeenBeam<Real>> beams, const GroundRadiance<Real>& ground,
+                                       std::span<const ViewingBeam<Real>> beams, const GroundRadiance<Real>& ground,
                                        const SideRadiance& side);
 
 }  // namespace cloudbow

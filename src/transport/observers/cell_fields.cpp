@@ -29,7 +29,7 @@ template <class Real>
 RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
                                   const SolverOptions& options, const TransportSystem<Real>& system,
                                   const IterationResult<Real>& solved, DirectionalSource<Real>& source,
-                                  const Surroundings* surroundings) {
+                                  const LateralBoundary* lateral_boundary) {
   std::optional<DirectBeam<Real>> beam;
   if (problem.sun) beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options);
   set_first_order(problem, discretisation, system, beam ? &*beam : nullptr, source);
@@ -57,7 +57,8 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
         const Direction& travel = field.direction[d];
         std::vector<Real> sent(n);
         source.query(travel, sent.data());
-        const std::span<const Real> radiance = along.mean_radiance(problem, system, ground, surroundings, travel, sent);
+        const std::span<const Real> radiance =
+            along.mean_radiance(problem, system, ground, lateral_boundary, travel, sent);
         for (std::size_t c = 0; c < n; ++c) field.radiance[c * m + d] = static_cast<float>(radiance[c]);
       });
     }
@@ -71,7 +72,7 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
                                        const IterationResult<Real>&, Solution&);                                \
   template RadianceField make_radiance_field<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
                                                    const TransportSystem<Real>&, const IterationResult<Real>&,  \
-                                                   DirectionalSource<Real>&, const Surroundings*)
+                                                   DirectionalSource<Real>&, const LateralBoundary*)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"
-#include "transport/observers/surroundings.hpp"
+#include "transport/observers/lateral_boundary.hpp"
 
 namespace cloudbow {
 
@@ -18,6 +18,6 @@ template <class Real>
 RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
                                   const SolverOptions& options, const TransportSystem<Real>& system,
                                   const IterationResult<Real>& solved, DirectionalSource<Real>& source,
-                                  const Surroundings* surroundings);
+                                  const LateralBoundary* lateral_boundary);
 
 }  // namespace cloudbow

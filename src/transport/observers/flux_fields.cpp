@@ -29,7 +29,7 @@ class FluxFields {
  public:
   FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
              const TransportSystem<Real>& system, const IterationResult<Real>& solved, DirectionalSource<Real>* source,
-             const Surroundings* surroundings, const ProgressCallback& progress)
+             const LateralBoundary* lateral_boundary, const ProgressCallback& progress)
       : problem_(problem),
         options_(options),
         system_(system),
@@ -48,8 +48,10 @@ class FluxFields {
     }
     if (!by_ordinates) {
       set_first_order_beside_peak(problem, discretisation, system, *source_);
-      if (surroundings != nullptr)
-        side_radiance_ = [surroundings](const Direction& travel) { return surroundings->radiance_beside_peak(travel); };
+      if (lateral_boundary != nullptr)
+        side_radiance_ = [lateral_boundary](const Direction& travel) {
+          return lateral_boundary->radiance_beside_peak(travel);
+        };
     }
   }
 
@@ -302,15 +304,16 @@ std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
 template <class Real>
 void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
                       const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                      DirectionalSource<Real>* source, const Surroundings* surroundings,
+                      DirectionalSource<Real>* source, const LateralBoundary* lateral_boundary,
                       const ProgressCallback& progress, Solution& solution) {
-  FluxFields<Real>(problem, discretisation, options, system, solved, source, surroundings, progress).fill(solution);
+  FluxFields<Real>(problem, discretisation, options, system, solved, source, lateral_boundary, progress).fill(solution);
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                               \
-  template void fill_flux_fields<Real>(                                                          \
-      const Problem&, const Discretisation&, const SolverOptions&, const TransportSystem<Real>&, \
-      const IterationResult<Real>&, DirectionalSource<Real>*, const Surroundings*, const ProgressCallback&, Solution&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                \
+  template void fill_flux_fields<Real>(const Problem&, const Discretisation&, const SolverOptions&,               \
+                                       const TransportSystem<Real>&, const IterationResult<Real>&,                \
+                                       DirectionalSource<Real>*, const LateralBoundary*, const ProgressCallback&, \
+                                       Solution&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

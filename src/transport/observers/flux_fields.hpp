@@ -1,10 +1,10 @@
-// From the converged radiance to fluxes through planes: by the last gather where columns exchange light, by the
-// ordinates themselves where they do not (docs/theory.md, "Last gather").
+// From the converged radiance to fluxes through planes: by the final gather where columns exchange light, by the
+// ordinates themselves where they do not (docs/theory.md, "Final gather").
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/observers/gather.hpp"
-#include "transport/observers/surroundings.hpp"
+#include "transport/observers/lateral_boundary.hpp"
 
 namespace cloudbow {
 
@@ -15,7 +15,7 @@ namespace cloudbow {
 template <class Real>
 void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
                       const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                      DirectionalSource<Real>* source, const Surroundings* surroundings,
+                      DirectionalSource<Real>* source, const LateralBoundary* lateral_boundary,
                       const ProgressCallback& progress, Solution& solution);
 
 }  // namespace cloudbow

@@ -1,5 +1,5 @@
-// The last gather: fluxes through horizontal planes from many directions of the converged source, without ray effects
-// (docs/theory.md, "Last gather").
+// The final gather: fluxes through horizontal planes from many directions of the converged source, without ray effects
+// (docs/theory.md, "Final gather").
 #pragma once
 
 #include <functional>

@@ -8,7 +8,7 @@
 namespace cloudbow {
 namespace {
 
-// Light at the ground: the last gather's where the solution holds it, else the ordinates'.
+// Light at the ground: the final gather's where the solution holds it, else the ordinates'.
 template <class Real>
 GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes,
                                 const Solution& solution) {
@@ -28,8 +28,8 @@ GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const Sweep
 template <class Real>
 Images<Real>::Images(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                     const Surroundings* surroundings)
-    : problem_(problem), options_(options), system_(system), surroundings_(surroundings) {
+                     const LateralBoundary* lateral_boundary)
+    : problem_(problem), options_(options), system_(system), lateral_boundary_(lateral_boundary) {
   std::vector<Direction> travel;
   for (const View& view : options.views) travel.push_back(view.travel);
   if (!options.cameras.empty()) {
@@ -37,11 +37,11 @@ Images<Real>::Images(const Problem& problem, const Discretisation& discretisatio
     travel.insert(travel.end(), sight_->travel.begin(), sight_->travel.end());
   }
   if (travel.empty()) return;
-  beams_ = seen_beams(problem, discretisation, options, system);
-  source_ = higher_orders_seen(problem, discretisation, system, solved, surroundings, travel);
+  beams_ = viewing_beams(problem, discretisation, options, system);
+  source_ = higher_orders_seen(problem, discretisation, system, solved, lateral_boundary, travel);
   for (std::size_t v = 0; v < options.views.size(); ++v) {
     Real* const row = source_.row(static_cast<int>(v));
-    for (const SeenBeam<Real>& beam : beams_)
+    for (const ViewingBeam<Real>& beam : beams_)
       add_first_order<Real>(beam, travel[v].dot(problem.sun->travel), {row, source_.cells});
   }
 }
@@ -51,7 +51,8 @@ void Images<Real>::fill(const IterationResult<Real>& solved, Solution& solution)
   if (source_.rows == 0) return;
   const GroundRadiance<Real> ground = lit_ground(system_, solved.fluxes, solution);
   SideRadiance side;
-  if (surroundings_ != nullptr) side = [this](const Direction& travel) { return surroundings_->radiance(travel); };
+  if (lateral_boundary_ != nullptr)
+    side = [this](const Direction& travel) { return lateral_boundary_->radiance(travel); };
   solution.images = view_radiances(problem_, options_, system_, source_, ground, side);
   if (sight_) {
     solution.camera_images = camera_images<Real>(problem_, options_, system_, *sight_, source_,

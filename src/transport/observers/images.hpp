@@ -14,7 +14,8 @@ class Images {
  public:
   /// @param surroundings what open sides show; may be null. References must last as long as this.
   Images(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-         const TransportSystem<Real>& system, const IterationResult<Real>& solved, const Surroundings* surroundings);
+         const TransportSystem<Real>& system, const IterationResult<Real>& solved,
+         const LateralBoundary* lateral_boundary);
 
   /// Fills the images of the solution, whose fluxes at the ground, where it has them, light the surface.
   void fill(const IterationResult<Real>& solved, Solution& solution) const;
@@ -23,9 +24,9 @@ class Images {
   const Problem& problem_;
   const SolverOptions& options_;
   const TransportSystem<Real>& system_;
-  const Surroundings* surroundings_;
+  const LateralBoundary* lateral_boundary_;
   std::optional<SightPoints> sight_;  // of the cameras, where there are any
-  std::vector<SeenBeam<Real>> beams_;
+  std::vector<ViewingBeam<Real>> beams_;
   AngularField<Real> source_;  // views, all orders of scattering; cameras' points, orders >= 2
 };
 

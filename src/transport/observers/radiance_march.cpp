@@ -16,17 +16,17 @@ GroundRadiance<Real> ground_of_iteration(const TransportSystem<Real>& system, co
 template <class Real>
 std::span<const Real> RadianceMarch<Real>::mean_radiance(const Problem& problem, const TransportSystem<Real>& system,
                                                          const GroundRadiance<Real>& ground,
-                                                         const Surroundings* surroundings, const Direction& travel,
-                                                         std::span<const Real> source) {
+                                                         const LateralBoundary* lateral_boundary,
+                                                         const Direction& travel, std::span<const Real> source) {
   const BoxGrid& box = system.box;
   const LevelRange levels{0, box.nz()};
-  const StartFraction start = start_for_centred_exit(box, travel, system.vertical, levels);
-  const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, system.vertical, levels);
+  const StartFraction start = start_for_centred_exit(box, travel, system.independent_columns, levels);
+  const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, system.independent_columns, levels);
   rays_.assign(box.columns() + lane_padding, static_cast<Real>(problem.sky_radiance));
   if (pattern.upward) std::copy_n(ground.along(travel, from_ground_), box.columns(), rays_.begin());
   side_.clear();
-  if (surroundings != nullptr) {
-    const auto by_height = surroundings->radiance(travel);
+  if (lateral_boundary != nullptr) {
+    const auto by_height = lateral_boundary->radiance(travel);
     side_.assign(by_height.begin(), by_height.end());
     if (!pattern.upward) std::reverse(side_.begin(), side_.end());
   }

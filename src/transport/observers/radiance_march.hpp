@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "transport/observers/surroundings.hpp"
+#include "transport/observers/lateral_boundary.hpp"
 #include "transport/system/transport_system.hpp"
 
 namespace cloudbow {
@@ -21,7 +21,7 @@ class RadianceMarch {
   /// @param source [n] towards `travel`
   /// @return [n] valid until the next call
   std::span<const Real> mean_radiance(const Problem& problem, const TransportSystem<Real>& system,
-                                      const GroundRadiance<Real>& ground, const Surroundings* surroundings,
+                                      const GroundRadiance<Real>& ground, const LateralBoundary* lateral_boundary,
                                       const Direction& travel, std::span<const Real> source);
 
  private:

@@ -116,8 +116,8 @@ double beyond(const SightScene<Real>& scene, const CellWalk& walk, const Directi
 /// Radiance seen from `eye` looking along the unit vector `sight`, W m-2 sr-1 (docs/theory.md, Eq. 30).
 /// @param source (cell) -> source of that cell towards the eye.
 template <class Real, class Source>
-double seen_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, const Direction& sight,
-                  const Source& source) {
+double radiance_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, const Direction& sight,
+                      const Source& source) {
   double transmitted = 1;
   double radiance = 0;
   CellWalk walk(scene.box, eye, sight);

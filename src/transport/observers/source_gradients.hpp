@@ -21,7 +21,7 @@ class SourceGradients {
 
   /// For the directions that along() will be asked for next.
   void prepare(std::span<const GatherDirection> directions) {
-    if (!scene_.linear_source || !scene_.cells.varied) return;
+    if (!scene_.linear_source || !scene_.cells.heterogeneous) return;
     const DirectionalSource<Real>& source = *scene_.source;
     for (int q = 0; q < quadrants; ++q) {
       std::vector<double> of_point(source.points.size(), 0.);
@@ -44,7 +44,7 @@ class SourceGradients {
   CellView<Real> along(const Direction& travel, LinearSource<Real>& own) const {
     const Cells<Real>& cells = scene_.cells;
     if (!scene_.linear_source) return {scene_.extinction(), {}};
-    if (cells.varied) {
+    if (cells.heterogeneous) {
       const Gradient& gradient = gradient_[quadrant(travel)];
       return {scene_.extinction(), gradient[0], gradient[1], gradient[2]};
     }

@@ -28,8 +28,8 @@ void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* so
         for (int r = 0; r < rays * rays; ++r) {
           const Eigen::Vector3d eye(box.x_min_m + (column + (r % rays + .5) / rays) * across,
                                     box.y_min_m + (row + (r / rays + .5) / rays) * along, plane);
-          sum += seen_along<Real>(scene, eye, -view.travel,
-                                  [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
+          sum += radiance_along<Real>(scene, eye, -view.travel,
+                                      [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
         }
         radiance[static_cast<std::size_t>(row) * view.width + column] =
             static_cast<float>(not_negative(sum / (rays * rays)));
@@ -79,7 +79,7 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
       for (int r = 0; r < rays * rays; ++r) {
         errors.run([&] {
           const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays,
-                                                        (r / rays + .5) / rays, system.vertical, levels);
+                                                        (r / rays + .5) / rays, system.independent_columns, levels);
           seen.clear(all.size(), box.columns());
           march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
           of_ray[r].resize(box.columns());

@@ -35,8 +35,8 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
                              std::span<const double> layer_extinction, const Sun& sun, const BeamOptions& options) {
   const double mu0 = -sun.travel.z();
   const int across = static_cast<int>(std::lround(std::sqrt(options.rays)));
-  const bool still_x = options.vertical || (box.periodic && box.nx == 1);
-  const bool still_y = options.vertical || (box.periodic && box.ny == 1);
+  const bool still_x = options.independent_columns || (box.periodic && box.nx == 1);
+  const bool still_y = options.independent_columns || (box.periodic && box.ny == 1);
   const int rays_x = still_x ? 1 : across;
   const int rays_y = still_y ? 1 : across;
   const int rays = rays_x * rays_y;
@@ -68,7 +68,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
         // The nudge keeps rays off the faces when the sun stands on an axis.
         const PathPattern pattern =
             make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
-                              options.vertical, {0, box.nz()});
+                              options.independent_columns, {0, box.nz()});
         std::fill(path.begin(), path.end(), Real(0));
         double landed = 0;  // at the interface recorded last
         const auto record = [&](int step) {

@@ -19,9 +19,9 @@ struct DirectBeam {
 };
 
 struct BeamOptions {
-  int rays = 16;           ///< a column, a square number
-  bool vertical = false;   ///< independent columns: the beam stays in its column
-  bool irradiance = true;  ///< else level fluxes alone, which cost a fraction
+  int rays = 16;                     ///< a column, a square number
+  bool independent_columns = false;  ///< independent columns: the beam stays in its column
+  bool irradiance = true;            ///< else level fluxes alone, which cost a fraction
 };
 
 /// @param extinction [n] 1/m of the active cells; @param layer_extinction [nz] of the layers alone, which light coming

@@ -37,11 +37,11 @@ double sideways_cost(const SidewaysPath& path, const Sheets& sheets, std::size_t
 
 template <class Real>
 std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Real>& cells,
-                                              const std::vector<Direction>& travel, bool vertical) {
+                                              const std::vector<Direction>& travel, bool independent_columns) {
   std::vector<OrdinatePath> paths(travel.size());
   const auto along_z = [&](const Direction& d, LevelRange levels) {
-    const StartFraction start = start_for_centred_exit(box, d, vertical, levels);
-    return make_path_pattern(box, d, start.x, start.y, vertical, levels);
+    const StartFraction start = start_for_centred_exit(box, d, independent_columns, levels);
+    return make_path_pattern(box, d, start.x, start.y, independent_columns, levels);
   };
   ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
@@ -60,7 +60,7 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
         if (!sideways) continue;
         std::vector<PathPattern> rest{along_z(travel[d], path.upward ? below : above),
                                       along_z(travel[d], path.upward ? above : below)};
-        double cost = sideways_cost(*sideways, cells.turned[axis].sheets, cells.size());
+        double cost = sideways_cost(*sideways, cells.transposed[axis].sheets, cells.size());
         for (const auto& pattern : rest) cost += cost_along_z(pattern, cells.rows.levels);
         if (cost >= path.cost) continue;
         path.cost = cost;

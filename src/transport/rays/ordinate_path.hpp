@@ -20,6 +20,6 @@ struct OrdinatePath {
 
 template <class Real>
 std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Real>& cells,
-                                              const std::vector<Direction>& travel, bool vertical);
+                                              const std::vector<Direction>& travel, bool independent_columns);
 
 }  // namespace cloudbow

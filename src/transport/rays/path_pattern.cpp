@@ -12,10 +12,10 @@ struct Slope {
   double y;
 };
 
-Slope horizontal_slope(const BoxGrid& box, const Direction& travel, bool vertical) {
+Slope horizontal_slope(const BoxGrid& box, const Direction& travel, bool independent_columns) {
   Slope slope{travel.x() / std::abs(travel.z()) / box.dx_m, travel.y() / std::abs(travel.z()) / box.dy_m};
-  if (vertical || (box.periodic && box.nx == 1)) slope.x = 0;
-  if (vertical || (box.periodic && box.ny == 1)) slope.y = 0;
+  if (independent_columns || (box.periodic && box.nx == 1)) slope.x = 0;
+  if (independent_columns || (box.periodic && box.ny == 1)) slope.y = 0;
   return slope;
 }
 
@@ -29,16 +29,16 @@ double next_face(double position, double slope, int cell) {
 
 }  // namespace
 
-double pattern_segments(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels) {
-  const Slope per_metre = horizontal_slope(box, travel, vertical);
+double pattern_segments(const BoxGrid& box, const Direction& travel, bool independent_columns, LevelRange levels) {
+  const Slope per_metre = horizontal_slope(box, travel, independent_columns);
   const double height_m = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
   return height_m * (std::abs(per_metre.x) + std::abs(per_metre.y)) + levels.last - levels.first + 3;
 }
 
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
-                              bool vertical, LevelRange levels) {
+                              bool independent_columns, LevelRange levels) {
   assert(travel.z() != 0);
-  const Slope per_metre = horizontal_slope(box, travel, vertical);
+  const Slope per_metre = horizontal_slope(box, travel, independent_columns);
   PathPattern pattern;
   pattern.upward = travel.z() > 0;
   pattern.first_level = levels.first;
@@ -48,7 +48,7 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
   int cell_y = 0;
   Entry entry = Entry::none;
   const int count = levels.last - levels.first;
-  pattern.segments.reserve(static_cast<std::size_t>(pattern_segments(box, travel, vertical, levels)));
+  pattern.segments.reserve(static_cast<std::size_t>(pattern_segments(box, travel, independent_columns, levels)));
   for (auto* list : {&pattern.chord_m, &pattern.x, &pattern.y}) list->reserve(static_cast<std::size_t>(count) + 1);
   pattern.level_begin.reserve(static_cast<std::size_t>(count) + 1);
   pattern.x.push_back(x);
@@ -110,8 +110,9 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
   return pattern;
 }
 
-StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels) {
-  const Slope per_metre = horizontal_slope(box, travel, vertical);
+StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool independent_columns,
+                                     LevelRange levels) {
+  const Slope per_metre = horizontal_slope(box, travel, independent_columns);
   const double height = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
   return {fraction(.5 - per_metre.x * height), fraction(.5 - per_metre.y * height)};
 }

@@ -50,16 +50,17 @@ struct PathPattern {
 /// @param vertical light stays in its column (independent columns): horizontal motion is ignored, chords are not.
 /// A periodic axis of one column is likewise not crossed: the field does not vary along it.
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
-                              bool vertical, LevelRange levels);
+                              bool independent_columns, LevelRange levels);
 
 /// Segments of that pattern, at most: known before it is made.
-double pattern_segments(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels);
+double pattern_segments(const BoxGrid& box, const Direction& travel, bool independent_columns, LevelRange levels);
 
 /// Start fraction at which rays leave the last level at the centre of a column.
 struct StartFraction {
   double x;
   double y;
 };
-StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool vertical, LevelRange levels);
+StartFraction start_for_centred_exit(const BoxGrid& box, const Direction& travel, bool independent_columns,
+                                     LevelRange levels);
 
 }  // namespace cloudbow

@@ -222,21 +222,21 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
   path.rest = total - path.block;
   if (path.block < 1) return std::nullopt;
 
-  BoxGrid turned;
-  turned.nx = other == 0 ? box.nx : box.ny;
-  turned.ny = levels.last - levels.first;
-  turned.dx_m = other == 0 ? box.dx_m : box.dy_m;
-  turned.dy_m = level_m;
-  for (int s = 0; s <= sheet_count; ++s) turned.z_edge_m.push_back(s * sheet_m);
-  turned.periodic = true;
-  if (turned.ny == 1) return std::nullopt;  // as a periodic axis of one it would not be crossed
+  BoxGrid transposed;
+  transposed.nx = other == 0 ? box.nx : box.ny;
+  transposed.ny = levels.last - levels.first;
+  transposed.dx_m = other == 0 ? box.dx_m : box.dy_m;
+  transposed.dy_m = level_m;
+  for (int s = 0; s <= sheet_count; ++s) transposed.z_edge_m.push_back(s * sheet_m);
+  transposed.periodic = true;
+  if (transposed.ny == 1) return std::nullopt;  // as a periodic axis of one it would not be crossed
   const double sidestep =
-      turned.nx == 1 ? 0 : std::abs(travel[other] / travel[axis]) * sheet_m / turned.dx_m * sheet_count;
+      transposed.nx == 1 ? 0 : std::abs(travel[other] / travel[axis]) * sheet_m / transposed.dx_m * sheet_count;
   path.ascending_across = travel[other] >= 0;
   const int whole = static_cast<int>(std::floor(sidestep));
   path.across_rest = sidestep - whole;
   path.across = path.ascending_across ? whole : -whole;
-  path.pattern = make_path_pattern(turned, Direction(travel[other], travel.z(), travel[axis]),
+  path.pattern = make_path_pattern(transposed, Direction(travel[other], travel.z(), travel[axis]),
                                    centred_start(path.across_rest, path.ascending_across),
                                    centred_start(path.rest, path.upward), false, {0, sheet_count});
   return path;

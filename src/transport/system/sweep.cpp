@@ -17,7 +17,7 @@ constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cel
 // Whether the ordinates of an octant share the gradient of their mean source; else each has its own, or there is none.
 template <class Real>
 bool shares_gradients(const TransportSystem<Real>& system) {
-  return system.linear_source && system.cells->varied;
+  return system.linear_source && system.cells->heterogeneous;
 }
 
 // Ordinates that are marched side by side: those that share a gradient, or all.
@@ -48,13 +48,13 @@ CellView<Real> view_along_y(const Cells<Real>& cells, const GroupGradient<Real>&
 }
 template <class Real>
 CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.turned[0].extinction.data(), of.turned[1], of.turned[2], of.turned[0]};
+  return {cells.transposed[0].extinction.data(), of.transposed[1], of.transposed[2], of.transposed[0]};
 }
 
 // Gradient of the mean source of some ordinates. Called by all threads of a team.
 template <class Real>
 void team_make_gradient(const TransportSystem<Real>& system, const AngularField<Real>& field,
-                        const std::vector<int>& group, bool turned, GroupGradient<Real>& gradient,
+                        const std::vector<int>& group, bool transposed, GroupGradient<Real>& gradient,
                         ParallelErrors& errors) {
   const Cells<Real>& cells = *system.cells;
   const std::size_t n = cells.size();
@@ -62,7 +62,7 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
   errors.run([&] {
     gradient.source.resize(n);
     for (auto& axis : gradient.axis) axis.resize(n + lane_padding);
-    for (auto& axis : gradient.turned) axis.resize(turned ? n + lane_padding : 0);
+    for (auto& axis : gradient.transposed) axis.resize(transposed ? n + lane_padding : 0);
   });
   const std::size_t blocks = (n + block_cells - 1) / block_cells;
 #pragma omp for schedule(static)
@@ -89,15 +89,15 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
                       gradient.axis[2].data() + first);
     });
   }
-  if (!turned) return;
+  if (!transposed) return;
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
     errors.run([&] {
       const std::size_t last = std::min(n, (block + 1) * block_cells);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const Real* __restrict const from = gradient.axis[axis].data();
-        Real* __restrict const to = gradient.turned[axis].data();
-        const std::uint32_t* __restrict const cell = cells.turned[0].cell.data();
+        Real* __restrict const to = gradient.transposed[axis].data();
+        const std::uint32_t* __restrict const cell = cells.transposed[0].cell.data();
         for (std::size_t c = block * block_cells; c < last; ++c) to[c] = from[cell[c]];
       }
     });
@@ -205,18 +205,18 @@ class OrdinateMarch {
     }
     std::vector<double> at_level(record ? path.levels.last - path.levels.first + 1 : 0, 0.);
     planes.at_level = at_level;
-    const TurnedCells<Real>& turned = cells.turned[path.axis];
+    const TransposedCells<Real>& transposed = cells.transposed[path.axis];
     if (along_x) {
       const std::size_t n = cells.size();
-      work_.turned_source.resize(n + lane_padding);
-      work_.turned_mean.assign(n + lane_padding, Real(0));
-      const std::uint32_t* __restrict const cell = turned.cell.data();
-      for (std::size_t c = 0; c < n; ++c) work_.turned_source[c] = source[cell[c]];
-      march_sideways(path, turned.sheets, view_along_x(cells, gradient), work_.turned_source.data(), planes,
-                     work_.turned_mean.data(), work_.sideways);
-      for (std::size_t c = 0; c < n; ++c) work_.mean[cell[c]] += work_.turned_mean[c];
+      work_.transposed_source.resize(n + lane_padding);
+      work_.transposed_mean.assign(n + lane_padding, Real(0));
+      const std::uint32_t* __restrict const cell = transposed.cell.data();
+      for (std::size_t c = 0; c < n; ++c) work_.transposed_source[c] = source[cell[c]];
+      march_sideways(path, transposed.sheets, view_along_x(cells, gradient), work_.transposed_source.data(), planes,
+                     work_.transposed_mean.data(), work_.sideways);
+      for (std::size_t c = 0; c < n; ++c) work_.mean[cell[c]] += work_.transposed_mean[c];
     } else {
-      march_sideways(path, turned.sheets, view_along_y(cells, gradient), source.data(), planes, work_.mean.data(),
+      march_sideways(path, transposed.sheets, view_along_y(cells, gradient), source.data(), planes, work_.mean.data(),
                      work_.sideways);
     }
     std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
@@ -242,7 +242,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   const OrdinateSet& ordinates = system.ordinates;
   const std::size_t columns = box.columns();
   const int levels = box.nz() + 1;
-  const bool keep_columns = record && system.exchanges_no_light();
+  const bool keep_columns = record && system.has_independent_columns();
   std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
   std::vector<std::vector<Real>> exit(ordinates.size());
   std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
@@ -257,11 +257,11 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
       typename SweepWorkspace<Real>::Thread& own = work.of_thread[omp_get_thread_num()];
       OrdinateMarch<Real> march(system, own);
       for (const std::vector<int>& group : groups) {
-        const bool turned = std::any_of(group.begin(), group.end(), [&](int d) {
+        const bool transposed = std::any_of(group.begin(), group.end(), [&](int d) {
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
         const bool shared = shares_gradients(system);
-        if (shared) team_make_gradient(system, field, group, turned, work.gradient, errors);
+        if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
 #pragma omp for schedule(dynamic, 1)
         for (std::size_t q = 0; q < group.size(); ++q) {
           errors.run([&] {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "transport/rays/ordinate_path.hpp"
-#include "transport/scattering/folded_scattering.hpp"
 #include "transport/scattering/low_moments.hpp"
+#include "transport/scattering/octant_scattering.hpp"
 #include "transport/scattering/scattering.hpp"
 #include "transport/system/ground.hpp"
 
@@ -19,13 +19,14 @@ namespace cloudbow {
 template <class Real>
 struct TransportSystem {
   BoxGrid box;
-  bool vertical = false;  ///< independent columns
+  bool independent_columns = false;  ///< independent columns
   std::shared_ptr<const Cells<Real>> cells;
   OrdinateSet ordinates;
   std::vector<OrdinatePath> paths;            ///< [D]
   bool linear_source = true;                  ///< within a cell; false: constant, and no gradient of any source is made
   std::vector<DenseMatrix<Real>> scattering;  ///< [p] D x D, ordinates from ordinates
-  std::optional<FoldedScattering<Real>> folded;  ///< the same where ordinates and matrices have the symmetry for it
+  std::optional<OctantScattering<Real>>
+      octant_scattering;  ///< the same where ordinates and matrices have the symmetry for it
   LowMoments<Real> low;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
   std::vector<BeamSource<Real>> beam;       ///< the direct beam's first scattering at the ordinates
@@ -42,7 +43,7 @@ struct TransportSystem {
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
 
-  bool exchanges_no_light() const { return vertical || (box.periodic && box.columns() == 1); }
+  bool has_independent_columns() const { return independent_columns || (box.periodic && box.columns() == 1); }
 
   /// Makes `low` and `folded`, once ordinates and scattering are there.
   void fold_scattering();
@@ -73,16 +74,16 @@ struct SweepFluxes {
 /// Relative gradient of the mean source of some ordinates; empty if the source is constant in each cell.
 template <class Real>
 struct GroupGradient {
-  std::vector<Real> source;                 ///< [n] their mean
-  std::array<std::vector<Real>, 3> axis;    ///< [n + lane_padding] along x, y, z
-  std::array<std::vector<Real>, 3> turned;  ///< the same in the order of a march along x; empty: not needed
+  std::vector<Real> source;                     ///< [n] their mean
+  std::array<std::vector<Real>, 3> axis;        ///< [n + lane_padding] along x, y, z
+  std::array<std::vector<Real>, 3> transposed;  ///< the same in the order of a march along x; empty: not needed
 };
 
 /// What sweeps need beside the field, kept from one to the next.
 template <class Real>
 struct SweepWorkspace {
   struct Thread {
-    std::vector<Real> unpacked, mean, plane, turned_source, turned_mean;
+    std::vector<Real> unpacked, mean, plane, transposed_source, transposed_mean;
     SidewaysWorkspace<Real> sideways;
     GroupGradient<Real> gradient;  ///< of one ordinate, where none is shared
   };

@@ -35,14 +35,14 @@ std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<d
 template <class Real>
 void TransportSystem<Real>::fold_scattering() {
   low = LowMoments<Real>(ordinates);
-  folded = FoldedScattering<Real>::make(ordinates, scattering, low.weights, low.shape);
+  octant_scattering = OctantScattering<Real>::make(ordinates, scattering, low.weights, low.shape);
 }
 
 template <class Real>
 void TransportSystem<Real>::scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const {
   const ScatteringTerms<Real> terms{beam, correction, emission, dark};
-  if (folded) {
-    folded->scatter_in_place(field, *cells, terms);
+  if (octant_scattering) {
+    octant_scattering->scatter_in_place(field, *cells, terms);
   } else {
     scatter_in_place<Real>(field, scattering, *cells, terms, low.shape);
   }
@@ -50,8 +50,8 @@ void TransportSystem<Real>::scatter(AngularField<Real>& field, std::span<const R
 
 template <class Real>
 void TransportSystem<Real>::moments(const AngularField<Real>& radiance, std::span<Real> of) const {
-  if (folded) {
-    folded->moments_of(radiance, of);
+  if (octant_scattering) {
+    octant_scattering->moments_of(radiance, of);
   } else {
     moments_of<Real>(radiance, low.weights, of);
   }
@@ -70,12 +70,12 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
                                   const SolverOptions& options) {
   TransportSystem<Real> system;
   system.box = problem.grid.box;
-  system.vertical = options.independent_columns;
+  system.independent_columns = options.independent_columns;
   system.linear_source = options.linear_source;
   system.cells = std::make_shared<const Cells<Real>>(
-      make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.vertical));
+      make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.independent_columns));
   system.ordinates = discretisation.ordinates;
-  system.paths = make_ordinate_paths(system.box, *system.cells, system.ordinates.direction, system.vertical);
+  system.paths = make_ordinate_paths(system.box, *system.cells, system.ordinates.direction, system.independent_columns);
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
     system.scattering.push_back(
         rounded_conservatively<Real>(discretisation.table[p].ordinates_from_ordinates, system.ordinates.weight));

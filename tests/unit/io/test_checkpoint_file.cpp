@@ -19,13 +19,13 @@ namespace cloudbow {
 namespace {
 
 struct State {
-  std::vector<std::uint16_t> halves{0, 1, 0x7bff, 0x8001};
+  std::vector<std::uint16_t> float16{0, 1, 0x7bff, 0x8001};
   std::vector<std::vector<float>> rows{{1.5F, -2.F, 1e-38F}, {3.F, 4.F, 5.F}};
   std::vector<double> numbers{1. / 3, -0., 1e300};
   std::vector<float> large = std::vector<float>(300000, 7.F);  // several chunks
 
   std::vector<StateArray> arrays() {
-    return {{"halves", 2, halves.size(), {halves.data()}},
+    return {{"halves", 2, float16.size(), {float16.data()}},
             {"rows", 4, 3, {rows[0].data(), rows[1].data()}},
             {"numbers", 8, numbers.size(), {numbers.data()}},
             {"large", 4, large.size(), {large.data()}}};
@@ -65,12 +65,12 @@ TEST_F(CheckpointFile, WhatIsWrittenIsRead) {
   EXPECT_EQ(input.key(), key_);
   EXPECT_EQ(input.source(), "cloudbow test");
   State other;
-  other.halves.assign(4, 9);
+  other.float16.assign(4, 9);
   other.rows.assign(2, std::vector<float>(3));
   other.numbers.assign(3, 0);
   other.large.assign(300000, 0);
   for (const StateArray& array : other.arrays()) input.load(array);
-  EXPECT_EQ(other.halves, state_.halves);
+  EXPECT_EQ(other.float16, state_.float16);
   EXPECT_EQ(other.rows, state_.rows);
   EXPECT_EQ(other.numbers, state_.numbers);
   EXPECT_EQ(other.large, state_.large);
@@ -112,9 +112,9 @@ TEST_F(CheckpointFile, NumbersThatAreNotFiniteAreRefused) {
     EXPECT_NE(message.find("not finite"), std::string::npos) << message;
     state_ = State();
   };
-  state_.halves[2] = 0x7c00;  // infinity
+  state_.float16[2] = 0x7c00;  // infinity
   refused(state_.arrays()[0], "0");
-  state_.halves[2] = 0xfe01;  // not a number
+  state_.float16[2] = 0xfe01;  // not a number
   refused(state_.arrays()[0], "0");
   state_.rows[1][2] = nan;
   refused(state_.arrays()[1], "1");

@@ -31,15 +31,15 @@ TEST_F(CloudFilesTest, KeptGridsNeedNoFile) {
   CloudFiles files(true);
   const CloudField field = files.field(path_, {});
   EXPECT_EQ(field.value, (std::vector<float>{0.5F, 0.25F}));
-  const std::vector<float> companion = files.companion(path_, field, {}, 0, 1);
+  const std::vector<float> auxiliary = files.auxiliary(path_, field, {}, 0, 1);
   VdbReadOptions doubled;
   doubled.scale = 2;
   EXPECT_EQ(files.field(path_, doubled).value, (std::vector<float>{1, 0.5F}));  // another scale is another grid
   remove();
   EXPECT_EQ(files.field(path_, {}).value, field.value);
   EXPECT_EQ(files.field(path_, doubled).value, (std::vector<float>{1, 0.5F}));
-  EXPECT_EQ(files.companion(path_, field, {}, 0, 1), companion);
-  EXPECT_THROW(files.companion(path_, field, {}, 0, 2), InputError);  // never read with these bounds
+  EXPECT_EQ(files.auxiliary(path_, field, {}, 0, 1), auxiliary);
+  EXPECT_THROW(files.auxiliary(path_, field, {}, 0, 2), InputError);  // never read with these bounds
 }
 
 TEST_F(CloudFilesTest, WithoutKeepingEachIsReadAnew) {

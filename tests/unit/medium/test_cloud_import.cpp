@@ -157,13 +157,13 @@ TEST_F(CloudImport, UniformLevelsStayAsTheyAre) {
 TEST_F(CloudImport, EffectiveRadiusIsThatOfTheDropletsAndKeepsTheOpticalDepth) {
   LesFile les;
   const ImportedCloud cloud = import_cloud(options_for(les.write(folder_ / "les.nc")));
-  ASSERT_EQ(cloud.companions.size(), 1U);
-  EXPECT_EQ(cloud.companions[0].grid, "reff");
-  EXPECT_EQ(cloud.companions[0].units, "um");
+  ASSERT_EQ(cloud.auxiliaries.size(), 1U);
+  EXPECT_EQ(cloud.auxiliaries[0].grid, "reff");
+  EXPECT_EQ(cloud.auxiliaries[0].units, "um");
   // 1e8 droplets a m3: sum of L / r_e over a column, r_e^3 = 3 L / (4 pi 1e6 g/m3 0.8 1e8) m3.
   double expected = 0, found = 0;
   for (std::size_t n = 0; n < cloud.field.value.size(); ++n) {
-    found += cloud.field.value[n] / cloud.companions[0].value[n] * cloud.field.cell_size_m[2];
+    found += cloud.field.value[n] / cloud.auxiliaries[0].value[n] * cloud.field.cell_size_m[2];
   }
   for (int k = 2; k <= 5; ++k) {
     for (int j = 0; j < LesFile::ny; ++j) {
@@ -300,16 +300,16 @@ TEST_F(CloudImport, CellsWithOpticsOnStretchedLevels) {
   EXPECT_EQ(cloud.field.cells, (std::array<int, 3>{3, 1, 4}));  // of 25 m: exact
   EXPECT_NEAR(cloud.field.min_m[2], 400, 1e-9);
   EXPECT_THAT(cloud.field.value, testing::ElementsAre(0.01F, 0.01F, 0.02F, 0.04F));
-  ASSERT_EQ(cloud.companions.size(), 2U);
-  EXPECT_THAT(cloud.companions[0].value, testing::ElementsAre(0.9F, 0.9F, 0.8F, 1.0F));
-  EXPECT_THAT(cloud.companions[1].value, testing::ElementsAre(2, 2, 3, 4));
+  ASSERT_EQ(cloud.auxiliaries.size(), 2U);
+  EXPECT_THAT(cloud.auxiliaries[0].value, testing::ElementsAre(0.9F, 0.9F, 0.8F, 1.0F));
+  EXPECT_THAT(cloud.auxiliaries[1].value, testing::ElementsAre(2, 2, 3, 4));
   // Coarser: extinction and scattering of the column stay.
   options.vertical_size_m = 50;
   const ImportedCloud coarse = import_cloud(options);
   EXPECT_NEAR(column_integrals(coarse.field)[0], 1.0, 1e-6);
   double scattering = 0;
   for (std::size_t n = 0; n < coarse.field.value.size(); ++n) {
-    scattering += coarse.field.value[n] * coarse.companions[0].value[n] * 50;
+    scattering += coarse.field.value[n] * coarse.auxiliaries[0].value[n] * 50;
   }
   EXPECT_NEAR(scattering, 0.5 * 0.9 + 0.5 * 0.8 + 1, 1e-6);
 }
@@ -323,8 +323,8 @@ TEST_F(CloudImport, ShdomPropertyFile) {
   EXPECT_NEAR(cloud.field.min_m[2], 80, 1e-9);
   EXPECT_NEAR(cloud.field.cell_size_m[2], 40, 1e-9);
   EXPECT_THAT(cloud.field.value, testing::ElementsAre(0.005F, 0.01F));
-  EXPECT_THAT(cloud.companions[0].value, testing::ElementsAre(0.99F, 0.9F));
-  EXPECT_THAT(cloud.companions[1].value, testing::ElementsAre(2, 1));
+  EXPECT_THAT(cloud.auxiliaries[0].value, testing::ElementsAre(0.99F, 0.9F));
+  EXPECT_THAT(cloud.auxiliaries[1].value, testing::ElementsAre(2, 1));
   ASSERT_EQ(cloud.moments.size(), 2U);
   EXPECT_THAT(cloud.moments[0], testing::ElementsAre(1, 0.5, 0.1));
   EXPECT_THAT(cloud.moments[1],
@@ -346,14 +346,14 @@ TEST_F(CloudImport, ShdomWaterFiles) {
   const auto one = import_cloud(options_for(write("1.lwc", "1 parameter LWC file\n" + grid + "1 1 2 0.3\n")));
   EXPECT_EQ(one.field.quantity, "liquid_water_content");
   EXPECT_THAT(one.field.value, testing::ElementsAre(0.3F));
-  EXPECT_TRUE(one.companions.empty());
+  EXPECT_TRUE(one.auxiliaries.empty());
   const auto two =
       import_cloud(options_for(write("2.lwc", "2 parameter LWC file\n" + grid + "1 1 1 0.3 8\n1 1 2 0.0 0\n")));
-  EXPECT_THAT(two.companions.at(0).value, testing::ElementsAre(8));
+  EXPECT_THAT(two.auxiliaries.at(0).value, testing::ElementsAre(8));
   const auto three = import_cloud(
       options_for(write("3.part", "3 propgen particle file\n" + grid + "1 1 1 2 1 0.3 8 2 0.1 40\n1 1 2 0\n")));
   EXPECT_THAT(three.field.value, testing::ElementsAre(0.3F));
-  EXPECT_THAT(three.companions.at(0).value, testing::ElementsAre(8));
+  EXPECT_THAT(three.auxiliaries.at(0).value, testing::ElementsAre(8));
 }
 
 TEST_F(CloudImport, TextIsReadAsFortranWritesIt) {
@@ -388,7 +388,7 @@ TEST_F(CloudImport, TextBelowAHeadOfSizesAndLevels) {
   EXPECT_NEAR(at3d.field.cell_size_m[1], 30, 1e-9);
   EXPECT_NEAR(at3d.field.min_m[2], 420, 1e-9);
   EXPECT_THAT(at3d.field.value, testing::ElementsAre(0.5F, 0.3F));
-  EXPECT_THAT(at3d.companions.at(0).value, testing::ElementsAre(10, 8));
+  EXPECT_THAT(at3d.auxiliaries.at(0).value, testing::ElementsAre(10, 8));
   EXPECT_THAT(column_integrals(at3d.field),
               testing::ElementsAre(testing::DoubleNear(20, 1e-6), 0, 0, testing::DoubleNear(12, 1e-6)));
 
@@ -396,12 +396,12 @@ TEST_F(CloudImport, TextBelowAHeadOfSizesAndLevels) {
       import_cloud(options_for(write("wc3d.dat", "2 2 2 3\n0.1 0.1 0.5 0.6 0.7\n1 1 1 0.5 10.0\n2 1 2 0.3 8.0\n")));
   EXPECT_EQ(mystic.field.cells, (std::array<int, 3>{2, 2, 2}));
   EXPECT_NEAR(mystic.field.min_m[2], 500, 1e-9);
-  EXPECT_THAT(mystic.companions.at(0).value, testing::ElementsAre(10, 8));
+  EXPECT_THAT(mystic.auxiliaries.at(0).value, testing::ElementsAre(10, 8));
   const ImportedCloud optics =
       import_cloud(options_for(write("wc3d.dat", "1 1 2 1\n0.1 0.1 0.5 0.6 0.7\n1 1 1 20 0.85 0.99\n")));
   EXPECT_EQ(optics.field.quantity, "extinction");
   EXPECT_THAT(optics.field.value, testing::ElementsAre(0.02F));
-  EXPECT_THAT(optics.companions.at(0).value, testing::ElementsAre(0.99F));
+  EXPECT_THAT(optics.auxiliaries.at(0).value, testing::ElementsAre(0.99F));
 
   const auto error = [&](const std::string& text) {
     return message_of([&] { import_cloud(options_for(write("wrong.txt", text))); });

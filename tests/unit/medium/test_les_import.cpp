@@ -533,10 +533,10 @@ TEST_F(LesImport, ExtinctionIsReadInItsUnit) {
   for (const auto& [units, factor] : {std::pair{"m-1", 1.0}, {"1/km", 1e3}, {"km^-1", 1e3}}) {
     const ImportedCloud cloud = import_cloud(extinction(units, factor));
     EXPECT_EQ(cloud.field.quantity, "extinction");
-    ASSERT_EQ(cloud.companions.size(), 2U);
+    ASSERT_EQ(cloud.auxiliaries.size(), 2U);
     EXPECT_NEAR(cloud.field.value[0] / water(3, 0, 0), 1, 1e-6);
-    EXPECT_NEAR(cloud.companions[0].value[0], 10, 1e-6);
-    EXPECT_NEAR(cloud.companions[1].value[0], 0.93, 1e-6);
+    EXPECT_NEAR(cloud.auxiliaries[0].value[0], 10, 1e-6);
+    EXPECT_NEAR(cloud.auxiliaries[1].value[0], 0.93, 1e-6);
   }
   EXPECT_THAT(error_of(extinction("", 1)), HasSubstr("unit of extinction not known"));
   EXPECT_THAT(error_of(extinction("m-1", 1e6)), HasSubstr("(allowed up to 10 1/m)"));

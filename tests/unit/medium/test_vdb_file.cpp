@@ -199,9 +199,9 @@ TEST_F(VdbFile, MetadataGiveTheDomain) {
   EXPECT_THAT(field.cells, ElementsAre(5, 3, 6));
   EXPECT_THAT(field.min_m, ElementsAre(-0.5, -0.5, 1.5));
 
-  const auto turned = read_cloud_vdb(file(), {.up_axis = "y"});
-  EXPECT_THAT(turned.cells, ElementsAre(5, 6, 3));
-  EXPECT_NEAR(turned.min_m[1], -7.5, 1e-3);
+  const auto transposed = read_cloud_vdb(file(), {.up_axis = "y"});
+  EXPECT_THAT(transposed.cells, ElementsAre(5, 6, 3));
+  EXPECT_NEAR(transposed.min_m[1], -7.5, 1e-3);
 }
 
 TEST_F(VdbFile, MetadataThatCannotBeTheDomainAreErrors) {
@@ -351,16 +351,16 @@ TEST_F(VdbFile, CompanionsComeInTheOrderOfTheCloud) {
       {{Coord(3, 0, 0), 0.1F}, {Coord(0, 1, 0), 0.0F}, {Coord(1, 0, 1), 0.3F}, {Coord(9, 9, 9), 7.0F}}, "albedo");
   const auto path = write_seekable({cloud_grid, albedo});
   const CloudField cloud = read_cloud_vdb(path);
-  EXPECT_THAT(read_companion_vdb(path, cloud, {.grid = "albedo"}, 0, 1), ElementsAre(0.1F, 0.0F, 0.3F));
-  EXPECT_THAT(message_of([&] { read_companion_vdb(path, cloud, {.grid = "albedo"}, 0.05, 1); }),
+  EXPECT_THAT(read_auxiliary_vdb(path, cloud, {.grid = "albedo"}, 0, 1), ElementsAre(0.1F, 0.0F, 0.3F));
+  EXPECT_THAT(message_of([&] { read_auxiliary_vdb(path, cloud, {.grid = "albedo"}, 0.05, 1); }),
               HasSubstr("grid \"albedo\": voxel (0, 1, 0) has the value 0 (0.05 to 1 are allowed)"));
 
-  const VdbReadOptions turned{.up_axis = "y", .voxel_size_m = std::array<double, 3>{2, 3, 4}};
-  auto turned_albedo = turned;
+  const VdbReadOptions transposed{.up_axis = "y", .voxel_size_m = std::array<double, 3>{2, 3, 4}};
+  auto turned_albedo = transposed;
   turned_albedo.grid = "albedo";
-  const CloudField turned_cloud = read_cloud_vdb(path, turned);
+  const CloudField turned_cloud = read_cloud_vdb(path, transposed);
   EXPECT_THAT(turned_cloud.value, ElementsAre(3, 1, 2));
-  EXPECT_THAT(read_companion_vdb(path, turned_cloud, turned_albedo, 0, 1), ElementsAre(0.3F, 0.1F, 0.0F));
+  EXPECT_THAT(read_auxiliary_vdb(path, turned_cloud, turned_albedo, 0, 1), ElementsAre(0.3F, 0.1F, 0.0F));
 }
 
 TEST_F(VdbFile, CompanionsAreWhatTheirMetadataSay) {
@@ -368,7 +368,7 @@ TEST_F(VdbFile, CompanionsAreWhatTheirMetadataSay) {
   const auto other = density_grid({{Coord(3, 0, 0), 0.5F}}, "other");
   const auto read = [&](const std::string& wanted) {
     const auto path = write_seekable({cloud_grid, other});
-    return read_companion_vdb(path, read_cloud_vdb(path), {.grid = "other", .companion_quantity = wanted}, 0, 1);
+    return read_auxiliary_vdb(path, read_cloud_vdb(path), {.grid = "other", .auxiliary_quantity = wanted}, 0, 1);
   };
   EXPECT_THAT(read("single_scattering_albedo"), ElementsAre(0.5F));  // the file does not say
   other->insertMeta("quantity", openvdb::StringMetadata("effective_radius"));
@@ -389,7 +389,7 @@ TEST_F(VdbFile, CompanionsThatDoNotFitAreErrors) {
   };
   const auto read = [&](const FloatGrid::Ptr& grid) {
     const auto path = write_seekable({cloud_grid, grid});
-    return read_companion_vdb(path, read_cloud_vdb(path), {.grid = "albedo"}, 0, 1);
+    return read_auxiliary_vdb(path, read_cloud_vdb(path), {.grid = "albedo"}, 0, 1);
   };
   EXPECT_THAT(message_of([&] { read(partial(0)); }), HasSubstr("voxel (0, 1, 0) has no value"));
   EXPECT_THAT(read(partial(0.5F)), ElementsAre(0.9F, 0.5F));
@@ -454,7 +454,7 @@ TEST_F(ReferenceFields, StratocumulusHasItsAlbedoVoxelByVoxel) {
   const auto path = fields_ / "stcu213.vdb";
   const CloudField cloud = read_cloud_vdb(path);
   EXPECT_THAT(cloud.cells, ElementsAre(64, 64, 16));
-  const auto albedo = read_companion_vdb(path, cloud, {.grid = "single_scattering_albedo"}, 0, 1);
+  const auto albedo = read_auxiliary_vdb(path, cloud, {.grid = "single_scattering_albedo"}, 0, 1);
   ASSERT_EQ(albedo.size(), cloud.active_voxels());
   EXPECT_GT(*std::min_element(albedo.begin(), albedo.end()), 0.9F);
 }

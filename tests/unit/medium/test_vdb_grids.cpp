@@ -21,11 +21,11 @@ using VdbGrids = VdbFile;
 // Truth: a row of the matrix times an index is where the index leads in the world; two voxels tell the axes apart.
 TEST_F(VdbGrids, AxesExchangedAndMirroredByTheMatrixAreReadExactly) {
   // i runs along x, j along z, k against y, as programs with y up write it; voxel centres at multiples of 10 m.
-  const auto turned = openvdb::math::Transform::createLinearTransform(
+  const auto transposed = openvdb::math::Transform::createLinearTransform(
       openvdb::Mat4d(10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0, 0.0, 0.0, -30.0, 0.0, 0.0, 5.0, 6.0, 7.0, 1.0));
   const auto path = write_seekable({with_transform(
       density_grid({{Coord(0, 0, 0), 1.0F}, {Coord(2, 0, 0), 2.0F}, {Coord(0, 1, 0), 3.0F}, {Coord(0, 0, 1), 4.0F}}),
-      turned)});
+      transposed)});
   const CloudField field = read_cloud_vdb(path);
   EXPECT_THAT(field.cell_size_m, ElementsAre(10, 30, 20));
   EXPECT_THAT(field.min_m, ElementsAre(0, -39, -3));  // x: 5 - 5; y: 6 - 30 - 15; z: 7 - 10
@@ -54,18 +54,18 @@ TEST_F(VdbGrids, CompanionsFollowATransformOfTheirOwn) {
   with_transform(albedo, openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(
                              -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)));
   const auto path = write_seekable({cloud_grid, albedo});
-  EXPECT_THAT(read_companion_vdb(path, read_cloud_vdb(path), {.grid = "albedo"}, 0, 1), ElementsAre(0.1F, 0.2F));
+  EXPECT_THAT(read_auxiliary_vdb(path, read_cloud_vdb(path), {.grid = "albedo"}, 0, 1), ElementsAre(0.1F, 0.2F));
 }
 
 TEST_F(VdbGrids, TransformsThatTurnOrShearAreErrors) {
   using openvdb::Mat4d;
-  const auto turned = Mat4d(8.0, 6.0, 0.0, 0.0, -6.0, 8.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+  const auto transposed = Mat4d(8.0, 6.0, 0.0, 0.0, -6.0, 8.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 1.0);
   const auto slightly_turned =
       Mat4d(10.0, 1e-4, 0.0, 0.0, -1e-4, 10.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 1.0);
   const auto sheared = Mat4d(10.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 3.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 1.0);
   // Two indices along one axis.
   const auto steep = Mat4d(10.0, 0.0, 0.0, 0.0, 11.0, 10.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 1.0);
-  for (const auto& matrix : {turned, slightly_turned, sheared, steep}) {
+  for (const auto& matrix : {transposed, slightly_turned, sheared, steep}) {
     EXPECT_THAT(read_message({with_matrix(matrix)}), AllOf(HasSubstr("rotates or shears"), HasSubstr("resample")));
   }
   const auto frustum = openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(Vec3d(0), Vec3d(10)),

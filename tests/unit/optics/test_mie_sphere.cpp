@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/optics/mie_sphere.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/mie_sphere.hpp"
 #include "cloudbow/optics/mie_table.hpp"

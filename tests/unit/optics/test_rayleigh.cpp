@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/optics/rayleigh.hpp"
 
 namespace cloudbow {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/refractive_index.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/reflection_table.hpp"
 #include "cloudbow/optics/surface_brdf.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 #include "reference/monte_carlo.hpp"
 #include "reference/plane_parallel.hpp"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "../told_nearness.hpp"
+#include "../near_with_report.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
 #include "reference/plane_parallel.hpp"
 

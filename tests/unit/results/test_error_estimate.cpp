@@ -88,12 +88,12 @@ TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
     for (std::size_t c = 6; c < 12; ++c) solution.upwelling_flux[c] += offset;
     return solution;
   };
-  const Companions off{three_levels(.1F), three_levels(.1F)};
+  const CoarseSolves off{three_levels(.1F), three_levels(.1F)};
   const ErrorEstimate estimate = estimate_error(three_levels(0), off, weights, false);
   EXPECT_EQ(estimate.up.total(), 0);
   EXPECT_NEAR(estimate.between_ends, 2.5 * .1 / 2, rounding) << "which count 2.5 times";
   EXPECT_NE(error_line(estimate).find("at levels between 12 %"), std::string::npos) << error_line(estimate);
-  const Companions at_ends{made_up(.1, .3), made_up(.1, .3)};
+  const CoarseSolves at_ends{made_up(.1, .3), made_up(.1, .3)};
   const ErrorEstimate of_two = estimate_error(made_up(0, 0), at_ends, weights, false);
   EXPECT_EQ(of_two.between_ends, 0);
   EXPECT_EQ(error_line(of_two).find("between"), std::string::npos);
@@ -101,22 +101,22 @@ TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
 
 // What companions on the same cells do not see.
 TEST(ErrorEstimate, CountsProbesAsSpatialWhereTheyAreTheLargerPart) {
-  Companions companions{made_up(.1, .3), made_up(.14, .3), Companions::Probe{made_up(0, 0), made_up(.2, .12)}};
+  CoarseSolves coarse_solves{made_up(.1, .3), made_up(.14, .3), CoarseSolves::Probe{made_up(0, 0), made_up(.2, .12)}};
   const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {0, 0, 0}};
-  const ErrorEstimate estimate = estimate_error(made_up(0, 0), companions, weights, false);
+  const ErrorEstimate estimate = estimate_error(made_up(0, 0), coarse_solves, weights, false);
   EXPECT_NEAR(estimate.probe_distance.up, .1, rounding);
   EXPECT_NEAR(estimate.up.spatial, .1, rounding) << "for 2 x .02";
   EXPECT_NEAR(estimate.down.spatial, .02, rounding);
-  companions.constant = made_up(.5, .3);
-  EXPECT_NEAR(estimate_error(made_up(0, 0), companions, weights, false).up.spatial, 2 * .2, rounding);
+  coarse_solves.constant = made_up(.5, .3);
+  EXPECT_NEAR(estimate_error(made_up(0, 0), coarse_solves, weights, false).up.spatial, 2 * .2, rounding);
 }
 
 TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
   Solution solution = made_up(0, 0);
   solution.report.estimated_error = .003;
-  const Companions companions{made_up(.1, .3), made_up(.14, .3)};
+  const CoarseSolves coarse_solves{made_up(.1, .3), made_up(.14, .3)};
   const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {.001, 0, .1}};
-  const ErrorEstimate estimate = estimate_error(solution, companions, weights, false);
+  const ErrorEstimate estimate = estimate_error(solution, coarse_solves, weights, false);
   EXPECT_NEAR(estimate.up.angular, .5 * .05, rounding);
   EXPECT_NEAR(estimate.up.spatial, 2 * .02, rounding);
   EXPECT_EQ(estimate.up.iteration, .003);
@@ -130,8 +130,8 @@ TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
 TEST(ErrorEstimate, OfSingleColumnsHasTheRootMeanSquareOfTheWhole) {
   Solution solution = made_up(0, 0);
   solution.report.estimated_error = .003;
-  const Companions companions{made_up(.1, .3), made_up(.14, .35)};
-  const ErrorEstimate estimate = estimate_error(solution, companions, {{1, .5, .5}, {1, 2, 1}, {0, 0, 0}}, true);
+  const CoarseSolves coarse_solves{made_up(.1, .3), made_up(.14, .35)};
+  const ErrorEstimate estimate = estimate_error(solution, coarse_solves, {{1, .5, .5}, {1, 2, 1}, {0, 0, 0}}, true);
   ASSERT_EQ(estimate.upwelling_flux_error.size(), 6u);
   EXPECT_NEAR(rms(estimate.upwelling_flux_error), 2 * estimate.up.total(), rounding);
   EXPECT_NEAR(rms(estimate.downwelling_flux_error), 6 * estimate.down.total(), rounding);

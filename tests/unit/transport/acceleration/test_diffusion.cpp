@@ -18,7 +18,7 @@ struct Case {
   bool periodic;
   double albedo;
   double largest_extinction;
-  bool vertical = false;
+  bool independent_columns = false;
 };
 
 BoxGrid box_of(const Case& c) {
@@ -41,7 +41,7 @@ DiffusionCoefficients coefficients_of(const Case& c, const BoxGrid& box) {
     given.absorption.push_back(static_cast<float>(c.albedo < 1 ? 0 : .01 * extinction));
   }
   given.surface_albedo = c.albedo;
-  given.vertical = c.vertical;
+  given.independent_columns = c.independent_columns;
   return given;
 }
 
@@ -70,7 +70,7 @@ Eigen::MatrixXd assembled(const BoxGrid& box, const DiffusionCoefficients& given
         matrix(c, c) += static_cast<double>(given.absorption[c]) * volume;
         for (int axis = 0; axis < 3; ++axis) {
           const std::array<int, 3> count{box.nx, box.ny, box.nz()};
-          if (axis < 2 && (given.vertical || (box.periodic && count[axis] == 1))) continue;
+          if (axis < 2 && (given.independent_columns || (box.periodic && count[axis] == 1))) continue;
           for (const int side : {-1, 1}) {
             std::array<int, 3> to{i, j, k};
             to[axis] += side;

@@ -306,16 +306,16 @@ void expect_symmetric(const PhaseFunction& phase, const Turn& turn, double mean_
   constexpr int n = 6;
   const BoxGrid box = make_box(n, n, 4);
   const auto extinction = random_extinction(box, 3, 4);
-  std::vector<float> turned(extinction.size());
+  std::vector<float> transposed(extinction.size());
   for (std::size_t c = 0; c < extinction.size(); ++c)
-    turned[c / (n * n) * (n * n) + moved_column(turn, c % (n * n), n)] = extinction[c];
+    transposed[c / (n * n) * (n * n) + moved_column(turn, c % (n * n), n)] = extinction[c];
   Problem problem = problem_of(make_grid(box, extinction, .99), phase);
   SolverOptions options = coarse();
   options.tolerance = 1e-6;
   options.gather_directions = 4096;
   const Solution here = solve(problem, options);
   const Direction sun = problem.sun->travel;
-  problem.grid = make_grid(box, turned, .99);
+  problem.grid = make_grid(box, transposed, .99);
   problem.sun->travel =
       Direction(turn.xx * sun.x() + turn.xy * sun.y(), turn.yx * sun.x() + turn.yy * sun.y(), sun.z());
   const Solution there = solve(problem, options);
@@ -601,9 +601,9 @@ TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
       const Solution whole = solve(problem, options);
       options.collapse_uniform_axes = true;
       const Solution less = solve(problem, options);
-      EXPECT_EQ(less.report.left_out_axes, along_x ? (along_y ? "" : "y") : (along_y ? "x" : "x, y"));
-      // The last gather's own places of launch differ where there are fewer columns; it is scaled to the same means, so
-      // that of columns alone, which need none, the fluxes are the same. Elsewhere: its spread with 64 directions.
+      EXPECT_EQ(less.report.collapsed_axes, along_x ? (along_y ? "" : "y") : (along_y ? "x" : "x, y"));
+      // The final gather's own places of launch differ where there are fewer columns; it is scaled to the same means,
+      // so that of columns alone, which need none, the fluxes are the same. Elsewhere: its spread with 64 directions.
       const double tolerance = along_x || along_y ? .02 : 1e-5;
       const auto expect_same = [&](const std::vector<float>& a, const std::vector<float>& b, double relative) {
         ASSERT_EQ(a.size(), b.size());
@@ -628,7 +628,7 @@ TEST(Solve, OpenSidesLeaveNoAxisOut) {
   problem.grid.box.periodic = false;
   SolverOptions options = coarse();
   options.collapse_uniform_axes = true;
-  EXPECT_EQ(solve(problem, options).report.left_out_axes, "");
+  EXPECT_EQ(solve(problem, options).report.collapsed_axes, "");
 }
 
 // Eleven bits a radiance: each is off by 2^-10 at most when it is stored as radiance, and once more as source. Fluxes

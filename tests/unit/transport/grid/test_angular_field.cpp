@@ -19,8 +19,8 @@ TEST(Halves, HoldElevenBits) {
   ASSERT_NE(value.size() % lanes, 0U);
   std::vector<std::uint16_t> packed(value.size());
   std::vector<float> back(value.size());
-  store_halves(value.data(), value.size(), unit, 0, packed.data());
-  load_halves(packed.data(), packed.size(), unit, back.data());
+  store_float16(value.data(), value.size(), unit, 0, packed.data());
+  load_float16(packed.data(), packed.size(), unit, back.data());
   for (std::size_t i = 0; i < value.size(); ++i) {
     EXPECT_NEAR(back[i], value[i], 0x1p-10F * value[i]);
     EXPECT_GE(back[i], 0);
@@ -36,9 +36,9 @@ TEST(Halves, RoundingKeepsTheMean) {
     std::vector<float> back(value.size());
     for (std::size_t first = 0; first<value.size(); first += lone> 0 ? lone : value.size()) {
       const std::size_t n = std::min(value.size() - first, lone > 0 ? lone : value.size());
-      store_halves(value.data() + first, n, 1, static_cast<std::uint32_t>(first), packed.data() + first);
+      store_float16(value.data() + first, n, 1, static_cast<std::uint32_t>(first), packed.data() + first);
     }
-    load_halves(packed.data(), packed.size(), 1, back.data());
+    load_float16(packed.data(), packed.size(), 1, back.data());
     const double sum = std::accumulate(back.begin(), back.end(), 0.);
     EXPECT_NEAR(sum, static_cast<double>(value.size()) * 1.0003, 4 * 0x1p-10);
   }
@@ -49,14 +49,14 @@ TEST(Halves, EndsAreTheLargestNumberAndZero) {
     const std::vector<float> value(n, 1e9F), small(n, 0x1p-26F);
     std::vector<std::uint16_t> packed(n);
     std::vector<float> back(n);
-    store_halves(value.data(), n, 2.F, 0, packed.data());
-    load_halves(packed.data(), n, 2.F, back.data());
+    store_float16(value.data(), n, 2.F, 0, packed.data());
+    load_float16(packed.data(), n, 2.F, back.data());
     EXPECT_EQ(back.back(), 2 * 65504.F);
-    store_halves(small.data(), n, 2.F, 0, packed.data());
-    load_halves(packed.data(), n, 2.F, back.data());
+    store_float16(small.data(), n, 2.F, 0, packed.data());
+    load_float16(packed.data(), n, 2.F, back.data());
     EXPECT_EQ(back.back(), 0);
-    store_halves(small.data(), n, 0x1p-10F, 0, packed.data());
-    load_halves(packed.data(), n, 0x1p-10F, back.data());
+    store_float16(small.data(), n, 0x1p-10F, 0, packed.data());
+    load_float16(packed.data(), n, 0x1p-10F, back.data());
     EXPECT_EQ(back.back(), small.back());
   }
 }
@@ -66,8 +66,8 @@ TEST(Halves, PowersOfTwoAndSmallWholesAreKept) {
   std::iota(value.begin(), value.end(), 0.F);
   std::vector<std::uint16_t> packed(value.size());
   std::vector<float> back(value.size());
-  store_halves(value.data(), value.size(), 1, 7, packed.data());
-  load_halves(packed.data(), value.size(), 1, back.data());
+  store_float16(value.data(), value.size(), 1, 7, packed.data());
+  load_float16(packed.data(), value.size(), 1, back.data());
   EXPECT_EQ(back, value);
 }
 

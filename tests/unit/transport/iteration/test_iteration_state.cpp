@@ -85,7 +85,7 @@ struct Case {
 template <class Real>
 void expect_same_bits(const IterationResult<Real>& a, const IterationResult<Real>& b) {
   EXPECT_EQ(a.radiance.data, b.radiance.data);
-  EXPECT_EQ(a.radiance.halves, b.radiance.halves);
+  EXPECT_EQ(a.radiance.float16, b.radiance.float16);
   EXPECT_EQ(a.moments, b.moments);
   EXPECT_EQ(a.fluxes.surface_flux, b.fluxes.surface_flux);
   EXPECT_EQ(a.fluxes.surface_arriving, b.fluxes.surface_arriving);

@@ -282,10 +282,10 @@ TEST_F(GatherFlux, SharedGradientsAreTheDirectionsOwnWhereTheSourceIsTheSameInAl
   Scene scene(box, random_extinction(box, .1, 2), value, 5, 3);
   for (const bool upward : {true, false}) {
     const auto directions = gather_directions(128, upward, std::nullopt);
-    scene.cells.varied = false;
+    scene.cells.heterogeneous = false;
     const auto own = gather_flux(scene.gather, upward ? 6 : 0, upward, directions);
     const auto own_levels = gather_level_fluxes(scene.gather, inner_edges, upward, directions);
-    scene.cells.varied = true;
+    scene.cells.heterogeneous = true;
     const auto shared = gather_flux(scene.gather, upward ? 6 : 0, upward, directions);
     const auto shared_levels = gather_level_fluxes(scene.gather, inner_edges, upward, directions);
     for (std::size_t c = 0; c < own.size(); ++c) EXPECT_NEAR(shared[c], own[c], 1e-12);  // rounding

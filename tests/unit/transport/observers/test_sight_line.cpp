@@ -41,8 +41,8 @@ TEST(SightLine, StraightDownSeesTheGroundOfItsColumnByBeer) {
   const Scene scene(true, .01);
   const auto sight = scene.sight();
   // Column (2, 1) is the 7th; from above the top the path is the whole depth, from the middle the rest of it.
-  EXPECT_NEAR(seen_along(sight, {25, 15, 500}, {0, 0, -1}, dark), 7 * std::exp(-.5), 1e-7);
-  EXPECT_NEAR(seen_along(sight, {25, 15, 33}, {0, 0, -1}, dark), 7 * std::exp(-.33), 1e-7);
+  EXPECT_NEAR(radiance_along(sight, {25, 15, 500}, {0, 0, -1}, dark), 7 * std::exp(-.5), 1e-7);
+  EXPECT_NEAR(radiance_along(sight, {25, 15, 33}, {0, 0, -1}, dark), 7 * std::exp(-.33), 1e-7);
 }
 
 TEST(SightLine, UniformSourceFillsWhatIsNotTransmitted) {
@@ -51,7 +51,7 @@ TEST(SightLine, UniformSourceFillsWhatIsNotTransmitted) {
   for (const double mu : {1., .4, .03}) {
     const Direction up(std::sqrt(1 - mu * mu) * .8, std::sqrt(1 - mu * mu) * -.6, mu);
     const double through = std::exp(-.02 * (50 - 7) / mu);
-    EXPECT_NEAR(seen_along(sight, {3, 29, 7}, up, bright), 3 * (1 - through) + 5 * through,
+    EXPECT_NEAR(radiance_along(sight, {3, 29, 7}, up, bright), 3 * (1 - through) + 5 * through,
                 5e-4);  // where less than 1e-4 is transmitted, the rest is taken to be as bright
   }
 }
@@ -61,9 +61,9 @@ TEST(SightLine, GoesOnAtTheOtherSideOfPeriodicAir) {
   const auto sight = scene.sight();
   // 45 degrees towards -x from x = 5 m: at the ground it stands 45 m further, x = -40 or 0 of the next domain.
   const Direction slanted = Direction(-1, 0, -1).normalized();
-  EXPECT_NEAR(seen_along(sight, {6, 15, 45}, slanted, dark), 5 * std::exp(-.005 * 45 * std::sqrt(2.)),
+  EXPECT_NEAR(radiance_along(sight, {6, 15, 45}, slanted, dark), 5 * std::exp(-.005 * 45 * std::sqrt(2.)),
               1e-7);  // column (0, 1)
-  EXPECT_NEAR(seen_along(sight, {4, 15, 45}, slanted, dark), 8 * std::exp(-.005 * 45 * std::sqrt(2.)),
+  EXPECT_NEAR(radiance_along(sight, {4, 15, 45}, slanted, dark), 8 * std::exp(-.005 * 45 * std::sqrt(2.)),
               1e-7);  // column (3, 1)
 }
 
@@ -72,12 +72,12 @@ TEST(SightLine, OpenSidesShowWhatStandsThere) {
   std::vector<double> by_edge{10, 11, 12, 13, 14, 15};
   const auto sight = scene.sight(2., [&](const Direction&) { return by_edge; });
   // Level with z = 25: leaves through x = 40 after 12 m, where the side shows 12.5.
-  EXPECT_NEAR(seen_along(sight, {28, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.12), 1e-6);
+  EXPECT_NEAR(radiance_along(sight, {28, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.12), 1e-6);
   // From outside: nothing until the domain, all 40 m of it, and the other side.
-  EXPECT_NEAR(seen_along(sight, {-500, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.4), 1e-6);
+  EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.4), 1e-6);
   // Past the domain.
-  EXPECT_NEAR(seen_along(sight, {-500, 15, 25}, {-1, 0, 0}, dark), 2., 0);
-  EXPECT_NEAR(seen_along(sight, {-500, 15, 100}, Direction(-1, 0, -1).normalized(), dark), 10., 0);
+  EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {-1, 0, 0}, dark), 2., 0);
+  EXPECT_NEAR(radiance_along(sight, {-500, 15, 100}, Direction(-1, 0, -1).normalized(), dark), 10., 0);
 }
 
 TEST(SightLine, SourceIsLinearWithinACell) {
@@ -89,7 +89,7 @@ TEST(SightLine, SourceIsLinearWithinACell) {
   // int_0^t S(s) e^-s ds with S = 3 (.75 + .5 s/t).
   const double t = .4, e = std::exp(-t);
   const double truth = 3 * (.75 * (1 - e) + .5 / t * (1 - e * (1 + t)));
-  EXPECT_NEAR(seen_along(sight, {0, 15, 25}, {1, 0, 0}, only_first), truth, 1e-7);
+  EXPECT_NEAR(radiance_along(sight, {0, 15, 25}, {1, 0, 0}, only_first), truth, 1e-7);
 }
 
 TEST(SightLine, ConstantSourceIsALinearOneWithoutSlopes) {
@@ -99,8 +99,8 @@ TEST(SightLine, ConstantSourceIsALinearOneWithoutSlopes) {
   const auto by_cell = [](std::uint32_t cell) { return 1. + cell % 7; };
   for (const Direction& line :
        {Direction(0, 0, -1), Direction(.5, .7, -.2).normalized(), Direction(-1, 0, .3).normalized()})
-    EXPECT_NEAR(seen_along(constant, {13, 17, 23}, line, by_cell),
-                seen_along(scene.sight(5.), {13, 17, 23}, line, by_cell), 1e-13);
+    EXPECT_NEAR(radiance_along(constant, {13, 17, 23}, line, by_cell),
+                radiance_along(scene.sight(5.), {13, 17, 23}, line, by_cell), 1e-13);
 }
 
 TEST(SightLine, TakesWallsAndCornersInItsStride) {
@@ -112,7 +112,7 @@ TEST(SightLine, TakesWallsAndCornersInItsStride) {
     for (const Eigen::Vector3d& eye :
          {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(20, 10, 0), Eigen::Vector3d(40, 30, 0)}) {
       const double through = std::exp(-.5 / line.z());
-      EXPECT_NEAR(seen_along(sight, eye, line, bright), 3 * (1 - through) + through, 1e-6);
+      EXPECT_NEAR(radiance_along(sight, eye, line, bright), 3 * (1 - through) + through, 1e-6);
     }
   }
 }

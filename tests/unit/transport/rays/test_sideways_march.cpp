@@ -40,11 +40,11 @@ struct Sideways {
            const std::vector<Real>& entering)
       : mean(cells.size() + lane_padding), leaving(box.columns()), at_level(box.nz() + 1) {
     const std::size_t n = cells.size();
-    const TurnedCells<Real>& turned = cells.turned[path.axis];
+    const TransposedCells<Real>& transposed = cells.transposed[path.axis];
     const bool along_x = path.axis == 0;
     const auto in_order = [&](const std::vector<Real>& of_cell) {
       std::vector<Real> result(n + lane_padding);
-      for (std::size_t c = 0; c < n; ++c) result[c] = of_cell[along_x ? turned.cell[c] : c];
+      for (std::size_t c = 0; c < n; ++c) result[c] = of_cell[along_x ? transposed.cell[c] : c];
       return result;
     };
     LinearSource<Real> linear;
@@ -53,10 +53,10 @@ struct Sideways {
     linear.make_gradient(cells);
     const std::vector<Real> value = in_order(linear.value), x = in_order(linear.gradient[0]),
                             y = in_order(linear.gradient[1]), z = in_order(linear.gradient[2]);
-    const CellView<Real> view{along_x ? turned.extinction.data() : cells.extinction.data(),
+    const CellView<Real> view{along_x ? transposed.extinction.data() : cells.extinction.data(),
                               {along_x ? y.data() : x.data(), z.data(), along_x ? x.data() : y.data()}};
     // Planes by sheet and column: turned for the march along x.
-    const auto turned_plane = [&](const std::vector<Real>& plane, int nx, int ny) {
+    const auto transposed_plane = [&](const std::vector<Real>& plane, int nx, int ny) {
       std::vector<Real> result(plane.size());
       for (int j = 0; j < ny; ++j) {
         for (int i = 0; i < nx; ++i)
@@ -64,17 +64,17 @@ struct Sideways {
       }
       return result;
     };
-    const std::vector<Real> by_sheet = along_x ? turned_plane(entering, box.nx, box.ny) : entering;
+    const std::vector<Real> by_sheet = along_x ? transposed_plane(entering, box.nx, box.ny) : entering;
     SidewaysPlanes<Real> planes;
     planes.entering = by_sheet;
     planes.leaving = leaving;
     planes.at_level = at_level;
     std::vector<Real> in_sheets(n + lane_padding);
     SidewaysWorkspace<Real> work;
-    march_sideways(path, turned.sheets, view, value.data(), planes, in_sheets.data(), work);
-    for (std::size_t c = 0; c < n; ++c) mean[along_x ? turned.cell[c] : c] = in_sheets[c];
+    march_sideways(path, transposed.sheets, view, value.data(), planes, in_sheets.data(), work);
+    for (std::size_t c = 0; c < n; ++c) mean[along_x ? transposed.cell[c] : c] = in_sheets[c];
     mean.resize(n);
-    if (along_x) leaving = turned_plane(leaving, box.ny, box.nx);
+    if (along_x) leaving = transposed_plane(leaving, box.ny, box.nx);
     left = planes.left;
   }
 };

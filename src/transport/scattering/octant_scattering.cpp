@@ -1,4 +1,4 @@
-#include "transport/scattering/folded_scattering.hpp"
+#include "transport/scattering/octant_scattering.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -66,16 +66,16 @@ std::vector<int> order_by_octant(const OrdinateSet& ordinates) {
 }  // namespace
 
 template <class Real>
-std::optional<FoldedScattering<Real>> FoldedScattering<Real>::make(const OrdinateSet& ordinates,
+std::optional<OctantScattering<Real>> OctantScattering<Real>::make(const OrdinateSet& ordinates,
                                                                    std::span<const DenseMatrix<Real>> matrix,
                                                                    const DenseMatrix<Real>& moment_weights,
                                                                    const DenseMatrix<Real>& correction_shape) {
-  FoldedScattering folded;
-  folded.ordinate_ = order_by_octant(ordinates);
-  if (folded.ordinate_.empty()) return std::nullopt;
+  OctantScattering octant_scattering;
+  octant_scattering.ordinate_ = order_by_octant(ordinates);
+  if (octant_scattering.ordinate_.empty()) return std::nullopt;
   const int size = ordinates.size() / octants;
-  folded.octant_size_ = size;
-  const auto at = [&](unsigned octant, int b) { return folded.ordinate_[octant * size + b]; };
+  octant_scattering.octant_size_ = size;
+  const auto at = [&](unsigned octant, int b) { return octant_scattering.ordinate_[octant * size + b]; };
   std::vector<double> weight(size);
   for (int b = 0; b < size; ++b) weight[b] = ordinates.weight[at(0, b)];
 
@@ -97,7 +97,7 @@ std::optional<FoldedScattering<Real>> FoldedScattering<Real>::make(const Ordinat
         }
       }
     }
-    auto& sectors = folded.matrix_.emplace_back();
+    auto& sectors = octant_scattering.matrix_.emplace_back();
     for (unsigned s = 0; s < octants; ++s) {
       Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
       for (unsigned g = 0; g < octants; ++g) sum += (odd(s & g) ? -1. : 1.) / octants * between[g];
@@ -125,10 +125,10 @@ std::optional<FoldedScattering<Real>> FoldedScattering<Real>::make(const Ordinat
         moment.shape[b] = static_cast<Real>(shape);
         size_of = std::max({size_of, std::abs(w) / weight[b], std::abs(shape)});
       }
-      if (size_of > 1e-5) folded.moments_[s].push_back(std::move(moment));
+      if (size_of > 1e-5) octant_scattering.moments_[s].push_back(std::move(moment));
     }
   }
-  return folded;
+  return octant_scattering;
 }
 
 namespace {
@@ -171,12 +171,12 @@ template <class Real>
 }  // namespace
 
 template <class Real>
-void FoldedScattering<Real>::fold(const AngularField<Real>& field, std::size_t first, Real* folded) const {
+void OctantScattering<Real>::fold(const AngularField<Real>& field, std::size_t first, Real* octant_scattering) const {
   for (int b = 0; b < octant_size_; ++b) {
     const Real* from[octants];
     Real* to[octants];
     for (int o = 0; o < octants; ++o) {
-      to[o] = folded + (o * octant_size_ + b) * tile;
+      to[o] = octant_scattering + (o * octant_size_ + b) * tile;
       from[o] = field.stored_row(ordinate_[o * octant_size_ + b]).read(first, tile, to[o]);
     }
     if (field.packed()) {
@@ -189,21 +189,21 @@ void FoldedScattering<Real>::fold(const AngularField<Real>& field, std::size_t f
 
 // Moments of n cells, given for all `cells`, as sums over the octants.
 template <class Real>
-void FoldedScattering<Real>::add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n,
-                                         Real scale, Real* folded) const {
+void OctantScattering<Real>::add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n,
+                                         Real scale, Real* octant_scattering) const {
   const int count = static_cast<int>(moments.size() / cells);
   for (int s = 0; s < octants; ++s) {
     for (const SectorMoment& moment : moments_[s]) {
       if (moment.moment >= count) continue;
       const Real* const change = moments.data() + moment.moment * cells + first;
       for (int b = 0; b < octant_size_; ++b)
-        add_scaled(scale * moment.shape[b], change, n, folded + (s * octant_size_ + b) * tile);
+        add_scaled(scale * moment.shape[b], change, n, octant_scattering + (s * octant_size_ + b) * tile);
     }
   }
 }
 
 template <class Real>
-void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells,
+void OctantScattering<Real>::scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells,
                                               const ScatteringTerms<Real>& terms) const {
   const std::size_t tiles = (field.cells + tile - 1) / tile;
   const int sector_values = octant_size_ * tile;
@@ -270,26 +270,26 @@ void FoldedScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
 }
 
 template <class Real>
-void FoldedScattering<Real>::moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const {
+void OctantScattering<Real>::moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const {
   const std::size_t tiles = (radiance.cells + tile - 1) / tile;
   ParallelErrors errors;
 #pragma omp parallel
   {
-    std::vector<Real> folded;
-    errors.run([&] { folded.resize(static_cast<std::size_t>(radiance.rows) * tile); });
+    std::vector<Real> octant_scattering;
+    errors.run([&] { octant_scattering.resize(static_cast<std::size_t>(radiance.rows) * tile); });
 #pragma omp for schedule(static)
     for (std::size_t t = 0; t < tiles; ++t) {
       errors.run([&] {
         const std::size_t first = t * tile;
         const int n = static_cast<int>(std::min<std::size_t>(tile, radiance.cells - first));
-        fold(radiance, first, folded.data());
+        fold(radiance, first, octant_scattering.data());
         const std::size_t count = moments.size() / radiance.cells;
         for (std::size_t m = 0; m < count; ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
         for (int s = 0; s < octants; ++s) {
           for (const SectorMoment& moment : moments_[s]) {
             Real* const to = moments.data() + moment.moment * radiance.cells + first;
             for (int b = 0; b < octant_size_; ++b)
-              add_scaled(moment.weight[b], folded.data() + (s * octant_size_ + b) * tile, n, to);
+              add_scaled(moment.weight[b], octant_scattering.data() + (s * octant_size_ + b) * tile, n, to);
           }
         }
       });
@@ -298,7 +298,7 @@ void FoldedScattering<Real>::moments_of(const AngularField<Real>& radiance, std:
   errors.rethrow();
 }
 
-template class FoldedScattering<float>;
-template class FoldedScattering<double>;
+template class OctantScattering<float>;
+template class OctantScattering<double>;
 
 }  // namespace cloudbow

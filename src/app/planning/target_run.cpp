@@ -1,4 +1,4 @@
-#include "app/planning/goal_run.hpp"
+#include "app/planning/target_run.hpp"
 
 #include <fmt/format.h>
 
@@ -53,25 +53,25 @@ double table_seconds(const Solved& solved) {
   return sum;
 }
 
-class GoalRunner {
+class TargetRunner {
  public:
-  GoalRunner(const RunOptions& options, std::uint64_t available, CloudFiles& files)
-      : options_(options), goal_(*options.goal), available_(available), files_(files), names_(accuracy_names()) {}
+  TargetRunner(const RunOptions& options, std::uint64_t available, CloudFiles& files)
+      : options_(options), target_(*options.target), available_(available), files_(files), names_(accuracy_names()) {}
 
-  GoalRun run() {
+  TargetRun run() {
     std::size_t level = 0;
-    begin_forecasts();
+    begin_costs();
     solve_level(level);
-    if (!reached() || !goal_.error) {
-      extend_forecasts();
-      level = choose_level(levels_, goal_, means());
+    if (!reached() || !target_.error) {
+      extend_costs();
+      level = choose_level(levels_, target_, resources());
       if (level > 0) {
         tell_choice(level);
         solve_level(level);
       }
     }
     while (!reached()) {
-      const auto next = next_level(levels_, level, goal_, means());
+      const auto next = next_level(levels_, level, target_, resources());
       if (!next) break;
       level = *next;
       tell_choice(level);
@@ -82,97 +82,98 @@ class GoalRunner {
   }
 
  private:
-  Means means() const { return {seconds_since(start_), static_cast<double>(available_)}; }
+  Resources resources() const { return {seconds_since(start_), static_cast<double>(available_)}; }
 
   /// By the estimate of the last level solved.
-  bool reached() const { return !goal_.error || error_of(result_.solved.errors, goal_.of) <= *goal_.error; }
+  bool reached() const { return !target_.error || error_of(result_.solved.errors, target_.of) <= *target_.error; }
 
-  LevelForecast forecast_of(const std::string& level) {
-    const Forecast expected = forecast(scenes_at(options_, level), available_, options_.threads, false, files_);
+  LevelCost cost_of(const std::string& level) {
+    const CostEstimate expected =
+        estimate_cost(scenes_at(options_, level), available_, options_.threads, false, files_);
     return {level, 0, expected.seconds, static_cast<double>(expected.memory)};
   }
 
   /// A time too short for any level is told before anything is solved.
-  void begin_forecasts() {
-    levels_ = {forecast_of(names_.front())};
+  void begin_costs() {
+    levels_ = {cost_of(names_.front())};
     first_seconds_ = levels_.front().seconds;
-    choose_level(levels_, {std::nullopt, goal_.of, goal_.budget_seconds.value_or(1e30)}, means());
+    choose_level(levels_, {std::nullopt, target_.of, target_.budget_seconds.value_or(1e30)}, resources());
   }
 
-  void extend_forecasts() {
+  void extend_costs() {
     const std::vector<ErrorEstimate>& of_draft = result_.solved.errors;
     const double pace = result_.plan.seconds / first_seconds_;
     for (std::size_t n = 1; n < names_.size(); ++n) {
-      LevelForecast level = forecast_of(names_[n]);
+      LevelCost level = cost_of(names_[n]);
       level.seconds *= pace;
-      level.error = expected_error(of_draft, goal_.of, error_ratio_to_draft(names_[n], solved_as_));
+      level.error = expected_error(of_draft, target_.of, error_ratio_to_draft(names_[n], solved_as_));
       levels_.push_back(level);
     }
-    levels_.front().error = error_of(of_draft, goal_.of);
+    levels_.front().error = error_of(of_draft, target_.of);
     levels_.front().seconds = 0;  // it is there already
   }
 
   void solve_level(std::size_t level) {
     result_.scenes = scenes_at(options_, names_[level]);
     result_.solved = {};
-    Forecast expected = forecast(result_.scenes, available_, options_.threads, false, files_);
+    CostEstimate expected = estimate_cost(result_.scenes, available_, options_.threads, false, files_);
     if (expected.only) solved_as_ = expected.only->as;
     const auto start = Clock::now();
     result_.solved = solve_all(result_.scenes, std::move(expected), options_, available_, files_);
     result_.plan.seconds = seconds_since(start) - table_seconds(result_.solved);
     result_.plan.levels_solved += (level == 0 ? "" : ", ") + names_[level];
     if (!options_.quiet) {
-      tell("cloudbow: `{}`: estimated error of {} {}, in {:.2g} s\n", names_[level], name_of(goal_.of),
-           percent(error_of(result_.solved.errors, goal_.of)), result_.plan.seconds);
+      tell("cloudbow: `{}`: estimated error of {} {}, in {:.2g} s\n", names_[level], name_of(target_.of),
+           percent(error_of(result_.solved.errors, target_.of)), result_.plan.seconds);
     }
   }
 
   void tell_choice(std::size_t level) const {
     if (options_.quiet) return;
     std::string wish;
-    if (goal_.error) wish = fmt::format("{} wanted", percent(*goal_.error));
-    if (goal_.budget_seconds)
+    if (target_.error) wish = fmt::format("{} wanted", percent(*target_.error));
+    if (target_.budget_seconds)
       wish += fmt::format("{}{:.3g} s of {:.3g} s left", wish.empty() ? "" : ", ",
-                          *goal_.budget_seconds - means().spent_seconds, *goal_.budget_seconds);
+                          *target_.budget_seconds - resources().spent_seconds, *target_.budget_seconds);
     tell("cloudbow: chose `{}`: {} of {} expected, in {:.2g} s and {:.2g} GB ({})\n", names_[level],
-         percent(levels_[level].error), name_of(goal_.of), levels_[level].seconds, levels_[level].memory_bytes / 1e9,
+         percent(levels_[level].error), name_of(target_.of), levels_[level].seconds, levels_[level].memory_bytes / 1e9,
          wish);
   }
 
   void finish(std::size_t level) {
     RunPlan& plan = result_.plan;
-    plan.target_error = goal_.error;
-    plan.of = name_of(goal_.of);
-    plan.budget_seconds = goal_.budget_seconds;
+    plan.target_error = target_.error;
+    plan.of = name_of(target_.of);
+    plan.budget_seconds = target_.budget_seconds;
     plan.accuracy = names_[level];
     plan.predicted_error = levels_[level].error;
     plan.predicted_seconds = level == 0 ? first_seconds_ : levels_[level].seconds;
     plan.predicted_memory_bytes = levels_[level].memory_bytes;
     plan.seconds_in_all = seconds_since(start_);
-    plan.met = reached() && (!goal_.budget_seconds || plan.seconds_in_all <= *goal_.budget_seconds);
+    plan.met = reached() && (!target_.budget_seconds || plan.seconds_in_all <= *target_.budget_seconds);
   }
 
   const RunOptions& options_;
-  const Goal goal_;
+  const Target target_;
   std::uint64_t available_;
   CloudFiles& files_;
   const std::vector<std::string> names_;
   const Clock::time_point start_ = Clock::now();
-  std::vector<LevelForecast> levels_;
+  std::vector<LevelCost> levels_;
   double first_seconds_ = 0;
   SolvedAs solved_as_ = SolvedAs::field;
-  GoalRun result_;
+  TargetRun result_;
 };
 
 }  // namespace
 
-GoalRun reach_goal(const RunOptions& options, std::uint64_t available, CloudFiles& files) {
+TargetRun reach_target(const RunOptions& options, std::uint64_t available, CloudFiles& files) {
   for (const std::string& setting : options.overrides) {
     if (setting.starts_with("solver.accuracy="))
       throw InputError(
           fmt::format("--set {}: --target-error and --budget choose the level (allowed: one or the other)", setting));
   }
-  return GoalRunner(options, available, files).run();
+  return TargetRunner(options, available, files).run();
 }
 
 }  // namespace cloudbow

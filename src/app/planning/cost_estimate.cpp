@@ -1,10 +1,10 @@
-#include "app/planning/forecast.hpp"
+#include "app/planning/cost_estimate.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "app/planning/companions.hpp"
+#include "app/planning/coarse_solves.hpp"
 #include "app/planning/machine_speed.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/transport/solver.hpp"
@@ -73,43 +73,43 @@ SolverOptions by_columns(SolverOptions options) {
   return options;
 }
 
-Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
-                  CloudFiles& files) {
-  Forecast forecast;
+CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
+                           CloudFiles& files) {
+  CostEstimate cost;
   std::vector<std::vector<double>> levels;
   std::size_t kept = 0;
   for (const Scene& scene : scenes) {
     PlannedScene planned = plan_scene(scene, available, files, {}, threads);
     const SolvePlan& plan = planned.plan;
-    forecast.memory = std::max(forecast.memory, foreseen(scene, plan));
-    forecast.seconds += predict_seconds(plan);
+    cost.memory = std::max(cost.memory, foreseen(scene, plan));
+    cost.seconds += predict_seconds(plan);
     if (scene.output.error_estimate) {
-      forecast.seconds += predict_companion_seconds(plan, scene.solver.accuracy, planned.as);
-      const SolvePlan companion = plan.with(companion_options(plan.whole_options(), scene.solver.accuracy, planned.as));
-      forecast.memory = std::max(forecast.memory, foreseen(scene, companion) + solution_bytes(*planned.scene));
+      cost.seconds += predict_coarse_seconds(plan, scene.solver.accuracy, planned.as);
+      const SolvePlan companion = plan.with(coarse_options(plan.whole_options(), scene.solver.accuracy, planned.as));
+      cost.memory = std::max(cost.memory, foreseen(scene, companion) + solution_bytes(*planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(by_columns(plan.whole_options()));
-      forecast.memory = std::max(forecast.memory, predict_memory(columns));
-      forecast.seconds += predict_seconds(columns);
+      cost.memory = std::max(cost.memory, predict_memory(columns));
+      cost.seconds += predict_seconds(columns);
       kept += solution_bytes(*planned.scene);  // at most: of these, fluxes alone are kept
     }
     levels.push_back(plan.whole().grid.box.z_edge_m);
     kept += solution_bytes(*planned.scene);
-    if (scenes.size() == 1) forecast.only = std::move(planned);
+    if (scenes.size() == 1) cost.only = std::move(planned);
   }
-  if (scenes.size() > 1 || compare) forecast.memory += kept;
-  forecast.seconds *= machine_slowness();
+  if (scenes.size() > 1 || compare) cost.memory += kept;
+  cost.seconds *= machine_slowness();
   if (scenes.size() > 1) {
-    forecast.levels_m = finest_levels(levels);
-    if (scenes.front().output.radiance_field) check_same_cells(scenes, available, files, forecast.levels_m);
+    cost.levels_m = finest_levels(levels);
+    if (scenes.front().output.radiance_field) check_same_cells(scenes, available, files, cost.levels_m);
   }
-  return forecast;
+  return cost;
 }
 
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {
   CloudFiles files(scenes.size() > 1);
-  return forecast(scenes, available, threads, false, files).memory;
+  return estimate_cost(scenes, available, threads, false, files).memory;
 }
 
 }  // namespace cloudbow

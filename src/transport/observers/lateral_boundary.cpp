@@ -1,11 +1,12 @@
-#include "transport/observers/surroundings.hpp"
+#include "transport/observers/lateral_boundary.hpp"
 
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/rays/march.hpp"
 
 namespace cloudbow {
 
-Surroundings::Surroundings(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options)
+LateralBoundary::LateralBoundary(const Problem& problem, const Discretisation& discretisation,
+                                 const SolverOptions& options)
     : problem_{layers_only(problem.grid), problem.phase, problem.sun, problem.sky_radiance, {}} {
   SolverOptions column = options;
   column.independent_columns = false;
@@ -20,13 +21,13 @@ Surroundings::Surroundings(const Problem& problem, const Discretisation& discret
   set_first_order_beside_peak(problem_, discretisation, system_, *beside_peak_);
 }
 
-std::vector<double> Surroundings::radiance(const Direction& travel) const { return march_in(*source_, travel); }
+std::vector<double> LateralBoundary::radiance(const Direction& travel) const { return march_in(*source_, travel); }
 
-std::vector<double> Surroundings::radiance_beside_peak(const Direction& travel) const {
+std::vector<double> LateralBoundary::radiance_beside_peak(const Direction& travel) const {
   return march_in(*beside_peak_, travel);
 }
 
-std::vector<double> Surroundings::march_in(const DirectionalSource<double>& from, const Direction& travel) const {
+std::vector<double> LateralBoundary::march_in(const DirectionalSource<double>& from, const Direction& travel) const {
   const PathPattern pattern = make_path_pattern(system_.box, travel, .5, .5, true, {0, system_.box.nz()});
   std::vector<double> at_edge(system_.box.nz() + 1, 0.);
   LinearSource<double> source;

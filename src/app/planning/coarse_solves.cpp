@@ -1,4 +1,4 @@
-#include "app/planning/companions.hpp"
+#include "app/planning/coarse_solves.hpp"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 namespace cloudbow {
 namespace {
 
-// A companion's own iteration and its last gather need only be good beside its few directions.
+// A companion's own iteration and its final gather need only be good beside its few directions.
 constexpr double coarse_tolerance = 1e-2;
 constexpr double coarse_energy_tolerance = 1e-3;
 
@@ -72,7 +72,7 @@ SolverOptions streams_of_columns(const SolverOptions& options) {
 
 }  // namespace
 
-SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
+SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
   SolverOptions other = options;
   const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
   other.column_streams = as == SolvedAs::field                   ? streams_of_field(options.column_streams)
@@ -81,7 +81,10 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
   if (as == SolvedAs::column_beside_streams) {
     other.independent_columns = true;
   } else if (as == SolvedAs::column) {
-    set_directions(accuracy == "draft" ? column_directions_of_draft : accuracy == "balanced" ? column_directions_of_balanced : column_directions, other);
+    set_directions(accuracy == "draft"      ? column_directions_of_draft
+                   : accuracy == "balanced" ? column_directions_of_balanced
+                                            : column_directions,
+                   other);
   } else if (as == SolvedAs::field) {
     set_directions(field_directions, other);
     other.gather_directions = std::min(options.gather_directions, 32);
@@ -94,30 +97,31 @@ SolverOptions companion_options(const SolverOptions& options, const std::string&
   return other;
 }
 
-Companions solve_companions(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
+CoarseSolves solve_coarsely(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
                             const ProgressCallback& progress) {
   const SolverOptions& options = plan.whole_options();
-  SolverOptions other = companion_options(options, accuracy, as);
+  SolverOptions other = coarse_options(options, accuracy, as);
   const SolvePlan linear = plan.with(other);
-  Companions companions;
-  companions.linear = solve(linear, progress);
+  CoarseSolves coarse_solves;
+  coarse_solves.linear = solve(linear, progress);
   if (linear.by_polar_streams()) {  // exact in the vertical
-    companions.constant = companions.linear;
-    companions.constant.report = {};  // one solve
-    return companions;
+    coarse_solves.constant = coarse_solves.linear;
+    coarse_solves.constant.report = {};  // one solve
+    return coarse_solves;
   }
   other.linear_source = false;
-  companions.constant = solve(linear.with(other), progress);
+  coarse_solves.constant = solve(linear.with(other), progress);
   if (as == SolvedAs::field) {
     const Problem columns = probe_columns(plan);
     const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
-    companions.probe = {solve(by_ordinates, progress), solve(by_ordinates.with(streams_of_columns(options)), progress)};
+    coarse_solves.probe = {solve(by_ordinates, progress),
+                           solve(by_ordinates.with(streams_of_columns(options)), progress)};
   }
-  return companions;
+  return coarse_solves;
 }
 
-double predict_companion_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as) {
-  const SolvePlan other = plan.with(companion_options(plan.whole_options(), accuracy, as));
+double predict_coarse_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as) {
+  const SolvePlan other = plan.with(coarse_options(plan.whole_options(), accuracy, as));
   if (other.by_polar_streams()) return predict_seconds(other);
   double seconds = 2 * predict_seconds(other);
   if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing

@@ -1,7 +1,7 @@
 // What companions are counted as. Truth: how many solves there are.
 #include <gtest/gtest.h>
 
-#include "app/planning/companions.hpp"
+#include "app/planning/coarse_solves.hpp"
 #include "app/scene/accuracy.hpp"
 #include "cloudbow/transport/solver.hpp"
 #include "transport_test_tools.hpp"
@@ -18,47 +18,47 @@ Problem small_field() {
   return problem;
 }
 
-TEST(Companions, OfColumnsAreOneSolve) {
+TEST(CoarseSolves, OfColumnsAreOneSolve) {
   const Problem problem = small_field();
   SolverOptions options = accuracy_options("balanced", false, false);
   options.independent_columns = true;
-  const Companions companions = solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
-  EXPECT_EQ(companions.constant.upwelling_flux, companions.linear.upwelling_flux);
-  EXPECT_EQ(companions.linear.report.sweeps + companions.constant.report.sweeps, 1);
-  EXPECT_EQ(companions.constant.report.cpu_seconds, 0);
-  EXPECT_FALSE(companions.probe);
-  const SolverOptions other = companion_options(options, "balanced", SolvedAs::field);
+  const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
+  EXPECT_EQ(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
+  EXPECT_EQ(coarse_solves.linear.report.sweeps + coarse_solves.constant.report.sweeps, 1);
+  EXPECT_EQ(coarse_solves.constant.report.cpu_seconds, 0);
+  EXPECT_FALSE(coarse_solves.probe);
+  const SolverOptions other = coarse_options(options, "balanced", SolvedAs::field);
   EXPECT_LT(other.column_streams, options.column_streams);
-  EXPECT_EQ(predict_companion_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field),
+  EXPECT_EQ(predict_coarse_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field),
             predict_seconds(SolvePlan(problem, other)));
 }
 
-TEST(Companions, OfOneColumnByItsStreamsHaveMoreStreams) {
+TEST(CoarseSolves, OfOneColumnByItsStreamsHaveMoreStreams) {
   SolverOptions options = accuracy_options("balanced", true, false);
   options.independent_columns = true;
-  EXPECT_EQ(companion_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams,
+  EXPECT_EQ(coarse_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams,
             2 * options.column_streams);
 }
 
 // By ordinates, as voxels and images are, and as it is.
-TEST(Companions, OfOneColumnBesideStreamsAreItsStreams) {
+TEST(CoarseSolves, OfOneColumnBesideStreamsAreItsStreams) {
   Problem problem;
   problem.grid = make_grid(make_box(1, 1, 5), {40, 40, 40, 40, 40}, .99);
   problem.phase = {PhaseFunction::henyey_greenstein(.8)};
   problem.sun = Sun{travel_along(-.6, 20), 1.};
   SolverOptions options = coarse_options();
   EXPECT_EQ(solved_as(SolvePlan(problem, options), true), SolvedAs::column_beside_streams);
-  const Companions companions =
-      solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::column_beside_streams, {});
+  const CoarseSolves coarse_solves =
+      solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::column_beside_streams, {});
   options.independent_columns = true;
   options.column_streams = 16;
-  EXPECT_NEAR(companions.linear.ledger.reflectance, solve(problem, options).ledger.reflectance, 1e-12);
+  EXPECT_NEAR(coarse_solves.linear.ledger.reflectance, solve(problem, options).ledger.reflectance, 1e-12);
   problem.surface.brdf.emplace();
   options.independent_columns = false;
   EXPECT_EQ(solved_as(SolvePlan(problem, options), true), SolvedAs::column) << "streams know no azimuths";
 }
 
-TEST(Companions, OfAFieldThatDoesNotVaryAreThoseOfAColumn) {
+TEST(CoarseSolves, OfAFieldThatDoesNotVaryAreThoseOfAColumn) {
   Problem problem = small_field();
   SolverOptions options = coarse_options();
   options.collapse_uniform_axes = true;
@@ -71,7 +71,7 @@ TEST(Companions, OfAFieldThatDoesNotVaryAreThoseOfAColumn) {
 }
 
 // Truth: thick cells forget how high the sun stands, and a slab of them has an exact solution.
-TEST(Companions, TellWhatThickCellsCost) {
+TEST(CoarseSolves, TellWhatThickCellsCost) {
   for (const double ssa : {.99, 1.}) {
     Problem problem;
     problem.grid = make_grid(make_box(2, 2, 4), std::vector<float>(16, 50.F), ssa);
@@ -85,25 +85,25 @@ TEST(Companions, TellWhatThickCellsCost) {
     const Solution truth = solve(problem, exact);
     const double error = flux_distance(solution, truth).domain;
     ASSERT_GT(error, .01);
-    const Companions companions = solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
+    const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
     const ErrorEstimate estimate =
-        estimate_error(solution, companions, error_weights("balanced", SolvedAs::field), false);
+        estimate_error(solution, coarse_solves, error_weights("balanced", SolvedAs::field), false);
     // The same columns by the same ordinates, but for their iteration.
     EXPECT_GT(estimate.domain.total(), .98 * error) << ssa;
     EXPECT_NEAR(estimate.probe_distance.domain, error, .02 * error) << ssa;
   }
 }
 
-TEST(Companions, OfFieldsAreTwoAndAProbe) {
+TEST(CoarseSolves, OfFieldsAreTwoAndAProbe) {
   const Problem problem = small_field();
   const SolverOptions options = accuracy_options("balanced", false, false);
-  const Companions companions = solve_companions(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
-  EXPECT_NE(companions.constant.upwelling_flux, companions.linear.upwelling_flux);
-  EXPECT_GE(companions.constant.report.sweeps, 1);
-  const SolverOptions other = companion_options(options, "balanced", SolvedAs::field);
-  ASSERT_TRUE(companions.probe);
-  EXPECT_EQ(companions.probe->by_ordinates.box.columns(), 8U);
-  const double seconds = predict_companion_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field);
+  const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
+  EXPECT_NE(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
+  EXPECT_GE(coarse_solves.constant.report.sweeps, 1);
+  const SolverOptions other = coarse_options(options, "balanced", SolvedAs::field);
+  ASSERT_TRUE(coarse_solves.probe);
+  EXPECT_EQ(coarse_solves.probe->by_ordinates.box.columns(), 8U);
+  const double seconds = predict_coarse_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field);
   EXPECT_GT(seconds, 2 * predict_seconds(SolvePlan(problem, other)));
   EXPECT_LT(seconds, 2 * predict_seconds(SolvePlan(problem, other)) + predict_seconds(SolvePlan(problem, options)))
       << "of 8 columns of 12";

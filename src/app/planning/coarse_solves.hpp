@@ -12,13 +12,13 @@ namespace cloudbow {
 /// Other directions, fewer of everything (more for a single column at the coarser levels); fluxes at the highest and
 /// the lowest level alone.
 /// @param accuracy the level that `options` are of.
-SolverOptions companion_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
+SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
 /// Both companions of the solution of a plan.
-Companions solve_companions(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
+CoarseSolves solve_coarsely(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
                             const ProgressCallback& progress);
 
 /// Wall seconds of them, as predict_seconds().
-double predict_companion_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as);
+double predict_coarse_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as);
 
 }  // namespace cloudbow

@@ -15,12 +15,12 @@
 namespace cloudbow {
 
 template <class Real>
-class FoldedScattering {
+class OctantScattering {
  public:
   /// @param matrix [p] D x D; @param moment_weights low_moments x D; @param correction_shape D x low_moments: as for
   /// scatter_in_place and moments_of.
   /// @returns nothing where the set or a matrix lacks the symmetry.
-  static std::optional<FoldedScattering> make(const OrdinateSet& ordinates, std::span<const DenseMatrix<Real>> matrix,
+  static std::optional<OctantScattering> make(const OrdinateSet& ordinates, std::span<const DenseMatrix<Real>> matrix,
                                               const DenseMatrix<Real>& moment_weights,
                                               const DenseMatrix<Real>& correction_shape);
 
@@ -39,8 +39,8 @@ class FoldedScattering {
   };
 
   void add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n, Real scale,
-                   Real* folded) const;
-  void fold(const AngularField<Real>& field, std::size_t first, Real* folded) const;
+                   Real* octant_scattering) const;
+  void fold(const AngularField<Real>& field, std::size_t first, Real* octant_scattering) const;
 
   int octant_size_ = 0;
   std::vector<int> ordinate_;                                   // [octant][octant size] index of the ordinate

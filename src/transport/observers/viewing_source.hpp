@@ -7,7 +7,7 @@
 
 #include "cloudbow/optics/beam_phase.hpp"
 #include "transport/iteration/source_iteration.hpp"
-#include "transport/observers/surroundings.hpp"
+#include "transport/observers/lateral_boundary.hpp"
 #include "transport/system/transport_system.hpp"
 
 namespace cloudbow {
@@ -15,7 +15,7 @@ namespace cloudbow {
 /// The direct beam as it is seen: how much one phase function scatters, and through how much of its peak the light
 /// went.
 template <class Real>
-struct SeenBeam {
+struct ViewingBeam {
   BeamPhase phase;
   std::vector<Real> intensity;  ///< [n] as SingleScattering's
   std::vector<float> place;     ///< [n] BeamPhase::place of the peak's optical depth
@@ -23,8 +23,8 @@ struct SeenBeam {
 
 /// Of a problem without sun: empty.
 template <class Real>
-std::vector<SeenBeam<Real>> seen_beams(const Problem& problem, const Discretisation& discretisation,
-                                       const SolverOptions& options, const TransportSystem<Real>& system);
+std::vector<ViewingBeam<Real>> viewing_beams(const Problem& problem, const Discretisation& discretisation,
+                                             const SolverOptions& options, const TransportSystem<Real>& system);
 
 /// Orders of scattering >= 2: one row for each direction of travel.
 ///
@@ -37,10 +37,10 @@ std::vector<SeenBeam<Real>> seen_beams(const Problem& problem, const Discretisat
 template <class Real>
 AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisation& discretisation,
                                       const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                      const Surroundings* surroundings, std::span<const Direction> travel);
+                                      const LateralBoundary* lateral_boundary, std::span<const Direction> travel);
 
 /// Adds the first order of scattering into one direction.
 template <class Real>
-void add_first_order(const SeenBeam<Real>& beam, double cos_angle, std::span<Real> source);
+void add_first_order(const ViewingBeam<Real>& beam, double cos_angle, std::span<Real> source);
 
 }  // namespace cloudbow

@@ -1,4 +1,4 @@
-#include "transport/observers/seen_source.hpp"
+#include "transport/observers/viewing_source.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@
 namespace cloudbow {
 
 template <class Real>
-std::vector<SeenBeam<Real>> seen_beams(const Problem& problem, const Discretisation& discretisation,
-                                       const SolverOptions& options, const TransportSystem<Real>& system) {
-  std::vector<SeenBeam<Real>> beams;
+std::vector<ViewingBeam<Real>> viewing_beams(const Problem& problem, const Discretisation& discretisation,
+                                             const SolverOptions& options, const TransportSystem<Real>& system) {
+  std::vector<ViewingBeam<Real>> beams;
   if (!problem.sun) return beams;
   // What the iteration's beam has beyond unscattered light went through the peak.
   const DirectBeam<Real> unscattered =
@@ -70,7 +70,7 @@ Direction off_the_horizon(const Direction& travel) {
 template <class Real>
 AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisation& discretisation,
                                       const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                      const Surroundings* surroundings, std::span<const Direction> travel) {
+                                      const LateralBoundary* lateral_boundary, std::span<const Direction> travel) {
   const OrdinateSet& ordinates = discretisation.ordinates;
   const Cells<Real>& cells = *system.cells;
   const std::size_t phases = problem.phase.size();
@@ -104,7 +104,8 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
           const Real phase = static_cast<Real>(beam.phase(travel[i].dot(problem.sun->travel)));
           for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += phase * beam.intensity[c];
         }
-        const auto along = march.mean_radiance(problem, system, ground, surroundings, off_the_horizon(travel[i]), sent);
+        const auto along =
+            march.mean_radiance(problem, system, ground, lateral_boundary, off_the_horizon(travel[i]), sent);
         std::copy(along.begin(), along.end(), row);
       });
     }
@@ -130,7 +131,7 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
 }
 
 template <class Real>
-void add_first_order(const SeenBeam<Real>& beam, double cos_angle, std::span<Real> source) {
+void add_first_order(const ViewingBeam<Real>& beam, double cos_angle, std::span<Real> source) {
   const std::vector<double> value = beam.phase.at(cos_angle);
   for (std::size_t c = 0; c < source.size(); ++c) {
     const int node = std::min(static_cast<int>(beam.place[c]), BeamPhase::nodes - 2);
@@ -139,13 +140,13 @@ void add_first_order(const SeenBeam<Real>& beam, double cos_angle, std::span<Rea
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
-  template std::vector<SeenBeam<Real>> seen_beams<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
-                                                        const TransportSystem<Real>&);                               \
-  template AngularField<Real> higher_orders_seen<Real>(const Problem&, const Discretisation&,                        \
-                                                       const TransportSystem<Real>&, const IterationResult<Real>&,   \
-                                                       const Surroundings*, std::span<const Direction>);             \
-  template void add_first_order<Real>(const SeenBeam<Real>&, double, std::span<Real>)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                 \
+  template std::vector<ViewingBeam<Real>> viewing_beams<Real>(const Problem&, const Discretisation&,               \
+                                                              const SolverOptions&, const TransportSystem<Real>&); \
+  template AngularField<Real> higher_orders_seen<Real>(const Problem&, const Discretisation&,                      \
+                                                       const TransportSystem<Real>&, const IterationResult<Real>&, \
+                                                       const LateralBoundary*, std::span<const Direction>);        \
+  template void add_first_order<Real>(const ViewingBeam<Real>&, double, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

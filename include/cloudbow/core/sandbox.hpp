@@ -8,7 +8,7 @@
 
 namespace cloudbow {
 
-struct RehearsalOptions {
+struct SandboxOptions {
   std::string library{};           ///< that reads the file, as messages name it
   std::uint64_t memory_bytes = 0;  ///< beyond what the process has; 0: half of what is available
   std::uint64_t wall_seconds = 0;  ///< 0: a minute, and a second for each megabyte of the file
@@ -20,15 +20,16 @@ struct RehearsalOptions {
 /// @throws InputError with the message of what `read` throws there, so that it never begins in this process (libraries
 /// leak what they have half read), and if the child crashes, is killed, runs out of memory or out of time. Limits that
 /// the process has itself are kept; if they leave little memory, the message says so.
-void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read);
+void read_in_sandbox(const std::filesystem::path& path, const SandboxOptions& options,
+                     const std::function<void()>& read);
 
 /// Bytes that `ulimit -v` and `ulimit -d` leave beyond what this process has; the largest number if there is no limit.
 std::uint64_t memory_left_by_limits();
 
 /// What `read` returns in this process, after it went well in a child.
 template <class Read>
-auto after_rehearsal(const std::filesystem::path& path, const RehearsalOptions& options, const Read& read) {
-  rehearse(path, options, [&read] { static_cast<void>(read()); });
+auto after_sandbox(const std::filesystem::path& path, const SandboxOptions& options, const Read& read) {
+  read_in_sandbox(path, options, [&read] { static_cast<void>(read()); });
   return read();
 }
 

@@ -28,7 +28,7 @@ struct PlannedScene {
 PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
                         const std::vector<double>& levels_m, int threads);
 
-struct Forecast {
+struct CostEstimate {
   std::size_t memory = 0;            ///< bytes, of the most demanding wavelength, with the results of all
   double seconds = 0;                ///< of all wavelengths, on this machine
   std::vector<double> levels_m;      ///< that serve all wavelengths; empty: there is one scene only
@@ -37,8 +37,8 @@ struct Forecast {
 
 /// Looks at every wavelength, so that none fails after others were solved.
 /// @param compare whether the same is solved as independent columns too
-Forecast forecast(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
-                  CloudFiles& files);
+CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
+                           CloudFiles& files);
 
 /// The same columns, each by itself, and their fluxes alone.
 /// Peak memory [bytes] of run() for the wavelengths of a scene.

@@ -15,46 +15,46 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 
 namespace {
 
 using cloudbow::InputError;
-using cloudbow::rehearse;
+using cloudbow::read_in_sandbox;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
 const std::filesystem::path file = CLOUDBOW_SOURCE_DIR "/README.md";
 
-std::string message_of(const std::function<void()>& read, const cloudbow::RehearsalOptions& limits = {}) {
-  cloudbow::RehearsalOptions options = limits;
+std::string message_of(const std::function<void()>& read, const cloudbow::SandboxOptions& limits = {}) {
+  cloudbow::SandboxOptions options = limits;
   options.library = "Papyrus";
   try {
-    rehearse(file, options, read);
+    read_in_sandbox(file, options, read);
   } catch (const InputError& error) {
     return error.what();
   }
   return "nothing thrown";
 }
 
-TEST(Rehearsal, PassesWhatGoesWell) {
+TEST(Sandbox, PassesWhatGoesWell) {
   EXPECT_EQ(message_of([] {}), "nothing thrown");
 }
 
-TEST(Rehearsal, ChangesNothingInThisProcess) {
+TEST(Sandbox, ChangesNothingInThisProcess) {
   int reads = 0;
-  rehearse(file, {}, [&] { ++reads; });
+  read_in_sandbox(file, {}, [&] { ++reads; });
   EXPECT_EQ(reads, 0);
-  EXPECT_EQ(cloudbow::after_rehearsal(file, {}, [&] { return ++reads; }), 1);
+  EXPECT_EQ(cloudbow::after_sandbox(file, {}, [&] { return ++reads; }), 1);
 }
 
-TEST(Rehearsal, HandsOnTheMessageOfAnError) {
+TEST(Sandbox, HandsOnTheMessageOfAnError) {
   const std::string said(5000, 'x');  // more than one read of a pipe's buffer takes
   EXPECT_EQ(message_of([&] { throw InputError(said); }), said);
 }
 
-TEST(Rehearsal, TellsACrash) {
+TEST(Sandbox, TellsACrash) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS}) {
     EXPECT_THAT(message_of([=] {
                   ::signal(signal, SIG_DFL);
@@ -64,11 +64,11 @@ TEST(Rehearsal, TellsACrash) {
   }
 }
 
-TEST(Rehearsal, TellsAnExit) {
+TEST(Sandbox, TellsAnExit) {
   EXPECT_THAT(message_of([] { _exit(1); }), HasSubstr("Papyrus gives up on it"));
 }
 
-TEST(Rehearsal, EndsAnEndlessComputation) {
+TEST(Sandbox, EndsAnEndlessComputation) {
   EXPECT_THAT(message_of(
                   [] {
                     for (volatile bool ends = false; !ends;) {
@@ -78,11 +78,11 @@ TEST(Rehearsal, EndsAnEndlessComputation) {
               HasSubstr("Papyrus computes more than 1 s on it"));
 }
 
-TEST(Rehearsal, EndsAnEndlessWait) {
+TEST(Sandbox, EndsAnEndlessWait) {
   EXPECT_THAT(message_of([] { pause(); }, {.wall_seconds = 1}), HasSubstr("Papyrus needs more than 1 s for it"));
 }
 
-TEST(Rehearsal, RefusesMemoryBeyondTheLimit) {
+TEST(Sandbox, RefusesMemoryBeyondTheLimit) {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   if (pages > 200'000'000) GTEST_SKIP() << "a sanitizer has reserved terabytes of addresses";
@@ -97,12 +97,12 @@ TEST(Rehearsal, RefusesMemoryBeyondTheLimit) {
               HasSubstr("Papyrus needs more than 100 MB for it"));
 }
 
-TEST(Rehearsal, TellsAKilledProcess) {
+TEST(Sandbox, TellsAKilledProcess) {
   // As the system kills when memory runs out, at once: no time has been spent.
   EXPECT_THAT(message_of([] { raise(SIGKILL); }), AllOf(HasSubstr("was killed"), Not(HasSubstr("damaged"))));
 }
 
-TEST(Rehearsal, EndsAnEndlessComputationThoughTheHostIgnoresItsSignal) {
+TEST(Sandbox, EndsAnEndlessComputationThoughTheHostIgnoresItsSignal) {
   const auto before = signal(SIGXCPU, SIG_IGN);
   const std::string message = message_of(
       [] {
@@ -114,7 +114,7 @@ TEST(Rehearsal, EndsAnEndlessComputationThoughTheHostIgnoresItsSignal) {
   EXPECT_THAT(message, HasSubstr("Papyrus computes more than 1 s on it"));
 }
 
-TEST(Rehearsal, HandsOnAMessageThoughStandardStreamsAreClosed) {
+TEST(Sandbox, HandsOnAMessageThoughStandardStreamsAreClosed) {
   // A process of its own, because the test's streams stay open.
   const pid_t child = fork();
   if (child == 0) {
@@ -143,7 +143,7 @@ void expect_within_limit(rlim_t bytes, const std::function<bool()>& check) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-TEST(Rehearsal, TellsTheHostsLimitOfMemoryFromADamagedFile) {
+TEST(Sandbox, TellsTheHostsLimitOfMemoryFromADamagedFile) {
   expect_within_limit(100'000'000, [] {
     const std::string message = message_of([] { throw std::bad_alloc(); });
     return message.find("ulimit -v") != std::string::npos && message.find("damaged") == std::string::npos;
@@ -154,7 +154,7 @@ TEST(Rehearsal, TellsTheHostsLimitOfMemoryFromADamagedFile) {
   });
 }
 
-TEST(Rehearsal, RaisesNoLimitOfTheHost) {
+TEST(Sandbox, RaisesNoLimitOfTheHost) {
   expect_within_limit(100'000'000, [] {
     rlimit before{};
     getrlimit(RLIMIT_AS, &before);
@@ -166,7 +166,7 @@ TEST(Rehearsal, RaisesNoLimitOfTheHost) {
   });
 }
 
-TEST(Rehearsal, AGenerousLimitOfTheHostChangesNoMessage) {
+TEST(Sandbox, AGenerousLimitOfTheHostChangesNoMessage) {
   expect_within_limit(2'000'000'000, [] {
     return message_of([] { throw InputError("said"); }, {.memory_bytes = 1'000'000'000}) == "said";
   });

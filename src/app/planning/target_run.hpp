@@ -9,7 +9,7 @@
 
 namespace cloudbow {
 
-struct GoalRun {
+struct TargetRun {
   std::vector<Scene> scenes;  ///< at the level chosen
   Solved solved;
   RunPlan plan;
@@ -17,6 +17,6 @@ struct GoalRun {
 
 /// Says on stderr what is chosen and why.
 /// @throws InputError where no level serves, with what would be possible; Interrupted.
-GoalRun reach_goal(const RunOptions& options, std::uint64_t available, CloudFiles& files);
+TargetRun reach_target(const RunOptions& options, std::uint64_t available, CloudFiles& files);
 
 }  // namespace cloudbow

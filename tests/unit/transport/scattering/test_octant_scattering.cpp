@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "transport/scattering/folded_scattering.hpp"
 #include "transport/scattering/low_moments.hpp"
+#include "transport/scattering/octant_scattering.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
@@ -68,9 +68,9 @@ TYPED_TEST(FoldedScatteringOf, IsTheFullProduct) {
   for (const char* name : {"double-gauss-4x8", "double-gauss-6x8", "double-gauss-8x16", "reduced-double-gauss-12x20"}) {
     SCOPED_TRACE(name);
     const Scene<TypeParam> scene(name);
-    const auto folded =
-        FoldedScattering<TypeParam>::make(scene.ordinates, scene.matrix, scene.low.weights, scene.low.shape);
-    ASSERT_TRUE(folded);
+    const auto octant_scattering =
+        OctantScattering<TypeParam>::make(scene.ordinates, scene.matrix, scene.low.weights, scene.low.shape);
+    ASSERT_TRUE(octant_scattering);
     for (const ScatteringTerms<TypeParam>& terms :
          {ScatteringTerms<TypeParam>{}, ScatteringTerms<TypeParam>{scene.beam, scene.correction, scene.emission},
           ScatteringTerms<TypeParam>{scene.beam, scene.correction, {}, true},
@@ -78,7 +78,7 @@ TYPED_TEST(FoldedScatteringOf, IsTheFullProduct) {
       AngularField<TypeParam> full = scene.field;
       scatter_in_place<TypeParam>(full, scene.matrix, scene.medium, terms, scene.low.shape);
       AngularField<TypeParam> quick = scene.field;
-      folded->scatter_in_place(quick, scene.medium, terms);
+      octant_scattering->scatter_in_place(quick, scene.medium, terms);
       for (int d = 0; d < full.rows; ++d) {
         for (std::size_t c = 0; c < cells; ++c)
           ASSERT_NEAR(static_cast<double>(quick.row(d)[c]), static_cast<double>(full.row(d)[c]), tolerance);
@@ -86,18 +86,19 @@ TYPED_TEST(FoldedScatteringOf, IsTheFullProduct) {
     }
     std::vector<TypeParam> full(low_moments * cells), quick(low_moments * cells, TypeParam(99));
     moments_of<TypeParam>(scene.field, scene.low.weights, full);
-    folded->moments_of(scene.field, quick);
+    octant_scattering->moments_of(scene.field, quick);
     for (std::size_t i = 0; i < full.size(); ++i)
       ASSERT_NEAR(static_cast<double>(quick[i]), static_cast<double>(full[i]), 10 * tolerance);
   }
 }
 
-TEST(FoldedScattering, IsNotMadeWithoutTheSymmetry) {
-  const Scene<double> turned("control-points-42");
-  EXPECT_FALSE(FoldedScattering<double>::make(turned.ordinates, turned.matrix, turned.low.weights, turned.low.shape));
+TEST(OctantScattering, IsNotMadeWithoutTheSymmetry) {
+  const Scene<double> transposed("control-points-42");
+  EXPECT_FALSE(OctantScattering<double>::make(transposed.ordinates, transposed.matrix, transposed.low.weights,
+                                              transposed.low.shape));
   Scene<double> uneven("double-gauss-4x8");
   uneven.matrix[0](3, 5) *= 1.1;
-  EXPECT_FALSE(FoldedScattering<double>::make(uneven.ordinates, uneven.matrix, uneven.low.weights, uneven.low.shape));
+  EXPECT_FALSE(OctantScattering<double>::make(uneven.ordinates, uneven.matrix, uneven.low.weights, uneven.low.shape));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "cloudbow/core/rehearsal.hpp"
+#include "cloudbow/core/sandbox.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -59,7 +59,7 @@ rlim_t room_below(auto resource, rlim_t in_use) {
 }
 
 /// Parsing takes less than 0.1 s and 0.1 s for each megabyte; a disk of the network gives at least a megabyte a second.
-Limits limits_for(const std::filesystem::path& path, const RehearsalOptions& options) {
+Limits limits_for(const std::filesystem::path& path, const SandboxOptions& options) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
@@ -218,7 +218,8 @@ std::uint64_t memory_left_by_limits() {
   return std::min(room_below(RLIMIT_AS, in_use.addresses), room_below(RLIMIT_DATA, in_use.data));
 }
 
-void rehearse(const std::filesystem::path& path, const RehearsalOptions& options, const std::function<void()>& read) {
+void read_in_sandbox(const std::filesystem::path& path, const SandboxOptions& options,
+                     const std::function<void()>& read) {
   const Limits limits = limits_for(path, options);
   const std::array<int, 2> answer = open_pipe();
   const pid_t child = fork();

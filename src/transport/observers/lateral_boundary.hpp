@@ -8,9 +8,9 @@
 
 namespace cloudbow {
 
-class Surroundings {
+class LateralBoundary {
  public:
-  Surroundings(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options);
+  LateralBoundary(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options);
 
   /// Diffuse radiance along a direction at each interface, by height.
   std::vector<double> radiance(const Direction& travel) const;
