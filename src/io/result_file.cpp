@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/transport/output_fields.hpp"
 #include "io/netcdf4_file.hpp"
 
 namespace cloudbow {
@@ -24,27 +25,13 @@ using netcdf4::Attribute;
 using Attributes = std::vector<Attribute>;
 using Dimensions = std::vector<std::string>;
 
-/// Names as in the CF standard name table (version 83), or none where the table has no name for exactly this quantity.
-struct FluxName {
-  const char* name;
-  const char* long_name;
-  const char* standard_name;
-};
-constexpr FluxName upwelling_name{"upwelling_flux", "upwelling diffuse flux through a horizontal surface",
-                                  "upwelling_shortwave_flux_in_air"};
-constexpr FluxName downwelling_diffuse_name{
-    "downwelling_diffuse_flux", "downwelling diffuse flux through a horizontal surface, without the direct beam",
-    "diffuse_downwelling_shortwave_flux_in_air"};
-constexpr FluxName direct_name{"direct_flux", "unscattered sunlight through a horizontal surface (true extinction)",
-                               "direct_downwelling_shortwave_flux_in_air"};
-
 constexpr const char* without_sun_disc = "the sun's disc is left out";
 
-Attributes flux_attributes(const FluxName& flux) {
-  return {{"units", "W m-2"},
-          {"long_name", flux.long_name},
-          {"standard_name", flux.standard_name},
-          {"cell_methods", "area: mean"}};
+Attributes attributes_of(const OutputField& field) {
+  Attributes attributes = {{"units", field.units}, {"long_name", field.long_name}};
+  if (field.standard_name != nullptr) attributes.push_back({"standard_name", field.standard_name});
+  attributes.push_back({"cell_methods", field.grid == OutputField::Grid::levels ? "area: mean" : "area: mean z: mean"});
+  return attributes;
 }
 
 Attributes horizontal_attributes(const char* long_name, const char* axis, double spacing) {
@@ -199,34 +186,15 @@ class ResultWriter {
     netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
     write_z_edge(file);
 
-    const Dimensions flux_dimensions = {flux_level_name(), "y", "x"};
     if (flux_level_name() == "z_flux") {
       netcdf4::write_coordinate(file, "z_flux", flux_heights(first_), vertical_attributes("height of the fluxes"));
     }
-    write_variable(
-        file, upwelling_name.name, flux_dimensions, [](const Solution& s) -> auto& { return s.upwelling_flux; },
-        flux_attributes(upwelling_name));
-    write_variable(
-        file, downwelling_diffuse_name.name, flux_dimensions,
-        [](const Solution& s) -> auto& { return s.downwelling_diffuse_flux; },
-        flux_attributes(downwelling_diffuse_name));
-    write_variable(
-        file, direct_name.name, flux_dimensions, [](const Solution& s) -> auto& { return s.direct_flux; },
-        flux_attributes(direct_name));
-
-    const Dimensions cell_dimensions = {"z", "y", "x"};
-    if (!first_.absorbed_power.empty()) {
-      write_variable(file, "absorbed_power", cell_dimensions,
-                     [](const Solution& s) -> auto& { return s.absorbed_power; },
-                     {{"units", "W m-3"},
-                      {"long_name", "solar power absorbed per volume"},
-                      {"cell_methods", "area: mean z: mean"}});
-    }
-    if (!first_.actinic_flux.empty()) {
-      write_variable(file, "actinic_flux", cell_dimensions, [](const Solution& s) -> auto& { return s.actinic_flux; },
-                     {{"units", "W m-2"},
-                      {"long_name", "actinic flux: 4 pi times the mean radiance, direct beam included"},
-                      {"cell_methods", "area: mean z: mean"}});
+    for (const OutputField& field : output_fields()) {
+      const bool at_levels = field.grid == OutputField::Grid::levels;
+      if (!at_levels && (first_.*field.values).empty()) continue;
+      write_variable(
+          file, field.name, {at_levels ? flux_level_name() : "z", "y", "x"},
+          [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field));
     }
   }
 
@@ -236,22 +204,20 @@ class ResultWriter {
 
   /// Both solutions have the levels that write_fields() wrote.
   void write_comparison(hid_t file) const {
-    const auto write_difference = [&](const FluxName& flux, std::vector<float> Solution::*field) {
-      write_variable(file, fmt::format("difference_{}", flux.name), {flux_level_name(), "y", "x"},
-                     [this, field](const Solution& s) {
-                       std::vector<float> difference = s.*field;
-                       const std::vector<float>& columns = by_columns_[static_cast<std::size_t>(&s - &first_)].*field;
-                       std::transform(difference.begin(), difference.end(), columns.begin(), difference.begin(),
-                                      std::minus<>());
+    for (const OutputField& field : output_fields()) {
+      if (field.grid != OutputField::Grid::levels) continue;
+      write_variable(file, fmt::format("difference_{}", field.name), {flux_level_name(), "y", "x"},
+                     [this, &field](const Solution& s) {
+                       std::vector<float> difference = s.*field.values;
+                       const Solution& columns = by_columns_[static_cast<std::size_t>(&s - &first_)];
+                       std::transform(difference.begin(), difference.end(), (columns.*field.values).begin(),
+                                      difference.begin(), std::minus<>());
                        return difference;
                      },
-                     {{"units", "W m-2"},
-                      {"long_name", fmt::format("{}: this solution minus independent columns", flux.long_name)},
+                     {{"units", field.units},
+                      {"long_name", fmt::format("{}: this solution minus independent columns", field.long_name)},
                       {"cell_methods", "area: mean"}});
-    };
-    write_difference(upwelling_name, &Solution::upwelling_flux);
-    write_difference(downwelling_diffuse_name, &Solution::downwelling_diffuse_flux);
-    write_difference(direct_name, &Solution::direct_flux);
+    }
 
     hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
     const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
@@ -425,16 +391,12 @@ class ResultWriter {
     hdf5::Handle group = netcdf4::create_group(file, "profile");
     write_wavelength(group);
     write_z_edge(group);
-    write_variable(
-        group, upwelling_name.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_upwelling_flux; },
-        flux_attributes(upwelling_name));
-    write_variable(
-        group, downwelling_diffuse_name.name, {"z_edge"},
-        [](const Solution& s) -> auto& { return s.profile_downwelling_diffuse_flux; },
-        flux_attributes(downwelling_diffuse_name));
-    write_variable(
-        group, direct_name.name, {"z_edge"}, [](const Solution& s) -> auto& { return s.profile_direct_flux; },
-        flux_attributes(direct_name));
+    for (const OutputField& field : output_fields()) {
+      if (field.profile == nullptr) continue;
+      write_variable(
+          group, field.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
+          attributes_of(field));
+    }
     group.close();
   }
 

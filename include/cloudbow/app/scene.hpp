@@ -81,22 +81,19 @@ struct SceneSolver {
   std::optional<int> gather_directions;
   std::optional<int> beam_rays;
   std::optional<int> column_streams;
-  std::optional<double> largest_level_depth;
+  std::optional<double> max_level_optical_depth;
   std::optional<double> tolerance;
   std::optional<double> class_tolerance;
   int max_sweeps = 200;
   bool half_precision_radiance = false;
 };
 
-struct SceneOutput {
-  std::filesystem::path file;  ///< empty: the scene's name in the working directory
-  FluxLevels flux_levels = FluxLevels::all;
-  std::vector<double> heights_m;  ///< ascending, where flux_levels is listed
-  bool absorption = true;
-  bool actinic = false;
-  bool radiance_field = false;
-  bool error_estimate = true;  ///< solve companions that tell how far off the fluxes are
-  bool errors = false;         ///< of single columns too
+/// Without views and cameras, which are Scene::radiances and Scene::cameras, and without indices of levels.
+struct SceneOutput : OutputOptions {
+  std::filesystem::path file;     ///< empty: the scene's name in the working directory
+  std::vector<double> heights_m;  ///< ascending, if flux_levels is listed
+  bool error_estimate = true;     ///< coarse solves estimate the errors of the fluxes
+  bool errors = false;            ///< of single columns too
 };
 
 struct Scene {

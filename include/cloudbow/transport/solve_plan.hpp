@@ -3,27 +3,12 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "cloudbow/transport/options.hpp"
 #include "cloudbow/transport/problem.hpp"
+#include "cloudbow/transport/reductions.hpp"
 
 namespace cloudbow {
-
-/// Horizontal axes along which nothing varies, of more than one cell.
-struct UniformAxes {
-  bool x = false;
-  bool y = false;
-  bool any() const { return x || y; }
-};
-
-/// The levels of a box, some of them in parts.
-struct SubdividedLevels {
-  std::vector<double> z_edge_m;  ///< of the parts, ascending
-  std::vector<int> level;        ///< [parts] the level that each is of
-
-  int added(const BoxGrid& box) const { return static_cast<int>(level.size()) - box.nz(); }
-};
 
 /// Whether columns are solved by polar streams, without azimuths and without iteration: independent columns over a
 /// Lambertian ground, if no radiance is asked for.

@@ -162,7 +162,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.fit.cache_directory = cache_directory();
   options.gather_directions = solver.gather_directions.value_or(options.gather_directions);
   options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
-  options.largest_level_depth = solver.largest_level_depth.value_or(options.largest_level_depth);
+  options.max_level_optical_depth = solver.max_level_optical_depth.value_or(options.max_level_optical_depth);
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
   options.half_precision_radiance = solver.half_precision_radiance;
@@ -171,10 +171,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   if (options.beam_crosses_columns) check_asks_no_azimuths(scene);
   options.independent_columns = solver.mode == SolveMode::independent_columns || options.beam_crosses_columns;
   options.collapse_uniform_axes = solver.mode != SolveMode::three_dimensional;
-  options.flux_levels = scene.output.flux_levels;
-  options.absorption = scene.output.absorption;
-  options.actinic = scene.output.actinic;
-  options.radiance_field = scene.output.radiance_field;
+  static_cast<OutputOptions&>(options) = scene.output;
   for (const SceneRadiance& radiance : scene.radiances) {
     const Direction to_sensor = -travel_from(radiance.zenith_deg, radiance.azimuth_deg);
     options.views.push_back({radiance.name, to_sensor, radiance.width, radiance.height});

@@ -28,7 +28,7 @@ namespace {
 
 constexpr int most_delta_m_order = 64;
 constexpr std::array<const char*, 6> types = {"isotropic", "rayleigh", "henyey-greenstein", "double-henyey-greenstein",
-                                               "legendre",  "table"};
+                                              "legendre",  "table"};
 
 struct Options {
   std::string type;

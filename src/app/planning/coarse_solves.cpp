@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cloudbow/transport/output_fields.hpp"
 #include "cloudbow/transport/probe_columns.hpp"
 #include "cloudbow/transport/solver.hpp"
 
@@ -44,18 +45,12 @@ void set_directions(const Directions& directions, SolverOptions& options) {
   options.fit.minimax = true;
 }
 
-void ask_for_fluxes_alone(SolverOptions& options) {
-  options.absorption = options.actinic = options.radiance_field = false;
-  options.views.clear();
-  options.cameras.clear();
-}
-
 // Each column for itself, with the directions of the solve.
 SolverOptions ordinates_of_columns(const SolverOptions& options) {
   SolverOptions columns = options;
   ask_for_fluxes_alone(columns);
   // The probe's levels are cut already, so that listed ones have other indices there.
-  columns.largest_level_depth = 0;
+  columns.max_level_optical_depth = 0;
   if (columns.flux_levels == FluxLevels::listed) columns.flux_levels = FluxLevels::all;
   columns.collapse_uniform_axes = false;
   columns.independent_columns = true;

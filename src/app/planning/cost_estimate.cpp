@@ -7,6 +7,7 @@
 #include "app/planning/coarse_solves.hpp"
 #include "app/planning/machine_speed.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/transport/output_fields.hpp"
 #include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
@@ -17,7 +18,7 @@ std::size_t solution_bytes(const AssembledScene& scene) {
   const BoxGrid& box = scene.problem.grid.box;
   const SolverOptions& options = scene.options;
   const std::size_t levels = flux_levels(box, options).size();
-  const std::size_t of_cells = (options.absorption ? 1 : 0) + (options.actinic ? 1 : 0);
+  const auto of_cells = static_cast<std::size_t>(cell_field_count(options));
   std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
   for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);
   for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
@@ -67,9 +68,7 @@ PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles&
 SolverOptions by_columns(SolverOptions options) {
   options.independent_columns = true;
   options.beam_crosses_columns = false;
-  options.absorption = options.actinic = options.radiance_field = false;
-  options.views.clear();
-  options.cameras.clear();
+  ask_for_fluxes_alone(options);
   return options;
 }
 

@@ -19,7 +19,7 @@ struct Level {
   int gather_directions;
   int beam_rays;
   int column_streams;
-  double largest_level_depth;
+  double max_level_optical_depth;
   double tolerance;
   double class_tolerance;
 };
@@ -72,7 +72,7 @@ SolverOptions accuracy_options(const std::string& name, bool one_column, bool me
   options.gather_directions = level.gather_directions;
   options.beam_rays = level.beam_rays;
   options.column_streams = level.column_streams;
-  options.largest_level_depth = level.largest_level_depth;
+  options.max_level_optical_depth = level.max_level_optical_depth;
   options.tolerance = level.tolerance;
   options.double_precision = one_column;
   return options;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -8,6 +9,7 @@
 #include "app/scene/scene_reader.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
+#include "cloudbow/transport/output_fields.hpp"
 
 namespace cloudbow {
 namespace {
@@ -29,6 +31,45 @@ std::string SceneReader::read_image_name(const ConfigReader& reader) const {
   }
   return name;
 }
+
+namespace {
+
+void read_field(const ConfigReader& reader, const std::string& name, SceneOutput& output) {
+  if (name == "radiance_field") {
+    output.radiance_field = true;
+    return;
+  }
+  if (name == "errors") {
+    output.errors = true;
+    return;
+  }
+  bool found = false;
+  std::vector<std::string> allowed;
+  for (const OutputField& field : output_fields()) {
+    if (std::find(allowed.begin(), allowed.end(), field.key) == allowed.end()) allowed.emplace_back(field.key);
+    if (name != field.key) continue;
+    found = true;
+    if (field.asked != nullptr) output.*field.asked = true;
+  }
+  if (found) return;
+  allowed.insert(allowed.end(), {"radiance_field", "errors"});
+  reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", name),
+              fmt::format("{}", fmt::join(allowed, ", ")));
+}
+
+/// `largest_level_depth` is an earlier name of the key.
+std::optional<double> read_max_level_optical_depth(const ConfigReader& reader) {
+  const NumberRange range{">= 0", 0, 1e9};
+  const auto depth = reader.find_number("max_level_optical_depth", range);
+  const auto earlier = reader.find_number("largest_level_depth", range);
+  if (depth && earlier) {
+    reader.fail("largest_level_depth", "an earlier name of max_level_optical_depth, which is given too",
+                fmt::format("{}", *earlier), "one of the two");
+  }
+  return depth ? depth : earlier;
+}
+
+}  // namespace
 
 void SceneReader::read_radiance(const ConfigReader& reader) {
   reader.check_keys({"name", "zenith_deg", "azimuth_deg", "bearing_deg", "width", "height"});
@@ -96,8 +137,8 @@ void SceneReader::read_camera(const ConfigReader& reader) {
 
 void SceneReader::read_solver(const ConfigReader& reader) {
   reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
-                     "beam_rays", "column_streams", "largest_level_depth", "tolerance", "class_tolerance", "max_sweeps",
-                     "radiance_storage"});
+                     "beam_rays", "column_streams", "largest_level_depth", "max_level_optical_depth", "tolerance",
+                     "class_tolerance", "max_sweeps", "radiance_storage"});
   SceneSolver& solver = scene_.solver;
   const std::string mode =
       reader.find_choice("mode", {"auto", "3d", "independent-columns", "independent-diffuse"}).value_or("auto");
@@ -126,7 +167,7 @@ void SceneReader::read_solver(const ConfigReader& reader) {
     }
   }
   solver.column_streams = reader.find_integer("column_streams", 2, 16);
-  solver.largest_level_depth = reader.find_number("largest_level_depth", {">= 0", 0, 1e9});
+  solver.max_level_optical_depth = read_max_level_optical_depth(reader);
   solver.tolerance = reader.find_number("tolerance", tolerance_range);
   solver.class_tolerance = reader.find_number("class_tolerance", {"0 to 0.1", 0, 0.1});
   solver.max_sweeps = reader.find_integer("max_sweeps", 1, 1000000).value_or(solver.max_sweeps);
@@ -154,21 +195,10 @@ void SceneReader::read_output(const ConfigReader& reader) {
     }
   }
   if (const auto fields = reader.find_texts("fields")) {
-    output.absorption = false;
-    for (const std::string& field : *fields) {
-      if (field == "absorption") {
-        output.absorption = true;
-      } else if (field == "actinic") {
-        output.actinic = true;
-      } else if (field == "radiance_field") {
-        output.radiance_field = true;
-      } else if (field == "errors") {
-        output.errors = true;
-      } else if (field != "fluxes") {
-        reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", field),
-                    "fluxes, absorption, actinic, radiance_field, errors");
-      }
+    for (const OutputField& field : output_fields()) {
+      if (field.asked != nullptr) output.*field.asked = false;
     }
+    for (const std::string& name : *fields) read_field(reader, name, output);
   }
   remember(reader, "flux_levels");
 }

@@ -9,8 +9,8 @@ namespace cloudbow {
 /// Levels of dotted keys, headers, lists and inline tables, all counted together. No scene needs more than five.
 inline constexpr int max_toml_depth = 32;
 
-/// The first line (from 1) with more than max_toml_depth levels. Text that is not TOML is counted up to its first fault,
-/// where a parser stops, as TOML's grammar cuts it.
+/// The first line (from 1) with more than max_toml_depth levels. Text that is not TOML is counted up to its first
+/// fault, where a parser stops, as TOML's grammar cuts it.
 std::optional<int> first_line_too_deep(std::string_view text);
 
 }  // namespace cloudbow

@@ -181,35 +181,48 @@ double transport_depth(const TransportSystem<Real>& system) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
+// [p] low_moments x low_moments: moments of the source from moments of the radiance.
+template <class Real>
+std::vector<Eigen::MatrixXd> scattered_moments(const TransportSystem<Real>& full) {
+  const LowMoments<double> low(full.ordinates);
+  std::vector<Eigen::MatrixXd> moments;
+  for (const DenseMatrix<Real>& matrix : full.scattering.matrix())
+    moments.push_back(low.weights * matrix.template cast<double>() * low.shape);
+  return moments;
+}
+
 template <class Real>
 TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
                                        const std::optional<Coarsening<Real>>& coarse) {
-  TransportSystem<Real> low;
-  low.independent_columns = full.independent_columns;
-  low.ordinates = make_ordinate_set(low_directions);
-  low.linear_source =
-      full.linear_source && !full.cells->heterogeneous;  // a correction need not be finer where cells are many
-  low.truncated_asymmetry = full.truncated_asymmetry;
-  if (coarse) {
-    const std::vector<double> truncated(full.scattering.size(), 0.);  // its coefficients are so already
-    low.box = coarse->grid.box;
-    low.cells =
-        std::make_shared<const Cells<Real>>(make_cells<Real>(coarse->grid, truncated, low.independent_columns, 0));
-    low.absorption.assign(coarse->grid.absorption.begin(), coarse->grid.absorption.end());
-  } else {
-    low.box = full.box;
-    low.cells = full.cells;
-    low.absorption = full.absorption;
-  }
-  low.paths = make_ordinate_paths(low.box, *low.cells, low.ordinates.direction, low.independent_columns);
-  if (full.ground.is_lambertian() && !coarse) {
-    low.ground = full.ground;
-  } else {
-    Surface surface;
-    surface.albedo = full.ground.mean_albedo();
-    low.ground = Ground<Real>(surface, low.ordinates, std::nullopt);
-  }
-  return low;
+  const BoxGrid& box = coarse ? coarse->grid.box : full.box;
+  const OrdinateSet ordinates = make_ordinate_set(low_directions);
+  const std::vector<double> truncated(full.scattering.matrix().size(), 0.);  // coarse coefficients are so already
+  const auto cells =
+      coarse
+          ? std::make_shared<const Cells<Real>>(make_cells<Real>(coarse->grid, truncated, full.independent_columns, 0))
+          : full.cells;
+  const LowMoments<double> low(ordinates);
+  std::vector<DenseMatrix<Real>> matrix;
+  for (const Eigen::MatrixXd& moments : scattered_moments(full))
+    matrix.push_back((low.shape * moments * low.weights).template cast<Real>());
+  Surface mean_surface;
+  mean_surface.albedo = full.ground.mean_albedo();
+  const bool same_ground = full.ground.is_lambertian() && !coarse;
+  return {.box = box,
+          .independent_columns = full.independent_columns,
+          .cells = cells,
+          .ordinates = ordinates,
+          .paths = make_ordinate_paths(box, *cells, ordinates.direction, full.independent_columns),
+          // A correction need not be finer if there are many cells.
+          .linear_source = full.linear_source && !full.cells->heterogeneous,
+          .scattering = OrdinateScattering<Real>(ordinates, std::move(matrix)),
+          .truncated_asymmetry = full.truncated_asymmetry,
+          .absorption = coarse ? std::vector<double>(coarse->grid.absorption.begin(), coarse->grid.absorption.end())
+                               : full.absorption,
+          .beam = {},
+          .ground = same_ground ? full.ground : Ground<Real>(mean_surface, ordinates, std::nullopt),
+          .side_radiance = {},
+          .emission = std::vector<Real>(low_moments * cells->size())};
 }
 
 }  // namespace
@@ -218,18 +231,12 @@ template <class Real>
 LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system)
     : coarse_(coarsen(system)), low_(low_order_system(system, coarse_)), full_(&system) {
   const LowMoments<double> full(system.ordinates);
-  const LowMoments<double> low(low_.ordinates);
-  for (const DenseMatrix<Real>& matrix : system.scattering) {
-    const Eigen::MatrixXd moments = full.weights * matrix.template cast<double>() * full.shape;
+  for (const Eigen::MatrixXd& moments : scattered_moments(system))
     scattered_moments_.push_back(moments.template cast<Real>());
-    low_.scattering.push_back((low.shape * moments * low.weights).template cast<Real>());
-  }
-  low_.fold_scattering();
-  for (const BeamSource<Real>& beam : system.beam) {
+  for (const BeamSource<Real>& beam : system.beam.source) {
     const Eigen::VectorXd moments = full.weights * beam.direction.template cast<double>();
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
   }
-  low_.emission.resize(low_moments * low_.cells->size());
   moments_.resize(low_.emission.size());
   radiance_ = AngularField<Real>(low_.ordinates.size(), low_.cells->size());
   if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<Diffusion>(low_);
@@ -271,9 +278,9 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
   for (int m = 0; m < low_moments; ++m) {
     errors.run([&] {
       emit(m, [&](Real* __restrict source) {
-        for (std::size_t b = 0; b < full_->beam.size(); ++b) {
+        for (std::size_t b = 0; b < full_->beam.source.size(); ++b) {
           const Real share = beam_moments_[b * low_moments + m];
-          const Real* __restrict const intensity = full_->beam[b].intensity.data();
+          const Real* __restrict const intensity = full_->beam.source[b].intensity.data();
           for (std::size_t c = 0; c < n; ++c) source[c] += share * intensity[c];
         }
       });

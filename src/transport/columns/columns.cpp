@@ -13,6 +13,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/not_negative.hpp"
 #include "cloudbow/core/parallel_errors.hpp"
+#include "cloudbow/transport/output_fields.hpp"
 #include "transport/columns/column_layers.hpp"
 #include "transport/columns/distinct_columns.hpp"
 #include "transport/columns/polar_streams.hpp"
@@ -521,10 +522,12 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
   solution.box = box;
   solution.sun = problem.sun;
   solution.flux_level = flux_levels(box, options);
-  for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux})
-    field->assign(solution.flux_level.size() * box.columns(), 0.F);
-  if (options.absorption) solution.absorbed_power.assign(box.columns() * box.nz(), 0.F);
-  if (options.actinic) solution.actinic_flux.assign(box.columns() * box.nz(), 0.F);
+  for (const OutputField& field : output_fields()) {
+    if (field.asked != nullptr && !(options.*field.asked)) continue;
+    const bool at_levels = field.grid == OutputField::Grid::levels;
+    const std::size_t planes = at_levels ? solution.flux_level.size() : static_cast<std::size_t>(box.nz());
+    (solution.*field.values).assign(planes * box.columns(), 0.F);
+  }
 
   const PolarStreams streams = make_polar_streams(options.column_streams, problem.phase,
                                                   problem.sun ? std::optional<double>(mu0) : std::nullopt);
@@ -576,7 +579,7 @@ std::size_t columns_memory(const Problem& problem, const SolverOptions& options,
   const auto n = static_cast<std::size_t>(options.column_streams);
   const std::size_t fluxes = flux_levels(box, options).size();
   const std::size_t fields =
-      4 * (3 * fluxes * box.columns() + ((options.absorption ? 1 : 0) + (options.actinic ? 1 : 0)) * cells);
+      4 * (3 * fluxes * box.columns() + static_cast<std::size_t>(cell_field_count(options)) * cells);
   const std::size_t batch = levels * lanes * real * (n * (n + 1) + 4 * n + 13 + 2 * problem.phase.size());
   const std::size_t grid = 4 * active * (1 + problem.phase.size());
   const std::size_t bookkeeping = 8 * active + 64 * box.columns();

@@ -14,7 +14,7 @@ namespace {
 // Whether levels are subdivided alike.
 bool subdivided_alike(const SolvePlan& plan, const SolverOptions& options, bool by_polar_streams) {
   const SolverOptions& other = plan.whole_options();
-  return options.largest_level_depth == other.largest_level_depth &&
+  return options.max_level_optical_depth == other.max_level_optical_depth &&
          options.fit.delta_m_order == other.fit.delta_m_order && by_polar_streams == plan.by_polar_streams();
 }
 
@@ -54,7 +54,9 @@ void SolvePlan::set(const SolverOptions& options, const SolvePlan* other) {
     subdivided_ = other->subdivided_;
     too_thick_for_float_ = other->too_thick_for_float_;
   } else {
-    levels_ = subdivide_thick_levels(collapsed(), options_);
+    SolverOptions how = options_;
+    if (by_polar_streams_) how.max_level_optical_depth = 0;  // they are exact at every depth
+    levels_ = subdivide_thick_levels(collapsed(), how);
     if (added_levels() > 0) subdivided_ = std::make_shared<const Problem>(with_subdivided_levels(collapsed(), levels_));
     too_thick_for_float_ = too_thick_for_float(problem().grid);
   }

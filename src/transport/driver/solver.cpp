@@ -17,6 +17,7 @@
 #include "transport/driver/path_load.hpp"
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/observers/cell_fields.hpp"
+#include "transport/observers/converged_field.hpp"
 #include "transport/observers/flux_fields.hpp"
 #include "transport/observers/images.hpp"
 #include "transport/problem/finite.hpp"
@@ -59,48 +60,29 @@ std::string mode_of(const BoxGrid& box, const SolverOptions& options) {
   return box.periodic && (box.nx == 1 || box.ny == 1) ? "2d" : "3d";
 }
 
+/// Light that comes in through open sides along each ordinate, in marching order, as TransportSystem::side_radiance.
 template <class Real>
-Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
-                  Checkpoints* checkpoints) {
-  const auto start = Clock::now();
-  const double cpu_start = cpu_seconds();
-  Solution solution;
-  solution.box = problem.grid.box;
-  solution.sun = problem.sun;
-  SolverReport& report = solution.report;
-  const auto tell = [&](const char* phase, double fraction) {
-    if (progress) progress({phase, report.sweeps, report.estimated_error, solution.ledger.residual, fraction});
-  };
-
-  tell("tables", 0);
-  auto phase_start = Clock::now();
-  const std::optional<Direction> sun = problem.sun ? std::optional<Direction>(problem.sun->travel) : std::nullopt;
-  const Discretisation discretisation = discretise(problem.phase, sun, options);
-  report.seconds_tables = seconds_since(phase_start);
-
-  tell("beam", 0);
-  phase_start = Clock::now();
-  TransportSystem<Real> system = make_system<Real>(problem, discretisation, options);
-  std::optional<LateralBoundary> lateral_boundary;
-  const bool lit_from_outside = problem.sky_radiance > 0 ||
-                                std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
-                                            [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
-  if (!problem.grid.box.periodic && !options.independent_columns && lit_from_outside) {
-    lateral_boundary.emplace(problem, discretisation, options);
-    for (const Direction& d : system.ordinates.direction) {
-      const auto by_height = lateral_boundary->radiance(d);
-      system.side_radiance.emplace_back(by_height.begin(), by_height.end());
-      if (d.z() < 0) std::reverse(system.side_radiance.back().begin(), system.side_radiance.back().end());
-    }
+std::vector<std::vector<Real>> side_radiance(const LateralBoundary& lateral_boundary, const OrdinateSet& ordinates) {
+  std::vector<std::vector<Real>> radiance;
+  for (const Direction& d : ordinates.direction) {
+    const auto by_height = lateral_boundary.radiance(d);
+    radiance.emplace_back(by_height.begin(), by_height.end());
+    if (d.z() < 0) std::reverse(radiance.back().begin(), radiance.back().end());
   }
-  report.seconds_beam = seconds_since(phase_start);
+  return radiance;
+}
 
-  IterationResult<Real> solved = iterate_source<Real>(
-      system, {options.tolerance, options.energy_tolerance, options.max_sweeps, options.half_precision_radiance},
-      [&](int sweep, double error, double residual) {
-        if (progress) progress({"sweep", sweep, error, residual, 0});
-      },
-      checkpoints);
+/// Whether open sides show light: that of the sky, or what layers scatter.
+bool has_lit_sides(const Problem& problem, const SolverOptions& options) {
+  if (problem.grid.box.periodic || options.independent_columns) return false;
+  return problem.sky_radiance > 0 ||
+         std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
+                     [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
+}
+
+template <class Real>
+void report_iteration(const IterationResult<Real>& solved, Solution& solution) {
+  SolverReport& report = solution.report;
   solution.ledger = solved.ledger;
   report.converged = solved.report.converged;
   report.sweeps = solved.report.sweeps;
@@ -111,22 +93,66 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   report.radiance_storage = solved.radiance.packed()        ? "float16"
                             : sizeof(Real) == sizeof(float) ? "float32"
                                                             : "float64";
+}
+
+/// All that is computed from the converged radiance, whose memory the source takes over.
+template <class Real>
+void observe(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
+             const TransportSystem<Real>& system, const LateralBoundary* lateral_boundary,
+             IterationResult<Real>& solved, const ProgressCallback& progress, Solution& solution) {
+  const ConvergedField<Real> field{problem, discretisation, options, system, solved, lateral_boundary};
+  const Images<Real> images(field);
+  // Independent columns have their fluxes from the iteration.
+  const bool gathers = solved.fluxes.column_up.empty();
+  std::optional<DirectionalSource<Real>> source;
+  if (gathers || options.radiance_field)
+    source.emplace(scattered_source(discretisation, system, std::move(solved.radiance)));
+  fill_flux_fields(field, gathers ? &*source : nullptr, progress, solution);
+  images.fill(solution);
+  fill_cell_fields(field, solution);
+  if (options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
+}
+
+template <class Real>
+Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
+                  Checkpoints* checkpoints) {
+  const auto start = Clock::now();
+  const double cpu_start = cpu_seconds();
+  Solution solution;
+  solution.box = problem.grid.box;
+  solution.sun = problem.sun;
+  SolverReport& report = solution.report;
+  const auto report_phase = [&](const char* phase) {
+    if (progress) progress({phase, report.sweeps, report.estimated_error, solution.ledger.residual, 0});
+  };
+
+  report_phase("tables");
+  auto phase_start = Clock::now();
+  const std::optional<Direction> sun = problem.sun ? std::optional<Direction>(problem.sun->travel) : std::nullopt;
+  const Discretisation discretisation = discretise(problem.phase, sun, options);
+  report.seconds_tables = seconds_since(phase_start);
+
+  report_phase("beam");
+  phase_start = Clock::now();
+  std::optional<LateralBoundary> lateral_boundary;
+  if (has_lit_sides(problem, options)) lateral_boundary.emplace(problem, discretisation, options);
+  const TransportSystem<Real> system =
+      make_system<Real>(problem, discretisation, options,
+                        lateral_boundary ? side_radiance<Real>(*lateral_boundary, discretisation.ordinates)
+                                         : std::vector<std::vector<Real>>{});
+  report.seconds_beam = seconds_since(phase_start);
+
+  IterationResult<Real> solved = iterate_source<Real>(
+      system, options,
+      [&](int sweep, double error, double residual) {
+        if (progress) progress({"sweep", sweep, error, residual, 0});
+      },
+      checkpoints);
+  report_iteration(solved, solution);
 
   phase_start = Clock::now();
-  const LateralBoundary* const outside = lateral_boundary ? &*lateral_boundary : nullptr;
-  // Columns that exchange no light have their fluxes from the iteration.
-  const bool by_ordinates = !solved.fluxes.column_up.empty();
-  const Images<Real> images(problem, discretisation, options, system, solved, outside);
-  std::optional<DirectionalSource<Real>> source;
-  if (!by_ordinates || options.radiance_field)
-    source.emplace(scattered_source(discretisation, system, std::move(solved.radiance)));
-  fill_flux_fields(problem, discretisation, options, system, solved, by_ordinates ? nullptr : &*source, outside,
-                   progress, solution);
-  images.fill(solved, solution);
-  fill_cell_fields(problem, options, system, solved, solution);
-  if (options.radiance_field) {
-    solution.radiance_field = make_radiance_field(problem, discretisation, options, system, solved, *source, outside);
-  }
+  observe(problem, discretisation, options, system, lateral_boundary ? &*lateral_boundary : nullptr, solved, progress,
+          solution);
   report.seconds_gather = seconds_since(phase_start);
 
   report.control_points = options.control_points;

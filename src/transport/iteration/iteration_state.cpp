@@ -53,15 +53,15 @@ void add_problem(Digest& digest, const TransportSystem<Real>& system) {
   digest.add(values_of(cells.extinction).first(cells.size()));
   for (const auto& scattered : cells.scattered) digest.add(values_of(scattered));
   for (const auto& scale : cells.scale) digest.add(values_of(scale));
-  for (const auto& matrix : system.scattering) add_matrix(digest, matrix);
-  for (const BeamSource<Real>& beam : system.beam) {
+  for (const auto& matrix : system.scattering.matrix()) add_matrix(digest, matrix);
+  for (const BeamSource<Real>& beam : system.beam.source) {
     add_matrix(digest, beam.direction);
     digest.add(values_of(beam.intensity));
   }
   digest.add(values_of(system.emission));
   digest.add(values_of(system.absorption));
-  digest.add(values_of(system.beam_irradiance));
-  digest.add(values_of(system.beam_surface_flux));
+  digest.add(values_of(system.beam.irradiance));
+  digest.add(values_of(system.beam.surface_flux));
   for (const auto& radiance : system.side_radiance) digest.add(values_of(radiance));
   for (const double power : {system.sky_radiance, system.power_in}) digest.add(power);
   system.ground.add_to(digest);

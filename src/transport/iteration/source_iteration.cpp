@@ -47,7 +47,7 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
     const double volume = system.box.dx_m * system.box.dy_m * system.box.thickness_m(k);
     for (std::uint32_t c = system.cells->rows.level_cell[k]; c < system.cells->rows.level_cell[k + 1]; ++c) {
       const double actinic = static_cast<double>(scalar_flux[c]) +
-                             (system.beam_irradiance.empty() ? 0. : static_cast<double>(system.beam_irradiance[c]));
+                             (system.beam.irradiance.empty() ? 0. : static_cast<double>(system.beam.irradiance[c]));
       absorbed += system.absorption[c] * actinic * volume;
     }
   }
@@ -60,8 +60,8 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
   ledger.transmittance = surface / system.power_in;
   ledger.absorptance = absorbed / top_area / system.power_in;
   ledger.surface_absorptance = fluxes.surface_absorbed / system.power_in;
-  ledger.side_gain = (fluxes.side_gain + system.beam_side_gain) / system.power_in;
-  ledger.side_loss = (fluxes.side_loss + system.beam_side_loss) / system.power_in;
+  ledger.side_gain = (fluxes.side_gain + system.beam.side_gain) / system.power_in;
+  ledger.side_loss = (fluxes.side_loss + system.beam.side_loss) / system.power_in;
   ledger.residual =
       1 + ledger.side_gain - (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
   return ledger;
@@ -124,7 +124,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     const Stopwatch watch(report.seconds_acceleration);
     low_order.emplace(system);
     if (!restored) x.assign(low_moments * n, Real(0));
-    if (!restored && !system.beam.empty()) {
+    if (!restored && !system.beam.source.empty()) {
       low_order->guess(x);
       change = x;
     }

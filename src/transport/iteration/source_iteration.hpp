@@ -14,13 +14,6 @@
 
 namespace cloudbow {
 
-struct IterationOptions {
-  double tolerance = 1e-4;
-  double energy_tolerance = 1e-5;
-  int max_sweeps = 200;
-  bool half_precision_radiance = false;  ///< keeps the radiance so; nothing in double
-};
-
 struct IterationReport {
   bool converged = false;
   int sweeps = 0;

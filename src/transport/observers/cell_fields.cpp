@@ -11,25 +11,31 @@
 namespace cloudbow {
 
 template <class Real>
-void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system,
-                      const IterationResult<Real>& solved, Solution& solution) {
+void fill_cell_fields(const ConvergedField<Real>& field, Solution& solution) {
+  const Problem& problem = field.problem;
+  const SolverOptions& options = field.options;
+  const TransportSystem<Real>& system = field.system;
+  const IterationResult<Real>& solved = field.result;
   const auto dense = dense_indices(system.cells->rows);
   const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
   if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
   if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t c = 0; c < dense.size(); ++c) {
     const double actinic =
-        static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam_irradiance[c]) : 0.);
+        static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam.irradiance[c]) : 0.);
     if (options.absorption) solution.absorbed_power[dense[c]] = static_cast<float>(system.absorption[c] * actinic);
     if (options.actinic) solution.actinic_flux[dense[c]] = static_cast<float>(actinic);
   }
 }
 
 template <class Real>
-RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
-                                  const SolverOptions& options, const TransportSystem<Real>& system,
-                                  const IterationResult<Real>& solved, DirectionalSource<Real>& source,
-                                  const LateralBoundary* lateral_boundary) {
+RadianceField make_radiance_field(const ConvergedField<Real>& converged, DirectionalSource<Real>& source) {
+  const Problem& problem = converged.problem;
+  const Discretisation& discretisation = converged.discretisation;
+  const SolverOptions& options = converged.options;
+  const TransportSystem<Real>& system = converged.system;
+  const IterationResult<Real>& solved = converged.result;
+  const LateralBoundary* const lateral_boundary = converged.lateral_boundary;
   std::optional<DirectBeam<Real>> beam;
   if (problem.sun) beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options);
   set_first_order(problem, discretisation, system, beam ? &*beam : nullptr, source);
@@ -67,12 +73,9 @@ RadianceField make_radiance_field(const Problem& problem, const Discretisation& 
   return field;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                              \
-  template void fill_cell_fields<Real>(const Problem&, const SolverOptions&, const TransportSystem<Real>&,      \
-                                       const IterationResult<Real>&, Solution&);                                \
-  template RadianceField make_radiance_field<Real>(const Problem&, const Discretisation&, const SolverOptions&, \
-                                                   const TransportSystem<Real>&, const IterationResult<Real>&,  \
-                                                   DirectionalSource<Real>&, const LateralBoundary*)
+#define CLOUDBOW_INSTANTIATE(Real)                                              \
+  template void fill_cell_fields<Real>(const ConvergedField<Real>&, Solution&); \
+  template RadianceField make_radiance_field<Real>(const ConvergedField<Real>&, DirectionalSource<Real>&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -2,22 +2,18 @@
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/converged_field.hpp"
 #include "transport/observers/lateral_boundary.hpp"
 
 namespace cloudbow {
 
-/// Fills absorbed_power and actinic_flux where options ask for them.
+/// Fills absorbed_power and actinic_flux if options ask for them.
 template <class Real>
-void fill_cell_fields(const Problem& problem, const SolverOptions& options, const TransportSystem<Real>& system,
-                      const IterationResult<Real>& solved, Solution& solution);
+void fill_cell_fields(const ConvergedField<Real>& field, Solution& solution);
 
 /// Voxel-mean radiance of the delta-scaled problem along the control points of a frame in which none is horizontal.
-/// @param surroundings what open sides show; may be null.
 /// @param source of the scattered light; its first order is set here.
 template <class Real>
-RadianceField make_radiance_field(const Problem& problem, const Discretisation& discretisation,
-                                  const SolverOptions& options, const TransportSystem<Real>& system,
-                                  const IterationResult<Real>& solved, DirectionalSource<Real>& source,
-                                  const LateralBoundary* lateral_boundary);
+RadianceField make_radiance_field(const ConvergedField<Real>& field, DirectionalSource<Real>& source);
 
 }  // namespace cloudbow

@@ -27,27 +27,27 @@ struct LevelFlux {
 template <class Real>
 class FluxFields {
  public:
-  FluxFields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-             const TransportSystem<Real>& system, const IterationResult<Real>& solved, DirectionalSource<Real>* source,
-             const LateralBoundary* lateral_boundary, const ProgressCallback& progress)
-      : problem_(problem),
-        options_(options),
-        system_(system),
-        solved_(solved),
+  FluxFields(const ConvergedField<Real>& field, DirectionalSource<Real>* source, const ProgressCallback& progress)
+      : problem_(field.problem),
+        options_(field.options),
+        system_(field.system),
+        solved_(field.result),
         progress_(progress),
         source_(source),
-        columns_(system.box.columns()) {
+        columns_(field.system.box.columns()) {
+    const Discretisation& discretisation = field.discretisation;
+    const LateralBoundary* const lateral_boundary = field.lateral_boundary;
     const bool by_ordinates = source == nullptr;
-    if (problem.sun) {
+    if (problem_.sun) {
       const bool peaked = !by_ordinates && std::any_of(discretisation.peak.begin(), discretisation.peak.end(),
                                                        [](const ForwardPeak& peak) { return peak.share() > 0; });
-      true_beam_ =
-          beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options, false);
-      carried_beam_ = beam_with<Real>(problem, system.cells->rows, discretisation.beam_fraction(), options, false);
+      true_beam_ = beam_with<Real>(problem_, system_.cells->rows, std::vector<double>(problem_.phase.size(), 0.),
+                                   options_, false);
+      carried_beam_ = beam_with<Real>(problem_, system_.cells->rows, discretisation.beam_fraction(), options_, false);
       if (peaked) set_peak(discretisation);
     }
     if (!by_ordinates) {
-      set_first_order_beside_peak(problem, discretisation, system, *source_);
+      set_first_order_beside_peak(problem_, discretisation, system_, *source_);
       if (lateral_boundary != nullptr)
         side_radiance_ = [lateral_boundary](const Direction& travel) {
           return lateral_boundary->radiance_beside_peak(travel);
@@ -264,7 +264,7 @@ class FluxFields {
     for (int e = 0; e < levels; ++e) {
       const double direct = mean(slice(true_beam_->level_flux, e));
       solution.profile_direct_flux[e] = direct;
-      solution.profile_downwelling_diffuse_flux[e] += system_.beam_profile[e] - direct;
+      solution.profile_downwelling_diffuse_flux[e] += system_.beam.profile[e] - direct;
     }
     solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power_in;
   }
@@ -293,7 +293,7 @@ class FluxFields {
 
 }  // namespace
 
-std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
+std::vector<int> flux_levels(const BoxGrid& box, const OutputOptions& options) {
   if (options.flux_levels == FluxLevels::boundaries) return {0, box.nz()};
   if (options.flux_levels == FluxLevels::listed) return options.listed_levels;
   std::vector<int> all(box.nz() + 1);
@@ -302,20 +302,14 @@ std::vector<int> flux_levels(const BoxGrid& box, const SolverOptions& options) {
 }
 
 template <class Real>
-void fill_flux_fields(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                      DirectionalSource<Real>* source, const LateralBoundary* lateral_boundary,
+void fill_flux_fields(const ConvergedField<Real>& field, DirectionalSource<Real>* source,
                       const ProgressCallback& progress, Solution& solution) {
-  FluxFields<Real>(problem, discretisation, options, system, solved, source, lateral_boundary, progress).fill(solution);
+  FluxFields<Real>(field, source, progress).fill(solution);
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                \
-  template void fill_flux_fields<Real>(const Problem&, const Discretisation&, const SolverOptions&,               \
-                                       const TransportSystem<Real>&, const IterationResult<Real>&,                \
-                                       DirectionalSource<Real>*, const LateralBoundary*, const ProgressCallback&, \
-                                       Solution&)
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template void fill_flux_fields<float>(const ConvergedField<float>&, DirectionalSource<float>*, const ProgressCallback&,
+                                      Solution&);
+template void fill_flux_fields<double>(const ConvergedField<double>&, DirectionalSource<double>*,
+                                       const ProgressCallback&, Solution&);
 
 }  // namespace cloudbow

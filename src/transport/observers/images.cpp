@@ -18,45 +18,43 @@ GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const Sweep
     for (std::size_t c = 0; c < diffuse.size(); ++c)
       diffuse[c] = static_cast<double>(solution.downwelling_diffuse_flux[c]) + solution.direct_flux[c];
   }
-  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c)
-    diffuse[c] = not_negative(diffuse[c] - system.beam_surface_flux[c]);
-  return system.ground.radiance_seen(fluxes.surface_arriving, diffuse, system.beam_surface_flux, system.ordinates);
+  for (std::size_t c = 0; c < system.beam.surface_flux.size(); ++c)
+    diffuse[c] = not_negative(diffuse[c] - system.beam.surface_flux[c]);
+  return system.ground.radiance_seen(fluxes.surface_arriving, diffuse, system.beam.surface_flux, system.ordinates);
 }
 
 }  // namespace
 
 template <class Real>
-Images<Real>::Images(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-                     const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                     const LateralBoundary* lateral_boundary)
-    : problem_(problem), options_(options), system_(system), lateral_boundary_(lateral_boundary) {
+Images<Real>::Images(const ConvergedField<Real>& field) : field_(field) {
+  const SolverOptions& options = field.options;
   std::vector<Direction> travel;
   for (const View& view : options.views) travel.push_back(view.travel);
   if (!options.cameras.empty()) {
-    sight_ = sight_points(options.cameras, system.cells->size());
+    sight_ = sight_points(options.cameras, field.system.cells->size());
     travel.insert(travel.end(), sight_->travel.begin(), sight_->travel.end());
   }
   if (travel.empty()) return;
-  beams_ = viewing_beams(problem, discretisation, options, system);
-  source_ = higher_orders_seen(problem, discretisation, system, solved, lateral_boundary, travel);
+  beams_ = viewing_beams(field);
+  source_ = higher_orders_seen<Real>(field, travel);
   for (std::size_t v = 0; v < options.views.size(); ++v) {
     Real* const row = source_.row(static_cast<int>(v));
     for (const ViewingBeam<Real>& beam : beams_)
-      add_first_order<Real>(beam, travel[v].dot(problem.sun->travel), {row, source_.cells});
+      add_first_order<Real>(beam, travel[v].dot(field.problem.sun->travel), {row, source_.cells});
   }
 }
 
 template <class Real>
-void Images<Real>::fill(const IterationResult<Real>& solved, Solution& solution) const {
+void Images<Real>::fill(Solution& solution) const {
   if (source_.rows == 0) return;
-  const GroundRadiance<Real> ground = lit_ground(system_, solved.fluxes, solution);
+  const GroundRadiance<Real> ground = lit_ground(field_.system, field_.result.fluxes, solution);
   SideRadiance side;
-  if (lateral_boundary_ != nullptr)
-    side = [this](const Direction& travel) { return lateral_boundary_->radiance(travel); };
-  solution.images = view_radiances(problem_, options_, system_, source_, ground, side);
+  if (const LateralBoundary* const outside = field_.lateral_boundary; outside != nullptr)
+    side = [outside](const Direction& travel) { return outside->radiance(travel); };
+  solution.images = view_radiances(field_.problem, field_.options, field_.system, source_, ground, side);
   if (sight_) {
-    solution.camera_images = camera_images<Real>(problem_, options_, system_, *sight_, source_,
-                                                 static_cast<int>(options_.views.size()), beams_, ground, side);
+    solution.camera_images = camera_images<Real>(field_.problem, field_.options, field_.system, *sight_, source_,
+                                                 static_cast<int>(field_.options.views.size()), beams_, ground, side);
   }
 }
 

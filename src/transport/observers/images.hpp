@@ -3,6 +3,7 @@
 
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/observers/camera_view.hpp"
+#include "transport/observers/converged_field.hpp"
 #include "transport/observers/view.hpp"
 
 namespace cloudbow {
@@ -12,19 +13,14 @@ namespace cloudbow {
 template <class Real>
 class Images {
  public:
-  /// @param surroundings what open sides show; may be null. References must last as long as this.
-  Images(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-         const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-         const LateralBoundary* lateral_boundary);
+  /// @param field its radiance at the ordinates is still there.
+  explicit Images(const ConvergedField<Real>& field);
 
   /// Fills the images of the solution, whose fluxes at the ground, where it has them, light the surface.
-  void fill(const IterationResult<Real>& solved, Solution& solution) const;
+  void fill(Solution& solution) const;
 
  private:
-  const Problem& problem_;
-  const SolverOptions& options_;
-  const TransportSystem<Real>& system_;
-  const LateralBoundary* lateral_boundary_;
+  const ConvergedField<Real>& field_;
   std::optional<SightPoints> sight_;  // of the cameras, where there are any
   std::vector<ViewingBeam<Real>> beams_;
   AngularField<Real> source_;  // views, all orders of scattering; cameras' points, orders >= 2

@@ -4,17 +4,28 @@
 #include "transport/rays/march.hpp"
 
 namespace cloudbow {
+namespace {
+
+SolverOptions as_one_column(SolverOptions options) {
+  options.independent_columns = false;
+  return options;
+}
+
+IterationOptions in_full_precision(IterationOptions options) {
+  options.half_precision_radiance = false;
+  return options;
+}
+
+}  // namespace
 
 LateralBoundary::LateralBoundary(const Problem& problem, const Discretisation& discretisation,
                                  const SolverOptions& options)
-    : problem_{layers_only(problem.grid), problem.phase, problem.sun, problem.sky_radiance, {}} {
-  SolverOptions column = options;
-  column.independent_columns = false;
-  system_ = make_system<double>(problem_, discretisation, column);
-  IterationResult<double> solved =
-      iterate_source(system_, {options.tolerance, options.energy_tolerance, options.max_sweeps}, {});
+    : problem_{layers_only(problem.grid), problem.phase, problem.sun, problem.sky_radiance, {}},
+      system_(make_system<double>(problem_, discretisation, as_one_column(options))) {
+  IterationResult<double> solved = iterate_source(system_, in_full_precision(options), {});
   std::optional<DirectBeam<double>> beam;
-  if (problem_.sun) beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), column);
+  if (problem_.sun)
+    beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), as_one_column(options));
   source_.emplace(scattered_source(discretisation, system_, std::move(solved.radiance)));
   beside_peak_ = source_;
   set_first_order(problem_, discretisation, system_, beam ? &*beam : nullptr, *source_);

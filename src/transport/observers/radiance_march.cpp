@@ -9,8 +9,8 @@ namespace cloudbow {
 template <class Real>
 GroundRadiance<Real> ground_of_iteration(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes) {
   std::vector<double> diffuse_flux = fluxes.surface_flux;
-  for (std::size_t c = 0; c < system.beam_surface_flux.size(); ++c) diffuse_flux[c] -= system.beam_surface_flux[c];
-  return system.ground.radiance(fluxes.surface_arriving, diffuse_flux, system.beam_surface_flux, system.ordinates);
+  for (std::size_t c = 0; c < system.beam.surface_flux.size(); ++c) diffuse_flux[c] -= system.beam.surface_flux[c];
+  return system.ground.radiance(fluxes.surface_arriving, diffuse_flux, system.beam.surface_flux, system.ordinates);
 }
 
 template <class Real>

@@ -12,16 +12,19 @@
 namespace cloudbow {
 
 template <class Real>
-std::vector<ViewingBeam<Real>> viewing_beams(const Problem& problem, const Discretisation& discretisation,
-                                             const SolverOptions& options, const TransportSystem<Real>& system) {
+std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field) {
+  const Problem& problem = field.problem;
+  const Discretisation& discretisation = field.discretisation;
+  const SolverOptions& options = field.options;
+  const TransportSystem<Real>& system = field.system;
   std::vector<ViewingBeam<Real>> beams;
   if (!problem.sun) return beams;
   // What the iteration's beam has beyond unscattered light went through the peak.
   const DirectBeam<Real> unscattered =
       beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
-  std::vector<float> place(system.beam_irradiance.size());
+  std::vector<float> place(system.beam.irradiance.size());
   for (std::size_t c = 0; c < place.size(); ++c) {
-    const double carried = static_cast<double>(system.beam_irradiance[c]);
+    const double carried = static_cast<double>(system.beam.irradiance[c]);
     const double never = static_cast<double>(unscattered.irradiance[c]);
     place[c] =
         static_cast<float>(BeamPhase::place(carried > 0 ? std::log(carried / std::max(never, 1e-30 * carried)) : 0));
@@ -29,7 +32,7 @@ std::vector<ViewingBeam<Real>> viewing_beams(const Problem& problem, const Discr
   for (std::size_t p = 0; p < problem.phase.size(); ++p) {
     std::vector<SingleScattering<Real>> first;
     add_single_scattering<Real>(first, problem.phase[p], problem.grid.scattering[p], 1., system.cells->extinction,
-                                system.beam_irradiance);
+                                system.beam.irradiance);
     if (!first.empty())
       beams.push_back({BeamPhase(problem.phase[p], discretisation.beam[p]), std::move(first.front().intensity), place});
   }
@@ -68,9 +71,12 @@ Direction off_the_horizon(const Direction& travel) {
 }  // namespace
 
 template <class Real>
-AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisation& discretisation,
-                                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                      const LateralBoundary* lateral_boundary, std::span<const Direction> travel) {
+AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::span<const Direction> travel) {
+  const Problem& problem = field.problem;
+  const Discretisation& discretisation = field.discretisation;
+  const TransportSystem<Real>& system = field.system;
+  const IterationResult<Real>& solved = field.result;
+  const LateralBoundary* const lateral_boundary = field.lateral_boundary;
   const OrdinateSet& ordinates = discretisation.ordinates;
   const Cells<Real>& cells = *system.cells;
   const std::size_t phases = problem.phase.size();
@@ -87,7 +93,7 @@ AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisati
   for (std::size_t p = 0; p < phases && problem.sun; ++p) {
     const DeltaM& beam = discretisation.beam[p];
     add_single_scattering<Real>(first_order, beam.truncated, problem.grid.scattering[p], 1 - beam.forward_fraction,
-                                cells.extinction, system.beam_irradiance);
+                                cells.extinction, system.beam.irradiance);
   }
   const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
   ParallelErrors errors;
@@ -140,12 +146,9 @@ void add_first_order(const ViewingBeam<Real>& beam, double cos_angle, std::span<
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                 \
-  template std::vector<ViewingBeam<Real>> viewing_beams<Real>(const Problem&, const Discretisation&,               \
-                                                              const SolverOptions&, const TransportSystem<Real>&); \
-  template AngularField<Real> higher_orders_seen<Real>(const Problem&, const Discretisation&,                      \
-                                                       const TransportSystem<Real>&, const IterationResult<Real>&, \
-                                                       const LateralBoundary*, std::span<const Direction>);        \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                               \
+  template std::vector<ViewingBeam<Real>> viewing_beams<Real>(const ConvergedField<Real>&);                      \
+  template AngularField<Real> higher_orders_seen<Real>(const ConvergedField<Real>&, std::span<const Direction>); \
   template void add_first_order<Real>(const ViewingBeam<Real>&, double, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

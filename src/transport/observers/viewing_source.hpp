@@ -7,6 +7,7 @@
 
 #include "cloudbow/optics/beam_phase.hpp"
 #include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/converged_field.hpp"
 #include "transport/observers/lateral_boundary.hpp"
 #include "transport/system/transport_system.hpp"
 
@@ -23,8 +24,7 @@ struct ViewingBeam {
 
 /// Of a problem without sun: empty.
 template <class Real>
-std::vector<ViewingBeam<Real>> viewing_beams(const Problem& problem, const Discretisation& discretisation,
-                                             const SolverOptions& options, const TransportSystem<Real>& system);
+std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 
 /// Orders of scattering >= 2: one row for each direction of travel.
 ///
@@ -32,12 +32,9 @@ std::vector<ViewingBeam<Real>> viewing_beams(const Problem& problem, const Discr
 /// angles where little light goes is far off. The forward peak, too narrow for the ordinates, is taken out: with I_v
 /// the radiance along the direction itself (marched once) and f what transport counts as unscattered,
 ///     S = w/(4 pi) (sum_d w_d P(v . d) (I_d - I_v) + 4 pi (1 - f) I_v) / (1 - w f).
-/// @param solved whose radiance is that at the ordinates, orders of scattering >= 1.
-/// @param surroundings what open sides show; may be null.
+/// @param field whose radiance is that at the ordinates, orders of scattering >= 1.
 template <class Real>
-AngularField<Real> higher_orders_seen(const Problem& problem, const Discretisation& discretisation,
-                                      const TransportSystem<Real>& system, const IterationResult<Real>& solved,
-                                      const LateralBoundary* lateral_boundary, std::span<const Direction> travel);
+AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::span<const Direction> travel);
 
 /// Adds the first order of scattering into one direction.
 template <class Real>

@@ -6,6 +6,8 @@
 #include <span>
 #include <stdexcept>
 
+#include "cloudbow/transport/output_fields.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -39,17 +41,13 @@ void check_fields(const Solution& solution) {
     return fmt::format("in level {}, {}", n / columns, column_text(box, n % columns));
   };
   const auto at_edge = [&](std::size_t n) { return fmt::format("at {} m", box.z_edge_m[n]); };
-  const auto fluxes = [&](const char* name, const std::vector<float>& of) { check_all<float>(name, of, at_level); };
-  const auto cells = [&](const char* name, const std::vector<float>& of) { check_all<float>(name, of, in_cell); };
-  const auto profile = [&](const char* name, const std::vector<double>& of) { check_all<double>(name, of, at_edge); };
-  fluxes("upwelling_flux", solution.upwelling_flux);
-  fluxes("downwelling_diffuse_flux", solution.downwelling_diffuse_flux);
-  fluxes("direct_flux", solution.direct_flux);
-  profile("profile/upwelling_flux", solution.profile_upwelling_flux);
-  profile("profile/downwelling_diffuse_flux", solution.profile_downwelling_diffuse_flux);
-  profile("profile/direct_flux", solution.profile_direct_flux);
-  cells("absorbed_power", solution.absorbed_power);
-  cells("actinic_flux", solution.actinic_flux);
+  for (const OutputField& field : output_fields()) {
+    const std::span<const float> values = solution.*field.values;
+    if (field.grid == OutputField::Grid::levels) check_all(field.name, values, at_level);
+    if (field.grid == OutputField::Grid::cells) check_all(field.name, values, in_cell);
+    if (field.profile != nullptr)
+      check_all(fmt::format("profile/{}", field.name), std::span<const double>(solution.*field.profile), at_edge);
+  }
 }
 
 std::string pixel_text(std::size_t pixel, std::size_t width) {

@@ -7,7 +7,7 @@
 
 #include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/optics/delta_m.hpp"
-#include "cloudbow/transport/solve_plan.hpp"
+#include "cloudbow/transport/output_fields.hpp"
 #include "transport/grid/cells.hpp"
 #include "transport/system/transport_system.hpp"
 
@@ -89,7 +89,9 @@ void keep_planes(const Problem& whole, const SubdividedLevels& cut, Solution& so
     kept.push_back(plane);
     solution.flux_level.push_back(is_top ? whole.grid.box.nz() : cut.level[part]);
   }
-  for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
+  for (const OutputField& of : output_fields()) {
+    if (of.grid != OutputField::Grid::levels) continue;
+    std::vector<float>* const field = &(solution.*of.values);
     std::vector<float> planes;
     for (const std::size_t plane : kept) {
       const auto from = field->begin() + static_cast<std::ptrdiff_t>(plane * columns);
@@ -147,8 +149,8 @@ void mean_of_parts(const Problem& whole, const SubdividedLevels& cut, RadianceFi
 SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOptions& options) {
   const BoxGrid& box = problem.grid.box;
   SubdividedLevels cut;
-  const double largest = options.largest_level_depth;
-  const bool looked_at = largest > 0 && problem.sun && !solved_by_polar_streams(problem, options);
+  const double largest = options.max_level_optical_depth;
+  const bool looked_at = largest > 0 && problem.sun;
   const std::vector<BeamInLevel> beam =
       looked_at ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
   for (int k = 0; k < box.nz(); ++k) {
@@ -190,17 +192,17 @@ SolverOptions with_subdivided_levels(const SolverOptions& options, const Subdivi
   }
   edge.push_back(static_cast<int>(cut.level.size()));
   for (int& level : fine.listed_levels) level = edge[level];
-  fine.largest_level_depth = 0;
+  fine.max_level_optical_depth = 0;
   return fine;
 }
 
 void join_levels(const Problem& whole, const SubdividedLevels& cut, Solution& solution) {
   const BoxGrid& box = whole.grid.box;
-  for (auto* profile :
-       {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux, &solution.profile_direct_flux})
-    keep_edges(cut, *profile);
+  for (const OutputField& field : output_fields()) {
+    if (field.profile != nullptr) keep_edges(cut, solution.*field.profile);
+    if (field.grid == OutputField::Grid::cells) mean_of_parts(whole, cut, solution.*field.values);
+  }
   keep_planes(whole, cut, solution);
-  for (auto* field : {&solution.absorbed_power, &solution.actinic_flux}) mean_of_parts(whole, cut, *field);
   if (solution.radiance_field) mean_of_parts(whole, cut, *solution.radiance_field);
   solution.box = box;
   solution.report.active_voxels = whole.grid.active_cells();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloudbow/medium/grid_map.hpp"
+#include "cloudbow/transport/output_fields.hpp"
 #include "transport/grid/cells.hpp"
 
 namespace cloudbow {
@@ -137,10 +138,7 @@ Problem collapse(const Problem& problem, UniformAxes uniform) {
 void spread(const Problem& whole, UniformAxes uniform, Solution& solution) {
   const BoxGrid& box = whole.grid.box;
   solution.box = box;
-  for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux,
-                      &solution.absorbed_power, &solution.actinic_flux}) {
-    spread_field(*field, box.nx, box.ny, uniform);
-  }
+  for (const OutputField& field : output_fields()) spread_field(solution.*field.values, box.nx, box.ny, uniform);
   for (RadianceImage& image : solution.images) {
     if (image.view.width == 0) spread_field(image.radiance, box.nx, box.ny, uniform);
   }

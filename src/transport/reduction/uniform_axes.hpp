@@ -1,8 +1,8 @@
 // Fields that do not vary along x or y are solved without that axis: a slab as one column, a field of rolls as a slice.
 #pragma once
 
+#include "cloudbow/transport/reductions.hpp"
 #include "cloudbow/transport/solution.hpp"
-#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
 

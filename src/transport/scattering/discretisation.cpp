@@ -21,7 +21,7 @@ std::vector<double> Discretisation::gather_fraction() const {
 }
 
 Discretisation discretise(const std::vector<PhaseFunction>& phase, const std::optional<Direction>& sun_travel,
-                          const SolverOptions& options) {
+                          const AngularOptions& options) {
   OrdinateSet ordinates = make_ordinate_set(options.directions);
   ControlPoints points(options.control_points,
                        ordinates.is_control_points ? control_point_frame_rotation() : Eigen::Matrix3d::Identity());

@@ -31,6 +31,6 @@ struct Discretisation {
 
 /// @throws InputError for names and counts that do not exist.
 Discretisation discretise(const std::vector<PhaseFunction>& phase, const std::optional<Direction>& sun_travel,
-                          const SolverOptions& options);
+                          const AngularOptions& options);
 
 }  // namespace cloudbow

@@ -70,12 +70,12 @@ std::optional<OctantScattering<Real>> OctantScattering<Real>::make(const Ordinat
                                                                    std::span<const DenseMatrix<Real>> matrix,
                                                                    const DenseMatrix<Real>& moment_weights,
                                                                    const DenseMatrix<Real>& correction_shape) {
-  OctantScattering octant_scattering;
-  octant_scattering.ordinate_ = order_by_octant(ordinates);
-  if (octant_scattering.ordinate_.empty()) return std::nullopt;
+  OctantScattering by_octant;
+  by_octant.ordinate_ = order_by_octant(ordinates);
+  if (by_octant.ordinate_.empty()) return std::nullopt;
   const int size = ordinates.size() / octants;
-  octant_scattering.octant_size_ = size;
-  const auto at = [&](unsigned octant, int b) { return octant_scattering.ordinate_[octant * size + b]; };
+  by_octant.octant_size_ = size;
+  const auto at = [&](unsigned octant, int b) { return by_octant.ordinate_[octant * size + b]; };
   std::vector<double> weight(size);
   for (int b = 0; b < size; ++b) weight[b] = ordinates.weight[at(0, b)];
 
@@ -97,7 +97,7 @@ std::optional<OctantScattering<Real>> OctantScattering<Real>::make(const Ordinat
         }
       }
     }
-    auto& sectors = octant_scattering.matrix_.emplace_back();
+    auto& sectors = by_octant.matrix_.emplace_back();
     for (unsigned s = 0; s < octants; ++s) {
       Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
       for (unsigned g = 0; g < octants; ++g) sum += (odd(s & g) ? -1. : 1.) / octants * between[g];
@@ -125,10 +125,10 @@ std::optional<OctantScattering<Real>> OctantScattering<Real>::make(const Ordinat
         moment.shape[b] = static_cast<Real>(shape);
         size_of = std::max({size_of, std::abs(w) / weight[b], std::abs(shape)});
       }
-      if (size_of > 1e-5) octant_scattering.moments_[s].push_back(std::move(moment));
+      if (size_of > 1e-5) by_octant.moments_[s].push_back(std::move(moment));
     }
   }
-  return octant_scattering;
+  return by_octant;
 }
 
 namespace {
@@ -171,12 +171,12 @@ template <class Real>
 }  // namespace
 
 template <class Real>
-void OctantScattering<Real>::fold(const AngularField<Real>& field, std::size_t first, Real* octant_scattering) const {
+void OctantScattering<Real>::fold(const AngularField<Real>& field, std::size_t first, Real* by_octant) const {
   for (int b = 0; b < octant_size_; ++b) {
     const Real* from[octants];
     Real* to[octants];
     for (int o = 0; o < octants; ++o) {
-      to[o] = octant_scattering + (o * octant_size_ + b) * tile;
+      to[o] = by_octant + (o * octant_size_ + b) * tile;
       from[o] = field.stored_row(ordinate_[o * octant_size_ + b]).read(first, tile, to[o]);
     }
     if (field.packed()) {
@@ -190,14 +190,14 @@ void OctantScattering<Real>::fold(const AngularField<Real>& field, std::size_t f
 // Moments of n cells, given for all `cells`, as sums over the octants.
 template <class Real>
 void OctantScattering<Real>::add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n,
-                                         Real scale, Real* octant_scattering) const {
+                                         Real scale, Real* by_octant) const {
   const int count = static_cast<int>(moments.size() / cells);
   for (int s = 0; s < octants; ++s) {
     for (const SectorMoment& moment : moments_[s]) {
       if (moment.moment >= count) continue;
       const Real* const change = moments.data() + moment.moment * cells + first;
       for (int b = 0; b < octant_size_; ++b)
-        add_scaled(scale * moment.shape[b], change, n, octant_scattering + (s * octant_size_ + b) * tile);
+        add_scaled(scale * moment.shape[b], change, n, by_octant + (s * octant_size_ + b) * tile);
     }
   }
 }
@@ -275,21 +275,21 @@ void OctantScattering<Real>::moments_of(const AngularField<Real>& radiance, std:
   ParallelErrors errors;
 #pragma omp parallel
   {
-    std::vector<Real> octant_scattering;
-    errors.run([&] { octant_scattering.resize(static_cast<std::size_t>(radiance.rows) * tile); });
+    std::vector<Real> by_octant;
+    errors.run([&] { by_octant.resize(static_cast<std::size_t>(radiance.rows) * tile); });
 #pragma omp for schedule(static)
     for (std::size_t t = 0; t < tiles; ++t) {
       errors.run([&] {
         const std::size_t first = t * tile;
         const int n = static_cast<int>(std::min<std::size_t>(tile, radiance.cells - first));
-        fold(radiance, first, octant_scattering.data());
+        fold(radiance, first, by_octant.data());
         const std::size_t count = moments.size() / radiance.cells;
         for (std::size_t m = 0; m < count; ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
         for (int s = 0; s < octants; ++s) {
           for (const SectorMoment& moment : moments_[s]) {
             Real* const to = moments.data() + moment.moment * radiance.cells + first;
             for (int b = 0; b < octant_size_; ++b)
-              add_scaled(moment.weight[b], octant_scattering.data() + (s * octant_size_ + b) * tile, n, to);
+              add_scaled(moment.weight[b], by_octant.data() + (s * octant_size_ + b) * tile, n, to);
           }
         }
       });

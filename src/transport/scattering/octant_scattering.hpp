@@ -39,8 +39,8 @@ class OctantScattering {
   };
 
   void add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n, Real scale,
-                   Real* octant_scattering) const;
-  void fold(const AngularField<Real>& field, std::size_t first, Real* octant_scattering) const;
+                   Real* by_octant) const;
+  void fold(const AngularField<Real>& field, std::size_t first, Real* by_octant) const;
 
   int octant_size_ = 0;
   std::vector<int> ordinate_;                                   // [octant][octant size] index of the ordinate

@@ -299,7 +299,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 
   SweepFluxes<Real> fluxes;
   march_ordinates(false);
-  ground = system.ground.reflect(exit, system.beam_surface_flux, ordinates, columns);
+  ground = system.ground.reflect(exit, system.beam.surface_flux, ordinates, columns);
   fluxes.surface_flux = ground.flux;
   fluxes.surface_absorbed = ground.absorbed;
   if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;

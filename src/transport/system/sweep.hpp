@@ -8,50 +8,51 @@
 #include <vector>
 
 #include "transport/rays/ordinate_path.hpp"
-#include "transport/scattering/low_moments.hpp"
-#include "transport/scattering/octant_scattering.hpp"
-#include "transport/scattering/scattering.hpp"
+#include "transport/scattering/ordinate_scattering.hpp"
 #include "transport/system/ground.hpp"
 
 namespace cloudbow {
+
+/// The direct beam of the iteration (order N_b). Without sun all arrays are empty.
+template <class Real>
+struct SystemBeam {
+  std::vector<BeamSource<Real>> source;  ///< its first scattering at the ordinates, of each phase function that has any
+  std::vector<Real> irradiance;          ///< [n]
+  std::vector<double> surface_flux;      ///< [columns] at the surface
+  std::vector<double> profile;           ///< [nz+1] domain means of its flux
+  double side_gain = 0;                  ///< W m-2 of the top
+  double side_loss = 0;
+};
 
 /// What does not change during the iteration.
 template <class Real>
 struct TransportSystem {
   BoxGrid box;
-  bool independent_columns = false;  ///< independent columns
+  bool independent_columns = false;
   std::shared_ptr<const Cells<Real>> cells;
   OrdinateSet ordinates;
-  std::vector<OrdinatePath> paths;            ///< [D]
-  bool linear_source = true;                  ///< within a cell; false: constant, and no gradient of any source is made
-  std::vector<DenseMatrix<Real>> scattering;  ///< [p] D x D, ordinates from ordinates
-  std::optional<OctantScattering<Real>>
-      octant_scattering;  ///< the same where ordinates and matrices have the symmetry for it
-  LowMoments<Real> low;
+  std::vector<OrdinatePath> paths;  ///< [D]
+  bool linear_source = true;        ///< within a cell; false: constant, and no gradient of any source is made
+  OrdinateScattering<Real> scattering;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
-  std::vector<BeamSource<Real>> beam;       ///< the direct beam's first scattering at the ordinates
-  std::vector<Real> emission;               ///< [low_moments][n] moments of a source beside the beam's; empty: none
   std::vector<double> absorption;           ///< [n] 1/m
-  std::vector<Real> beam_irradiance;        ///< [n] of the solver's own beam (order N_b); empty without sun
-  std::vector<double> beam_surface_flux;    ///< [columns] of that beam at the surface; empty without sun
-  std::vector<double> beam_profile;         ///< [nz+1] domain means of that beam's flux; empty without sun
-  double beam_side_gain = 0;                ///< W m-2 of the top
-  double beam_side_loss = 0;
+  SystemBeam<Real> beam;
   double sky_radiance = 0;
   Ground<Real> ground;
   double power_in = 1;  ///< W m-2 through the top, direct and diffuse
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
+  std::vector<Real> emission = {};  ///< [low_moments][n] moments of a source beside the beam's; empty: none
 
   bool has_independent_columns() const { return independent_columns || (box.periodic && box.columns() == 1); }
 
-  /// Makes `low` and `folded`, once ordinates and scattering are there.
-  void fold_scattering();
   /// Radiance, with this added to its moments (empty: nothing), becomes source.
   /// @param dark there is no radiance yet, whatever the field holds.
-  void scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const;
+  void scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const {
+    scattering.scatter_in_place(field, *cells, {beam.source, correction, emission, dark});
+  }
   /// [low_moments][n] of the radiance.
-  void moments(const AngularField<Real>& radiance, std::span<Real> of) const;
+  void moments(const AngularField<Real>& radiance, std::span<Real> of) const { scattering.moments_of(radiance, of); }
 };
 
 /// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.

@@ -33,31 +33,6 @@ std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<d
 }
 
 template <class Real>
-void TransportSystem<Real>::fold_scattering() {
-  low = LowMoments<Real>(ordinates);
-  octant_scattering = OctantScattering<Real>::make(ordinates, scattering, low.weights, low.shape);
-}
-
-template <class Real>
-void TransportSystem<Real>::scatter(AngularField<Real>& field, std::span<const Real> correction, bool dark) const {
-  const ScatteringTerms<Real> terms{beam, correction, emission, dark};
-  if (octant_scattering) {
-    octant_scattering->scatter_in_place(field, *cells, terms);
-  } else {
-    scatter_in_place<Real>(field, scattering, *cells, terms, low.shape);
-  }
-}
-
-template <class Real>
-void TransportSystem<Real>::moments(const AngularField<Real>& radiance, std::span<Real> of) const {
-  if (octant_scattering) {
-    octant_scattering->moments_of(radiance, of);
-  } else {
-    moments_of<Real>(radiance, low.weights, of);
-  }
-}
-
-template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
                            const SolverOptions& options, bool irradiance) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
@@ -65,58 +40,80 @@ DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const
                            *problem.sun, {options.beam_rays, options.independent_columns, irradiance});
 }
 
+namespace {
+
+template <class Real>
+OrdinateScattering<Real> ordinate_scattering(const Discretisation& discretisation) {
+  const OrdinateSet& ordinates = discretisation.ordinates;
+  std::vector<DenseMatrix<Real>> matrix;
+  for (const ScatteringTable& table : discretisation.table)
+    matrix.push_back(rounded_conservatively<Real>(table.ordinates_from_ordinates, ordinates.weight));
+  return {ordinates, std::move(matrix)};
+}
+
+template <class Real>
+SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discretisation, const Cells<Real>& cells,
+                             const SolverOptions& options) {
+  SystemBeam<Real> beam;
+  if (!problem.sun) return beam;
+  const std::vector<double> fraction = discretisation.beam_fraction();
+  DirectBeam<Real> direct = beam_with<Real>(problem, cells.rows, fraction, options);
+  for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
+    BeamSource<Real> source;
+    source.direction = discretisation.table[p].ordinates_from_beam.template cast<Real>();
+    source.intensity.resize(cells.size());
+    bool any = false;
+    for (std::size_t c = 0; c < source.intensity.size(); ++c) {
+      const double scattered = (1 - fraction[p]) * problem.grid.scattering[p][c];
+      any = any || scattered > 0;
+      source.intensity[c] = scattered > 0 ? static_cast<Real>(scattered * static_cast<double>(direct.irradiance[c]) /
+                                                              static_cast<double>(cells.extinction[c]))
+                                          : Real(0);
+    }
+    if (any) beam.source.push_back(std::move(source));
+  }
+  const auto columns = static_cast<std::ptrdiff_t>(problem.grid.box.columns());
+  for (auto level = direct.level_flux.begin(); level != direct.level_flux.end(); level += columns)
+    beam.profile.push_back(std::accumulate(level, level + columns, 0.) / static_cast<double>(columns));
+  beam.surface_flux.assign(direct.level_flux.begin(), direct.level_flux.begin() + columns);
+  beam.side_gain = direct.side_gain;
+  beam.side_loss = direct.side_loss;
+  beam.irradiance = std::move(direct.irradiance);
+  return beam;
+}
+
+}  // namespace
+
 template <class Real>
 TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
-                                  const SolverOptions& options) {
-  TransportSystem<Real> system;
-  system.box = problem.grid.box;
-  system.independent_columns = options.independent_columns;
-  system.linear_source = options.linear_source;
-  system.cells = std::make_shared<const Cells<Real>>(
-      make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), system.independent_columns));
-  system.ordinates = discretisation.ordinates;
-  system.paths = make_ordinate_paths(system.box, *system.cells, system.ordinates.direction, system.independent_columns);
-  for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
-    system.scattering.push_back(
-        rounded_conservatively<Real>(discretisation.table[p].ordinates_from_ordinates, system.ordinates.weight));
-    system.truncated_asymmetry.push_back(discretisation.diffuse[p].truncated.asymmetry_parameter());
-  }
-  system.fold_scattering();
-  system.absorption.assign(problem.grid.absorption.begin(), problem.grid.absorption.end());
-  system.sky_radiance = problem.sky_radiance;
-  system.ground = Ground<Real>(problem.surface, system.ordinates,
-                               problem.sun ? std::optional<Direction>(problem.sun->travel) : std::nullopt);
-  system.power_in = std::numbers::pi * problem.sky_radiance;
+                                  const SolverOptions& options, std::vector<std::vector<Real>> side_radiance) {
+  const BoxGrid& box = problem.grid.box;
+  const OrdinateSet& ordinates = discretisation.ordinates;
+  const bool independent = options.independent_columns;
+  const auto cells = std::make_shared<const Cells<Real>>(
+      make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), independent));
+  std::vector<double> asymmetry;
+  for (const DeltaM& diffuse : discretisation.diffuse) asymmetry.push_back(diffuse.truncated.asymmetry_parameter());
+  double power_in = std::numbers::pi * problem.sky_radiance;
+  std::optional<Direction> sun;
   if (problem.sun) {
-    system.power_in += -problem.sun->travel.z() * problem.sun->irradiance;
-    const std::vector<double> fraction = discretisation.beam_fraction();
-    DirectBeam<Real> beam = beam_with<Real>(problem, system.cells->rows, fraction, options);
-    for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
-      BeamSource<Real> source;
-      source.direction = discretisation.table[p].ordinates_from_beam.template cast<Real>();
-      source.intensity.resize(system.cells->size());
-      bool any = false;
-      for (std::size_t c = 0; c < source.intensity.size(); ++c) {
-        const double scattered = (1 - fraction[p]) * problem.grid.scattering[p][c];
-        any = any || scattered > 0;
-        source.intensity[c] = scattered > 0 ? static_cast<Real>(scattered * static_cast<double>(beam.irradiance[c]) /
-                                                                static_cast<double>(system.cells->extinction[c]))
-                                            : Real(0);
-      }
-      if (any) system.beam.push_back(std::move(source));
-    }
-    for (auto level = beam.level_flux.begin(); level != beam.level_flux.end();
-         level += static_cast<std::ptrdiff_t>(system.box.columns())) {
-      const double sum = std::accumulate(level, level + static_cast<std::ptrdiff_t>(system.box.columns()), 0.);
-      system.beam_profile.push_back(sum / static_cast<double>(system.box.columns()));
-    }
-    system.beam_surface_flux.assign(beam.level_flux.begin(),
-                                    beam.level_flux.begin() + static_cast<std::ptrdiff_t>(system.box.columns()));
-    system.beam_side_gain = beam.side_gain;
-    system.beam_side_loss = beam.side_loss;
-    system.beam_irradiance = std::move(beam.irradiance);
+    sun = problem.sun->travel;
+    power_in += -sun->z() * problem.sun->irradiance;
   }
-  return system;
+  return {.box = box,
+          .independent_columns = independent,
+          .cells = cells,
+          .ordinates = ordinates,
+          .paths = make_ordinate_paths(box, *cells, ordinates.direction, independent),
+          .linear_source = options.linear_source,
+          .scattering = ordinate_scattering<Real>(discretisation),
+          .truncated_asymmetry = std::move(asymmetry),
+          .absorption = {problem.grid.absorption.begin(), problem.grid.absorption.end()},
+          .beam = system_beam<Real>(problem, discretisation, *cells, options),
+          .sky_radiance = problem.sky_radiance,
+          .ground = Ground<Real>(problem.surface, ordinates, sun),
+          .power_in = power_in,
+          .side_radiance = std::move(side_radiance)};
 }
 
 template <class Real>
@@ -151,9 +148,9 @@ void set_first_order(const Problem& problem, const Discretisation& discretisatio
   source.first_order.clear();
   if (!problem.sun) return;
   source.sun_travel = problem.sun->travel;
-  std::vector<Real> unscattered(system.beam_irradiance.size());
+  std::vector<Real> unscattered(system.beam.irradiance.size());
   for (std::size_t c = 0; c < unscattered.size(); ++c)
-    unscattered[c] = not_negative(system.beam_irradiance[c] - gather_beam->irradiance[c]);
+    unscattered[c] = not_negative(system.beam.irradiance[c] - gather_beam->irradiance[c]);
   for (std::size_t p = 0; p < problem.phase.size(); ++p) {
     const DeltaM& gather = discretisation.gather[p];
     const DeltaM& beam = discretisation.beam[p];
@@ -176,16 +173,15 @@ void set_first_order_beside_peak(const Problem& problem, const Discretisation& d
   for (std::size_t p = 0; p < problem.phase.size(); ++p) {
     add_single_scattering<Real>(
         source.first_order, [peak = discretisation.peak[p]](double cos_angle) { return peak.rest(cos_angle); },
-        problem.grid.scattering[p], 1., system.cells->extinction, system.beam_irradiance);
+        problem.grid.scattering[p], 1., system.cells->extinction, system.beam.irradiance);
   }
 }
 
-template struct TransportSystem<float>;
-template struct TransportSystem<double>;
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
   template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,             \
                                             const SolverOptions&, bool);                                               \
-  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&);       \
+  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&,        \
+                                                   std::vector<std::vector<Real>>);                                    \
   template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,             \
                                       const DirectBeam<Real>*, DirectionalSource<Real>&);                              \
   template std::vector<Real> scaled_extinction<Real>(const OpticalGrid&, const std::vector<double>&);                  \

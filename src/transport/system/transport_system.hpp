@@ -18,9 +18,10 @@ template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
                            const SolverOptions& options, bool irradiance = true);
 
+/// @param side_radiance as TransportSystem::side_radiance
 template <class Real>
 TransportSystem<Real> make_system(const Problem& problem, const Discretisation& discretisation,
-                                  const SolverOptions& options);
+                                  const SolverOptions& options, std::vector<std::vector<Real>> side_radiance = {});
 
 /// Source in any direction of the converged diffuse radiance, whose memory it takes: orders of scattering >= 2.
 template <class Real>

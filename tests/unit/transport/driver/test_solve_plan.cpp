@@ -13,7 +13,7 @@ namespace {
 Problem rolls() {
   const BoxGrid box = make_box(3, 4, 2);
   std::vector<float> extinction(24);
-  for (std::size_t c = 0; c < 24; ++c) extinction[c] = (c < 12 ? .1F : 20.F) * static_cast<float>(1 + c % 3);
+  for (std::size_t c = 0; c < 24; ++c) extinction[c] = (c < 12 ? .1F : 10.F) * static_cast<float>(1 + c % 3);
   Problem problem;
   problem.grid = make_grid(box, extinction, .99);
   problem.phase = {PhaseFunction::henyey_greenstein(.7)};
@@ -24,7 +24,7 @@ Problem rolls() {
 SolverOptions reduced() {
   SolverOptions options = coarse_options();
   options.collapse_uniform_axes = true;
-  options.largest_level_depth = 2;
+  options.max_level_optical_depth = 2;
   return options;
 }
 
@@ -71,7 +71,7 @@ TEST(SolvePlan, OfAnotherWayIsThatFromNothing) {
     for (const double depth : {0., 2.}) {
       SolverOptions other = coarse_options();
       other.collapse_uniform_axes = collapse;
-      other.largest_level_depth = depth;
+      other.max_level_optical_depth = depth;
       other.flux_levels = FluxLevels::listed;
       other.listed_levels = {0, 1, 2};
       const SolvePlan derived = SolvePlan(problem, reduced()).with(other), made(problem, other);

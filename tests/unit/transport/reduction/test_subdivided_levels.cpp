@@ -27,7 +27,7 @@ Problem thick_top(double extinction_of_top, double mu0) {
 
 TEST(ThickLevels, ThinOnesDarkOnesAndThoseWithoutSunStayWhole) {
   SolverOptions options = coarse_options();
-  options.largest_level_depth = 1;
+  options.max_level_optical_depth = 1;
   EXPECT_EQ(subdivide_thick_levels(thick_top(.3, .6), options).added(make_box(3, 2, 4)), 0);
   Problem dark = thick_top(20, .6);  // what is thick lies below what has taken the light
   for (float& s : dark.grid.scattering[0]) s = 20;
@@ -43,7 +43,7 @@ TEST(ThickLevels, ThinOnesDarkOnesAndThoseWithoutSunStayWhole) {
 TEST(ThickLevels, PartsDoubleFromAbove) {
   const Problem problem = thick_top(20, .6);
   SolverOptions options = coarse_options();
-  options.largest_level_depth = 1;
+  options.max_level_optical_depth = 1;
   const SubdividedLevels cut = subdivide_thick_levels(problem, options);
   ASSERT_GT(cut.added(problem.grid.box), 2);
   const std::size_t parts = cut.level.size();
@@ -61,7 +61,7 @@ TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
   SolverOptions options = coarse_options();
   options.actinic = options.radiance_field = true;
   const Solution plain = solve(problem, options);
-  options.largest_level_depth = 1;
+  options.max_level_optical_depth = 1;
   const Solution cut = solve(problem, options);
   EXPECT_GT(cut.report.added_levels, 0);
   EXPECT_EQ(plain.report.added_levels, 0);
@@ -106,7 +106,7 @@ TEST(ThickLevels, CutCellsComeNearThinOnes) {
   const double truth =
       solve(with_subdivided_levels(problem, thin), with_subdivided_levels(options, thin)).ledger.reflectance;
   const double whole = solve(problem, options).ledger.reflectance;
-  options.largest_level_depth = 1;
+  options.max_level_optical_depth = 1;
   const double cut = solve(problem, options).ledger.reflectance;
   EXPECT_GT(std::abs(whole - truth), .02 * truth);
   EXPECT_LT(std::abs(cut - truth), .1 * std::abs(whole - truth));

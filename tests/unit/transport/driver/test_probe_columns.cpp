@@ -52,7 +52,7 @@ TEST(ProbeColumns, OfManyAreTheMediansOfTheirClasses) {
 TEST(ProbeColumns, HaveTheLevelsThatAreSolved) {
   const Problem problem = field(make_box(2, 1, 3), {8, 8, 8, 8, 8, 8});
   SolverOptions options;
-  options.largest_level_depth = 2;
+  options.max_level_optical_depth = 2;
   const int added = subdivide_thick_levels(problem, options).added(problem.grid.box);
   ASSERT_GT(added, 0);
   EXPECT_EQ(probe_columns(SolvePlan(problem, options)).grid.box.nz(), 3 + added);

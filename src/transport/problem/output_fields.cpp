@@ -1,0 +1,47 @@
+#include "cloudbow/transport/output_fields.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace cloudbow {
+namespace {
+
+using Grid = OutputField::Grid;
+
+constexpr std::array<OutputField, 5> fields{{
+    {"upwelling_flux", "W m-2", "upwelling diffuse flux through a horizontal surface",
+     "upwelling_shortwave_flux_in_air", Grid::levels, &Solution::upwelling_flux, &Solution::profile_upwelling_flux,
+     "fluxes", nullptr},
+    {"downwelling_diffuse_flux", "W m-2",
+     "downwelling diffuse flux through a horizontal surface, without the direct beam",
+     "diffuse_downwelling_shortwave_flux_in_air", Grid::levels, &Solution::downwelling_diffuse_flux,
+     &Solution::profile_downwelling_diffuse_flux, "fluxes", nullptr},
+    {"direct_flux", "W m-2", "unscattered sunlight through a horizontal surface (true extinction)",
+     "direct_downwelling_shortwave_flux_in_air", Grid::levels, &Solution::direct_flux, &Solution::profile_direct_flux,
+     "fluxes", nullptr},
+    {"absorbed_power", "W m-3", "solar power absorbed per volume", nullptr, Grid::cells, &Solution::absorbed_power,
+     nullptr, "absorption", &OutputOptions::absorption},
+    {"actinic_flux", "W m-2", "actinic flux: 4 pi times the mean radiance, direct beam included", nullptr, Grid::cells,
+     &Solution::actinic_flux, nullptr, "actinic", &OutputOptions::actinic},
+}};
+
+}  // namespace
+
+std::span<const OutputField> output_fields() { return fields; }
+
+void ask_for_fluxes_alone(OutputOptions& options) {
+  for (const OutputField& field : fields) {
+    if (field.asked != nullptr) options.*field.asked = false;
+  }
+  options.radiance_field = false;
+  options.views.clear();
+  options.cameras.clear();
+}
+
+int cell_field_count(const OutputOptions& options) {
+  return static_cast<int>(std::count_if(fields.begin(), fields.end(), [&](const OutputField& field) {
+    return field.grid == Grid::cells && (field.asked == nullptr || options.*field.asked);
+  }));
+}
+
+}  // namespace cloudbow
