@@ -21,7 +21,7 @@ struct RunPlan {
   std::string accuracy;       ///< the level that the result is by
   std::string levels_solved;  ///< all, in their order
   double predicted_error = 0;
-  double predicted_seconds = 0;  ///< wall seconds of that level's solve and its companions
+  double predicted_seconds = 0;  ///< wall seconds of that level's solve and its coarse solves
   double seconds = 0;            ///< what these took
   double predicted_memory_bytes = 0;
   double seconds_in_all = 0;  ///< with the levels before

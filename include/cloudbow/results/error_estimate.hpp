@@ -27,8 +27,8 @@ ByFlux flux_distance_between_ends(const Solution& solution, const Solution& othe
 
 /// What one unit of distance between solutions counts as an error.
 struct ErrorWeights {
-  ByFlux angular;  ///< of that between the solution and its companion with fewer directions
-  ByFlux spatial;  ///< of that between the companion and the same with a source that is constant in each cell
+  ByFlux angular;  ///< of that between the solution and its coarse solve with fewer directions
+  ByFlux spatial;  ///< of that between the coarse solve and the same with a source that is constant in each cell
   ByFlux least;    ///< below which no error is believed to be
 };
 
@@ -45,11 +45,11 @@ struct ErrorEstimate {
   double between_ends = 0;  ///< columns, up or down, at the worst other level, RMS / mean; 0: there are the ends alone
   ByFlux angular_distance, spatial_distance;  ///< before they were weighed
   ByFlux probe_distance;                      ///< of single columns from their exact solution
-  double cpu_seconds = 0;                     ///< of the companions
+  double cpu_seconds = 0;                     ///< of the coarse solves
   double table_seconds = 0;                   ///< wall seconds of theirs that went into scattering tables
   std::string calibrated_for;                 ///< a level of accuracy
   /// [ny][nx] W m-2, where asked for: up at the highest level, down at the lowest. Their RMS is that of the estimate;
-  /// they are large where the companions differ.
+  /// they are large if the coarse solves differ.
   std::vector<float> upwelling_flux_error, downwelling_flux_error;
 
   double columns() const;  ///< the larger of up and down

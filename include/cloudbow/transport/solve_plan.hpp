@@ -31,7 +31,8 @@ class SolvePlan {
   const SubdividedLevels& levels() const { return levels_; }
   int added_levels() const { return levels_.added(collapsed().grid.box); }
 
-  /// Without these axes and with these levels: what is solved, and how.
+  /// Without these axes and with these levels: what is solved, and how. If cells() is more than it has, the solve adds
+  /// its cells without matter.
   const Problem& problem() const { return subdivided_ ? *subdivided_ : collapsed(); }
   const SolverOptions& options() const { return options_; }
 

@@ -9,7 +9,7 @@
 namespace cloudbow {
 namespace {
 
-// A companion's own iteration and its final gather need only be good beside its few directions.
+// The iteration and the final gather of a coarse solve need only be good compared with its few directions.
 constexpr double coarse_tolerance = 1e-2;
 constexpr double coarse_energy_tolerance = 1e-3;
 
@@ -49,7 +49,7 @@ void set_directions(const Directions& directions, SolverOptions& options) {
 SolverOptions ordinates_of_columns(const SolverOptions& options) {
   SolverOptions columns = options;
   ask_for_fluxes_alone(columns);
-  // The probe's levels are cut already, so that listed ones have other indices there.
+  // The probe's levels are subdivided already, so that listed ones have other indices there.
   columns.max_level_optical_depth = 0;
   if (columns.flux_levels == FluxLevels::listed) columns.flux_levels = FluxLevels::all;
   columns.collapse_uniform_axes = false;

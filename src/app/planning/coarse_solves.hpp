@@ -14,7 +14,7 @@ namespace cloudbow {
 /// @param accuracy the level that `options` are of.
 SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
-/// Both companions of the solution of a plan.
+/// The coarse solves beside the solution of a plan.
 CoarseSolves solve_coarsely(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
                             const ProgressCallback& progress);
 

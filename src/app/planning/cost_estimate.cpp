@@ -84,8 +84,8 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     cost.seconds += predict_seconds(plan);
     if (scene.output.error_estimate) {
       cost.seconds += predict_coarse_seconds(plan, scene.solver.accuracy, planned.as);
-      const SolvePlan companion = plan.with(coarse_options(plan.whole_options(), scene.solver.accuracy, planned.as));
-      cost.memory = std::max(cost.memory, foreseen(scene, companion) + solution_bytes(*planned.scene));
+      const SolvePlan coarse = plan.with(coarse_options(plan.whole_options(), scene.solver.accuracy, planned.as));
+      cost.memory = std::max(cost.memory, foreseen(scene, coarse) + solution_bytes(*planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(by_columns(plan.whole_options()));

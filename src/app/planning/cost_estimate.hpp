@@ -14,7 +14,6 @@
 
 namespace cloudbow {
 
-/// What is known of a run before the first solve.
 /// A scene and how it is solved.
 struct PlannedScene {
   explicit PlannedScene(AssembledScene scene);
@@ -28,6 +27,7 @@ struct PlannedScene {
 PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
                         const std::vector<double>& levels_m, int threads);
 
+/// What a run needs, known before the first solve.
 struct CostEstimate {
   std::size_t memory = 0;            ///< bytes, of the most demanding wavelength, with the results of all
   double seconds = 0;                ///< of all wavelengths, on this machine
@@ -40,11 +40,11 @@ struct CostEstimate {
 CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
                            CloudFiles& files);
 
-/// The same columns, each by itself, and their fluxes alone.
 /// Peak memory [bytes] of run() for the wavelengths of a scene.
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
+/// Options for the same scene as independent columns, of which fluxes alone are asked.
 SolverOptions by_columns(SolverOptions options);
 
 }  // namespace cloudbow

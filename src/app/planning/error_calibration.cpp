@@ -42,7 +42,7 @@ constexpr std::array<Calibration, 4> stream_calibration{{
     {"reference", {{.3, .7, .3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}}, {.009, .01, .01}},
 }};
 
-// Held against the most streams that there are.
+// Compared with the solution of most streams.
 constexpr ErrorWeights weights_beside_streams{{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}};
 
 const Calibration& calibration(const std::string& accuracy, SolvedAs as) {

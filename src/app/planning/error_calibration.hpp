@@ -1,4 +1,5 @@
-// What distances between a solution and its companions mean, level by level: measured (docs/error-estimates.md).
+// Errors from the distances between a solution and its coarse solves, by level of accuracy: measured
+// (docs/error-estimates.md).
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@
 
 namespace cloudbow {
 
-/// How a scene is solved, which is how its companions are.
+/// How a scene and its coarse solves are solved.
 enum class SolvedAs {
   field,
   column,                 ///< one, with iteration

@@ -51,7 +51,7 @@ Checkpoints::Found RunCheckpoints::find(const StateKey& key) {
     throw InputError(
         fmt::format("{}: is of other cells, directions or another precision (allowed: a checkpoint of the same cloud, "
                     "domain, solver.accuracy, solver.mode and solver.radiance_storage; sun, sky, surface, tolerance "
-                    "and output may differ, but actinic flux and cut levels have cells of their own)",
+                    "and output may differ, but actinic flux and subdivided levels have cells of their own)",
                     from_.string()));
   }
   return of_this_version(key, source_) == input_->key() ? Found::same_problem : Found::same_layout;

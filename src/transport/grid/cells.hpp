@@ -118,7 +118,7 @@ struct CellView {
 };
 
 /// @param forward_fraction [p] f of each phase function.
-/// @param vertical no differences along x and y (independent columns).
+/// @param independent_columns no differences along x and y (independent columns).
 /// @param worth_shortcuts fewer cells than this are never `varied`: they are solved soon enough without.
 template <class Real>
 Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool independent_columns,

@@ -47,12 +47,12 @@ template <bool linear, class Real>
   const Real* __restrict const y = cells.gradient[1] + first;
   const Real* __restrict const z = cells.gradient[2] + first;
   for_lanes<Real>(count, [=](int i, bool active) {
-    const Crossing<Real> crossing(active ? optical_path(sigma[i], g.length) : Real(0));
+    const Crossing<Real> crossing(optical_path(sigma[i], g.length));
     Real emitted = crossing.phi.phi1;
     if constexpr (linear) emitted = crossing.emitted(g.at_exit(x[i], y[i], z[i]), g.at_entry(x[i], y[i], z[i]));
-    const Real seen = crossing.t * transmitted[i];
+    const Real seen = active ? crossing.t * transmitted[i] : Real(0);
     sum[i] += seen * sent[i] * emitted;
-    transmitted[i] -= seen * crossing.phi.phi1;
+    transmitted[i] -= seen * crossing.phi.phi1;  // what the cell absorbs: Crossing::absorbed()
   });
 }
 

@@ -30,10 +30,10 @@ struct Segment {
 struct PathPattern {
   bool upward;
   int first_level;                         ///< lowest level crossed
-  std::vector<std::uint32_t> level_begin;  ///< in marching order, nz + 1
+  std::vector<std::uint32_t> level_begin;  ///< in marching order, levels() + 1
   std::vector<Segment> segments;
   std::vector<double> chord_m;  ///< [level in marching order] thickness / |mu|
-  /// Position after each level (nz + 1, the first is the start) in columns from the launch column's lower corner.
+  /// Position after each level (levels() + 1, the first is the start) in columns from the launch column's lower corner.
   std::vector<double> x;
   std::vector<double> y;
 
@@ -47,8 +47,8 @@ struct PathPattern {
 
 /// @param travel direction of the march, travel.z != 0.
 /// @param start_x, start_y start within the launch column, in [0, 1).
-/// @param vertical light stays in its column (independent columns): horizontal motion is ignored, chords are not.
-/// A periodic axis of one column is likewise not crossed: the field does not vary along it.
+/// @param independent_columns light stays in its column (independent columns): horizontal motion is ignored, chords are
+/// not. A periodic axis of one column is likewise not crossed: the field does not vary along it.
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
                               bool independent_columns, LevelRange levels);
 

@@ -1,5 +1,5 @@
-// Levels in which the direct beam fades within a cell are cut where it does: the source there, as straight as cells
-// have it, would be too even. Nothing is cut where little light is left, or where cells are thin.
+// Levels in which the direct beam fades within a cell are subdivided: there a source that is linear
+// in the cell would be too even. Levels with little light, or with thin cells, stay whole.
 #pragma once
 
 #include "cloudbow/transport/reductions.hpp"
@@ -19,7 +19,8 @@ Problem with_subdivided_levels(const Problem& problem, const SubdividedLevels& c
 /// Its options: listed levels have other indices.
 SolverOptions with_subdivided_levels(const SolverOptions& options, const SubdividedLevels& cut);
 
-/// The solution of a problem with cut levels becomes that of the whole: fluxes at its levels, means of its cells.
+/// The solution of a problem with subdivided levels becomes that of the whole: fluxes at its levels, means of its
+/// cells.
 void join_levels(const Problem& whole, const SubdividedLevels& cut, Solution& solution);
 
 }  // namespace cloudbow

@@ -1,4 +1,4 @@
-// How radiance at the ordinates becomes source at the ordinates.
+// Scattering operator from radiance to source, both at the ordinates.
 #pragma once
 
 #include <optional>

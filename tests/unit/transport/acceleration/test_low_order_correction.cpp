@@ -17,16 +17,21 @@ struct Fixture {
   std::vector<double> truth;  // moments of the converged radiance
   std::size_t n = 0;
 
-  Fixture(double optical_depth_of_a_level, bool periodic) {
+  static Problem field(double optical_depth_of_a_level, bool periodic) {
     const BoxGrid box = make_box(5, 4, 8, periodic);
+    Problem problem;
     problem.grid = make_grid(box, random_extinction(box, 2 * optical_depth_of_a_level, 3), .999);
     problem.phase = {PhaseFunction::henyey_greenstein(.8)};
     problem.sun = Sun{travel_along(-.6, 37), 1.};
-    options = coarse_options();
-    system = make_system<double>(problem, discretise(problem.phase, problem.sun->travel, options), options);
-    truth = iterate_source(system, {1e-8, 1e-7, 200}, {}).moments;
-    n = system.cells->size();
+    return problem;
   }
+
+  Fixture(double optical_depth_of_a_level, bool periodic)
+      : problem(field(optical_depth_of_a_level, periodic)),
+        options(coarse_options()),
+        system(make_system<double>(problem, discretise(problem.phase, problem.sun->travel, options), options)),
+        truth(iterate_source(system, {1e-8, 1e-7, 200}, {}).moments),
+        n(system.cells->size()) {}
 
   double error(const std::vector<double>& moments) const {  // of the scalar flux, relative
     double difference = 0, size = 0;
