@@ -163,11 +163,12 @@ template <bool linear, class Real>
   const Real* __restrict const z = cells.gradient[2] + first;
   std::array<Real, lanes> faded;
   for_lanes<Real>(count, [=, &faded](int i, bool active) {
-    const Crossing<Real> crossing(optical_path(sigma[i], g.length));
+    Crossing<Real> crossing(optical_path(sigma[i], g.length));
+    if (!active) crossing.t = 0;  // a lane without a cell changes nothing
     Real emitted = crossing.phi.phi1;
     if constexpr (linear) emitted = crossing.emitted(g.at_entry(x[i], y[i], z[i]), g.at_exit(x[i], y[i], z[i]));
-    faded[i] = active ? crossing.absorbed() : Real(0);
-    sum[i] = active ? crossing.leaving(sum[i], sent[i] * emitted) : sum[i];
+    faded[i] = crossing.absorbed();
+    sum[i] = crossing.leaving(sum[i], sent[i] * emitted);
   });
   for (Real* const slot : carried) {
     Real* __restrict const light = slot + ray;
