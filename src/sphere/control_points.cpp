@@ -85,8 +85,8 @@ const std::vector<int>& ControlPoints::triangles_near(const Direction& local) co
 }
 
 int ControlPoints::triangle_at_local(const Direction& local) const {
-  // A point lies inside a triangle where it is to the left of all three sides. On a side rounding may deny it to both
-  // neighbours: so the triangle that comes nearest to holding the point is taken, and there is always one.
+  // A point lies inside a triangle if it is to the left of all three sides. On a side, rounding can exclude it from
+  // both neighbours. So the triangle that comes nearest to containing the point is taken, and there is always one.
   int nearest = -1;
   double inside = -std::numeric_limits<double>::infinity();
   for (const int t : triangles_near(local)) {

@@ -9,8 +9,8 @@
 
 namespace cloudbow::hdf5 {
 
-/// What HDF5 said: the system's message if there is one ("No space left on device"), else the innermost entry of its
-/// error stack.
+/// Error text of HDF5: the system's message if there is one ("No space left on device"), else the innermost entry of
+/// its error stack.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -48,8 +48,8 @@ class Handle {
   Closer closer_;
 };
 
-/// Must come before any other HDF5 call: after a failed close HDF5's own clean-up at exit would crash the program, and
-/// its error stack would be printed to stderr.
+/// Must come before any other HDF5 call. Otherwise HDF5's own clean-up at exit would crash the program after a failed
+/// close. Its error stack would also be printed to stderr.
 void start_library();
 
 /// An input, for reading. HDF5 is not asked for anything that the file refers to elsewhere: links to other files,

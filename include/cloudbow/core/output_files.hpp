@@ -1,4 +1,4 @@
-// Where a command may write. Every writer asks here before it begins.
+// Checks of the files that a command may write. Every writer calls them before it begins.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace cloudbow {
 
-/// What is written; each kind has its endings, in one table (output_files.cpp).
+/// Kind of an output; each has its endings, in one table (output_files.cpp).
 enum class OutputKind { any, hdf5, checkpoint, vdb, csv, plot, picture };
 
 struct OutputFile {
@@ -28,7 +28,8 @@ void check_ending(const OutputFile& output);
 /// to come, the letters' case.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// @throws InputError if an output is an input or another output under any name, or has the ending of another kind.
+/// @throws InputError if an output is an input or another output under any name. Also if it has the ending of another
+/// kind.
 void check_distinct(std::span<const OutputFile> outputs, std::span<const std::filesystem::path> inputs);
 
 /// Reports before a long computation whether a file could be written: makes and removes a temporary file beside the
