@@ -72,7 +72,7 @@ Sizes choose_sizes(const DropletRecipe& recipe, std::span<const double> radii, d
                     radii.front(), smallest, smallest_size_parameter));
   }
   // u(x) = x / step + per_e_fold ln x: steps of 1 in u. A width of the distribution (its relative width is about sqrt
-  // v) holds at least four, where the trapezoidal rule is exact to 1e-16 for a bell.
+  // v) contains at least four. The trapezoidal rule is then exact to 1e-16 for a bell-shaped function.
   const double per_e_fold = std::max(60.0, 4 / std::sqrt(recipe.effective_variance));
   const auto u = [&](double x) { return x / size_step + per_e_fold * std::log(x); };
   const double u_first = u(smallest);

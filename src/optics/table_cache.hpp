@@ -10,7 +10,7 @@
 
 namespace cloudbow {
 
-/// What takes long to find; the rest of a table follows from it.
+/// The part of a table that takes long to compute; the rest follows from it.
 struct FittedColumns {
   Eigen::MatrixXd value;  ///< control points x columns
   FitReport report;       ///< of these columns: programmes, fallbacks, least value, error

@@ -1,6 +1,6 @@
 // Rotation of functions that are given at control points. The rotated function takes in direction R v the value that
 // the function had in direction v. There are two ways. A permutation of the control points keeps every value, and so
-// the peak, but displaces it by up to half the spacing of the points. Interpolation of the values flattens peaks a
+// the peak. It displaces the peak by up to half the spacing of the points. Interpolation of the values flattens peaks a
 // little each time. Both are prepared once for a rotation and a set of points. They are then applied to any number of
 // functions, whose values are M rows of N contiguous functions.
 #pragma once
@@ -22,7 +22,7 @@ using PointPermutation = std::vector<int>;
 std::optional<PointPermutation> exact_permutation(const ControlPoints& points, const Eigen::Matrix3d& rotation);
 
 /// How rotated points are matched to points, one to one. All find the exact permutation if there is one. The first two
-/// are quick (M^2 log M and M^2), but the partners left for the last points may be far away. The third is M^3.
+/// are quick (M^2 log M and M^2). The partners that they leave for the last points may be far away. The third is M^3.
 enum class Matching {
   best_first,    ///< Of all pairs left, always the closest.
   outward,       ///< From the closest pair outward through neighbours, each rotated point to the closest free point.
