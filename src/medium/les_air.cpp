@@ -63,7 +63,7 @@ void LesAir::check_range(const std::string& name, const std::vector<T>& value, d
   }
 }
 
-/// Air gets thinner with height: where it does not, the levels are upside down.
+/// Density of air decreases with height: if it does not, the levels are upside down.
 template <class T>
 void LesAir::check_levels_ascend(const std::string& name, const std::vector<T>& value) const {
   const std::size_t top = grid_.length(2) - 1;
@@ -81,7 +81,8 @@ const std::vector<float>& LesAir::density() {
   const CloudImportOptions& options = file_.options;
   if (set_density_as_given()) return density_;
   const bool by_gas_law = options.air_density.empty() && !options.pressure.empty();
-  const NetcdfVariable* variable = by_gas_law ? nullptr : file_.find(options.air_density, air_density_names, "--air-density");
+  const NetcdfVariable* variable =
+      by_gas_law ? nullptr : file_.find(options.air_density, air_density_names, "--air-density");
   if (variable != nullptr) {
     set_density_of(*variable);
   } else {
@@ -261,9 +262,9 @@ std::optional<double> LesAir::balance(const Pressure& pressure, const std::vecto
   return std::isfinite(ratio) ? std::optional(ratio) : std::nullopt;
 }
 
-/// Why numbers that are named temperature are the potential temperature; empty if they are not. The weight of the air
-/// tells: the gas law with the temperature gives the density that pressure and heights have. Where it tells nothing,
-/// temperature falls with height in a cloud, and potential temperature rises.
+/// Reason why numbers that are named temperature are the potential temperature; empty if they are not. The weight of
+/// the air decides: the gas law with the temperature gives the density that pressure and heights have. If it is not
+/// conclusive, temperature falls with height in a cloud, and potential temperature rises.
 std::string LesAir::sign_of_potential(const Pressure& pressure, const std::vector<float>& kelvin,
                                       const std::vector<float>& converted) const {
   const auto fits = [](const std::optional<double>& ratio) { return ratio && *ratio > 0.99 && *ratio < 1.02; };

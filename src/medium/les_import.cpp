@@ -292,7 +292,7 @@ class LesReader {
     return number;
   }
 
-  /// The cell with most water tells: other cells may be the rims of clouds.
+  /// The cell with most water decides: other cells may be the rims of clouds.
   void check_droplet_number(const std::string& source, const std::vector<float>& number) const {
     constexpr double least = 0.1, most = 1e5;  // per cm3
     const auto n = static_cast<std::size_t>(std::max_element(cloud_.density.begin(), cloud_.density.end()) -
@@ -321,7 +321,7 @@ class LesReader {
 
   // -- what else ----------------------------------------------------------------------------------------------------
 
-  /// Water of other kinds is not imported unless it is named, and the user is told so.
+  /// Water of other kinds is not imported unless it is named; a note reports it.
   void report_species() {
     for (const Species& species : species_names) {
       const auto& names = species.names;

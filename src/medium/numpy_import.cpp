@@ -10,7 +10,7 @@
 namespace cloudbow {
 namespace {
 
-/// What the header says: a Python dictionary like {'descr': '<f8', 'fortran_order': False, 'shape': (20, 8, 10), }.
+/// Content of the header, a Python dictionary like {'descr': '<f8', 'fortran_order': False, 'shape': (20, 8, 10), }.
 struct NumpyHeader {
   std::string type;
   bool is_fortran = false;

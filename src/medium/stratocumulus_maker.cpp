@@ -13,7 +13,7 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr double adiabatic_fraction = 0.8;
 constexpr double log_deviation = 0.35;  // of the logarithm of optical depth
-constexpr double outer_waves = 2;       // waves in the longer side of the domain where the spectrum bends over to white
+constexpr double outer_waves = 2;       // waves in the longer side of the domain; fewer: white spectrum
 
 std::vector<std::complex<double>> unit_roots(int n) {
   std::vector<std::complex<double>> roots;

@@ -35,7 +35,7 @@ class VdbInput : private openvdb::io::Archive {
   /// The grid of this name with its metadata and transform. @throws InputError that lists the grids there.
   const Entry& find(const std::string& name) const;
 
-  /// Reads the tree. @throws InputError where the grid is not of floats, shares another grid's tree, or is damaged.
+  /// Reads the tree. @throws InputError if the grid is not of floats, shares another grid's tree, or is damaged.
   openvdb::FloatGrid::ConstPtr load(const Entry& entry);
 
  private:

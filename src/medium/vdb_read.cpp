@@ -55,8 +55,7 @@ void check_memory(double bytes, const VdbReadOptions& options, const Place& wher
   }
 }
 
-// A voxel passes through the tree (4 bytes and its share of the leaf), the list of voxels (16), the rows (8) and the
-// field (4).
+// Bytes per voxel: in the tree 4 and its share of the leaf, in the list of voxels 16, in the rows 8, in the field 4.
 void check_voxels(double voxels, const VdbReadOptions& options, const Place& where) {
   const std::string found = fmt::format("{:.0f} active voxels", voxels);
   check_memory(40.0 * voxels, options, where, found);
@@ -143,7 +142,7 @@ class VoxelCollector {
     }
   }
 
-  /// @throws InputError where numbers are negative by more than rounding.
+  /// @throws InputError if numbers are negative by more than rounding.
   void check_negative() const {
     if (-static_cast<double>(least_) > largest_rounding * static_cast<double>(largest_)) {
       where_.fail(
@@ -458,8 +457,8 @@ std::vector<float> read_auxiliary(const std::filesystem::path& path, const Cloud
   return values;
 }
 
-/// Some damaged files make OpenVDB overflow its heap, spin or ask for all memory: the file is first parsed in a child
-/// process. OpenVDB works on one thread here and there: a child inherits no others, and would wait for them.
+/// Some damaged files make OpenVDB overflow its heap, loop endlessly or request all memory: the file is first parsed in
+/// a child process. OpenVDB uses one thread in both processes: a child inherits no others, and would wait for them.
 template <class Parse, class Read>
 auto after_parsing(const std::filesystem::path& path, Parse parse, Read read) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);

@@ -25,7 +25,7 @@ namespace {
 
 constexpr float largest_half = 65504.0F;
 
-/// What tells a grid from the others on the same voxels.
+/// Properties that distinguish a grid from the others on the same voxels.
 struct GridContent {
   const std::string& name;
   const std::string& quantity;
@@ -156,7 +156,7 @@ class PartFile {
 
   std::ostream& stream() { return stream_; }
 
-  /// What a function that writes throws becomes the user's message.
+  /// Calls a function that writes, and turns its exceptions into messages for the user.
   template <class Function>
   void doing(Function function) {
     try {

@@ -20,10 +20,10 @@ constexpr int most_iterations = 60;      // a programme that has a solution take
 constexpr double to_boundary = 0.995;    // of the step at which a variable becomes 0
 
 // Let Z = X - lower, r = A X - value, t_i >= |r_i| and c_i = mean_weight / (n mean_scale_i). The programme is
-//   minimise h + c.t subject to t - r >= 0, t + r >= 0, scale h - t >= 0, Z >= 0, C X = right. h is a variable, given,
-//   or without limit (then scale h - t is omitted). Its slacks are above, below, rest and Z, each with a multiplier.
-//   The start has all of them positive and consistent with X, t, h. So only C X = right and the dual's rows over X are
-//   violated at the start.
+//   minimise h + c.t  subject to  t - r >= 0, t + r >= 0, scale h - t >= 0, Z >= 0, C X = right.
+// h is a variable, given, or without limit (then scale h - t is omitted). The slacks are above, below, rest and Z, each
+// with a multiplier. The start has all of them positive and consistent with X, t, h. So only C X = right and the dual's
+// rows over X are violated at the start.
 
 /// A value for each inequality: slacks, multipliers, or right sides of s * multiplier = ...
 struct Inequalities {

@@ -29,8 +29,8 @@ struct AlbedoMap {
 /// pictures in colour, transparent pixels, missing values, values outside 0 to 1.
 AlbedoMap read_albedo_map(const std::filesystem::path& file);
 
-/// A map of another size, by its own coordinates, is that of another place.
-/// @param file for the message
+/// A map of another size, by its own coordinates, belongs to another site.
+/// @param file for the message.
 /// @throws InputError if the map has coordinates and they are off by more than 1 % or a cell.
 void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m);
 

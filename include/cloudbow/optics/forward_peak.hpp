@@ -38,7 +38,8 @@ struct PeakAngle {
 };
 
 /// `count` > 0 scattering angles distributed as the magnitude of sum_p weight_p peak_p, and a tenth of them wider than
-/// that. They are at the middles of as many equal shares. @param weight [p] >= 0, for peaks of share > 0 not all 0.
+/// that. They are at the middles of as many equal shares.
+/// @param weight [p] >= 0, for peaks of share > 0 not all 0.
 std::vector<PeakAngle> peak_angles(std::span<const ForwardPeak> peaks, std::span<const double> weight, int count);
 
 }  // namespace cloudbow
