@@ -69,7 +69,7 @@ std::optional<Maker> maker_of(std::string_view name, std::string_view prefix) {
   return number.ec == std::errc() && number.ptr == end ? std::optional(maker) : std::nullopt;
 }
 
-/// Processes of other hosts cannot be asked: a file is theirs no longer once nobody has written to it for a day.
+/// Processes of other hosts cannot be queried: a file is no longer theirs if it has not been written to for one day.
 bool is_left_behind(const fs::directory_entry& entry, const Maker& maker, const std::string& host) {
   if (maker.host == host) return kill(maker.process, 0) != 0 && errno == ESRCH;
   std::error_code error;

@@ -23,7 +23,7 @@ struct LevelledCloud {
   std::vector<double> z_edge_m;  ///< nz + 1, ascending
   std::string quantity;
   std::string source = "the file";              ///< variable or column of the quantity, with its unit, for messages
-  std::string source_hint;                      ///< the option that says the unit otherwise, for messages
+  std::string source_hint;                      ///< the option that sets another unit, for messages
   std::vector<float> density;                   ///< of the quantity, >= 0
   std::vector<float> effective_radius_um;       ///< empty, or > 0 in cells with density
   std::vector<float> single_scattering_albedo;  ///< empty, or 0 to 1
@@ -60,7 +60,7 @@ std::vector<double> edges_between(const std::vector<double>& centre);
 /// Distance of equally spaced centres. @throws InputError if they are not, to 1e-3 of it.
 double uniform_spacing(const std::filesystem::path& file, const std::string& axis, const std::vector<double>& centre);
 
-/// As many levels as there are, of the height that the user says, from the ground; notes it.
+/// Sets as many levels as there are, of the height that the user gives, from the ground; adds a note.
 void set_levels_by_voxel_size(LevelledCloud& cloud, const CloudImportOptions& options);
 
 /// @throws InputError if the cloud has numbers that no cloud has, which are wrong units most of the time.

@@ -1,4 +1,4 @@
-// Density of the air of an LES file: as it is there, from pressure and temperature, or as the user says it.
+// Density of the air of an LES file: as it is in the file, from pressure and temperature, or as the user gives it.
 #pragma once
 
 #include <optional>

@@ -31,7 +31,7 @@ class LesFile {
 
   /// The variable that the user names with an option. @throws InputError if there is none.
   const NetcdfVariable& named(const std::string& name, const std::string& option) const;
-  /// All that go by these names, in their order, else all with one of the standard names; scalars do not count.
+  /// All variables with these names, in their order, else all with one of the standard names; scalars do not count.
   std::vector<const NetcdfVariable*> candidates(const Words& words) const;
   const NetcdfVariable* first_of(const Names& names) const;
   /// The variable that the user names, else the first candidate, else null.

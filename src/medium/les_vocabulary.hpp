@@ -1,4 +1,4 @@
-// How output of large-eddy simulations names its variables, axes and units.
+// Names of variables, axes and units in output of large-eddy simulations.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace cloudbow {
 
-/// Names that a variable goes by, the likeliest first.
+/// Names of a variable, the likeliest first.
 using Names = std::vector<std::string>;
 
 /// A quantity by names of variables and, if none of them is in the file, by CF standard names.
@@ -34,7 +34,7 @@ extern const Names ice_names, condensate_names;
 /// Variables that hold heights of levels; heights_names at centres or, one more, at edges of cells.
 extern const Names heights_names;
 
-/// A unit as files spell it, and its size in the table's own unit. factor_of says how spellings are compared.
+/// A unit as files spell it, and its size in the table's own unit. factor_of describes how spellings are compared.
 struct Unit {
   const char* spelling;
   double factor;
@@ -62,7 +62,7 @@ extern const UnitTable radius_units;             ///< um
 /// kg/kg") is part of the factor.
 std::optional<double> factor_of(const UnitTable& table, const std::string& spelled);
 
-/// A file that says "1" or nothing leaves the unit to be guessed.
+/// In a file with "1" or no unit, the unit must be guessed.
 bool is_unit_given(const std::string& units);
 
 constexpr std::array<const char*, 4> axis_names{"x", "y", "z", "time"};

@@ -1,4 +1,4 @@
-// An array of NumPy (.npy, format versions 1 to 3): numbers alone, [z][y][x] of the quantity that the user says.
+// An array of NumPy (.npy, format versions 1 to 3): numbers alone, [z][y][x] of the quantity that the user gives.
 #include <algorithm>
 #include <array>
 #include <bit>

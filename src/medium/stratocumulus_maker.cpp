@@ -43,7 +43,7 @@ std::vector<double> turbulent_field(const MakerGrid& grid, std::uint64_t seed) {
     }
   }
 
-  // The transform is done axis by axis: nx*ny*(nx + ny) products are nothing beside solving the scene.
+  // The transform is done axis by axis: nx*ny*(nx + ny) products are negligible compared with solving the scene.
   const auto roots_x = unit_roots(nx);
   const auto roots_y = unit_roots(ny);
   std::vector<Complex> half(waves.size());

@@ -90,7 +90,7 @@ bool is_auxiliary(const std::string& quantity) {
   return quantity == "effective_radius" || quantity == "single_scattering_albedo" || quantity == "phase_index";
 }
 
-/// Of a grid of liquid water, by the radii of another grid.
+/// Optical depth of a grid of liquid water, by the radii of another grid.
 void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, VdbGridInfo& water) {
   CloudField field = read_cloud_vdb(path, {.grid = water.name});
   const std::vector<float> radius =

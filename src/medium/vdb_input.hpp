@@ -26,7 +26,7 @@ class VdbInput : private openvdb::io::Archive {
     std::streamoff data_begin = 0;
   };
 
-  /// @param wanted the grid that load() will be asked for: the others of a file without offsets are read and forgotten.
+  /// @param wanted the grid that load() will read: the others of a file without offsets are read and discarded.
   /// @throws InputError: missing, a directory, not OpenVDB, truncated or damaged.
   VdbInput(const std::filesystem::path& path, const std::string& wanted);
 

@@ -249,8 +249,8 @@ std::string numbers(const std::array<double, 3>& n) {
   return fmt::format("[{:.10g}, {:.10g}, {:.10g}]", n[0], n[1], n[2]);
 }
 
-/// Cells that hold the background: those of the grid's own domain, else of the scene's, that are not active. It has no
-/// end by itself.
+/// Cells that hold the background: those of the grid's own domain, else of the scene's, that are not active. The
+/// background has no bounds of its own.
 void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomain>& domain,
                     const VdbReadOptions& options, const Placement& placement, const Place& where,
                     VoxelCollector& voxels) {
@@ -306,7 +306,7 @@ void note_inactive_values(const openvdb::FloatGrid& grid, const Place& where, st
   }
 }
 
-/// A single voxel far from all others makes a domain that nobody meant.
+/// A single voxel far from all others makes a domain that is hardly intended.
 void note_stray_voxels(const std::vector<Voxel>& voxels, const CellBox& box, const Placement& placement,
                        const Place& where, std::vector<std::string>& notes) {
   constexpr double sparse = 1e-3;       // cells of the box with a value

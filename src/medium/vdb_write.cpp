@@ -118,7 +118,7 @@ std::string units_of(const std::string& quantity) {
 
 constexpr std::uint32_t compression_flags = openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK;
 
-/// Grids one by one: openvdb::io::File and Stream want them all at once. The order of the writes is that of
+/// Grids one by one: openvdb::io::File and Stream require them all at once. The order of the writes is that of
 /// openvdb::io::Archive::write.
 class GridByGrid : private openvdb::io::Archive {
  public:

@@ -12,7 +12,7 @@ namespace cloudbow {
 namespace {
 
 constexpr double four_pi = 4 * std::numbers::pi;
-constexpr double tiny = 1e-12;  // an entry below stands for 0, see FitProgramme
+constexpr double tiny = 1e-12;  // an entry below represents 0, see FitProgramme
 
 /// h_l = int_0^1 mu^power P_l dmu, l < count: from h_l = (P_{l-1}(0) - P_{l+1}(0)) / (2l+1) for power 0, raised by
 /// (2l+1) mu P_l = (l+1) P_{l+1} + l P_{l-1}.

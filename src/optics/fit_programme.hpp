@@ -24,7 +24,7 @@ struct FitProgramme {
   LargestResidual largest = LargestResidual::minimised;
   double bound = 0;  ///< h if it is given
   Eigen::MatrixXd
-      rows;  ///< entries that stand for 0 must be 0: rounding left there makes the solver return wrong prices
+      rows;  ///< entries that represent 0 must be 0: rounding left there makes the solver return wrong prices
   Eigen::VectorXd right;
   std::optional<double> lower = 0;  ///< nothing: X has any sign
 };

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr double gap_tolerance = 1e-6;   // of the objective: fluxes do not change below 1e-4
-constexpr double row_tolerance = 1e-10;  // what is left in the exact rows and in the dual's
+constexpr double row_tolerance = 1e-10;  // residual of the exact rows and of the dual's
 constexpr int most_iterations = 60;      // a programme that has a solution takes 10 to 25
 constexpr double to_boundary = 0.995;    // of the step at which a variable becomes 0
 

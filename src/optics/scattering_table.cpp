@@ -120,7 +120,7 @@ Eigen::VectorXd permuted(const Eigen::VectorXd& column, const Member& member) {
   return result / static_cast<double>(member.maps.size());
 }
 
-/// Adds a fitted column, that stands for so many of the table, to a report.
+/// Adds a fitted column, which represents so many of the table, to a report.
 void add(FitReport& report, const FittedColumn& column, std::size_t copies) {
   report.linear_programmes += column.linear_programmes;
   report.fallbacks += column.fell_back ? static_cast<int>(copies) : 0;

@@ -25,7 +25,7 @@ class TableCache {
   /// Nothing if there is no such entry, or something else of its name: a directory, a pipe, a file that is damaged or
   /// belongs to another key.
   std::optional<FittedColumns> load() const;
-  /// A reader never meets half a file. Failing is no error: the table is made again.
+  /// A reader never sees an incomplete file. Failing is no error: the table is made again.
   void store(const FittedColumns& columns) const;
 
  private:

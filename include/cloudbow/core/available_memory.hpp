@@ -1,4 +1,4 @@
-// How much memory the process may come to hold.
+// Memory that the process may use.
 #pragma once
 
 #include <cstdint>

@@ -52,9 +52,9 @@ class Handle {
 /// close. Its error stack would also be printed to stderr.
 void start_library();
 
-/// An input, for reading. HDF5 is not asked for anything that the file refers to elsewhere: links to other files,
-/// links and filters of plug-ins, virtual datasets and external storage are refused before they are followed.
-/// @throws InputError naming the file if it is no regular file, is locked or holds such a thing; Error if damaged.
+/// An input, for reading. HDF5 does not read anything outside the file to which it refers: links to other files, links
+/// and filters of plug-ins, virtual datasets and external storage are refused before they are followed.
+/// @throws InputError naming the file if it is no regular file, is locked or has such a reference; Error if damaged.
 Handle open_file(const std::filesystem::path& path);
 
 /// The same check before another library opens the file; anything but HDF5 passes.

@@ -20,7 +20,7 @@ struct OutputFile {
 /// The ending of a name in small letters, ".h5"; empty if there is none. Digits alone are none: "depth_0.5".
 std::string name_ending(const std::filesystem::path& file);
 
-/// @throws InputError if the name has an ending that is not of this kind: whoever opens the file goes by it. A name
+/// @throws InputError if the name has an ending that is not of this kind: readers choose the format by it. A name
 /// without ending is allowed.
 void check_ending(const OutputFile& output);
 

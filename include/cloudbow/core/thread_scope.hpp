@@ -1,4 +1,4 @@
-// How many threads OpenMP's regions have.
+// Number of threads of OpenMP's regions.
 #pragma once
 
 namespace cloudbow {

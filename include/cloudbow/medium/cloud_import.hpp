@@ -59,7 +59,7 @@ struct ImportedCloud {
   CloudField field;
   std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index"
   std::vector<std::vector<double>> moments;  ///< [phase function][l] if the file holds them, without the factor 2l+1
-  std::vector<std::string> notes;            ///< what was found and what was guessed, for the user to check
+  std::vector<std::string> notes;            ///< findings and guesses, for the user to check
 };
 
 /// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass. Each voxel is the

@@ -101,9 +101,9 @@ struct Layer {
 };
 
 /// Subdivision of levels without cloud. Optical depths are vertical and after delta-M. Interfaces are those between
-/// different optics, and the domain's top and bottom. At the optical distance t from the nearest interface the
-/// thickness of a level is
-///   h(t) = min(edge_optical_depth + growth t, max(max_optical_depth, deep_growth t))
+/// different optics, and the domain's top and bottom. At the optical distance t from the nearest interface, the
+/// thickness of a level is:
+///   h(t) = min(edge_optical_depth + growth t, max(max_optical_depth, deep_growth t)).
 /// Levels are thin near the interfaces, because radiance changes fast there, and at most max_optical_depth inside. Only
 /// diffusion is left beyond t = max_optical_depth / deep_growth. There they grow again, so that optical depths of 1e4
 /// take some hundreds of levels.

@@ -39,7 +39,7 @@ struct VdbReadOptions {
   std::uint64_t memory_limit_bytes = 0;
 };
 
-/// The field of a grid, and what else its file says.
+/// The field of a grid, with its units and notes.
 struct VdbCloud : CloudField {
   std::string units{};               ///< empty if the file does not say
   std::vector<std::string> notes{};  ///< decisions of reading, one sentence each with file and grid
@@ -59,13 +59,12 @@ struct VdbCloud : CloudField {
 /// option out of range.
 VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options = {});
 
-/// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in the order of
-/// cloud.value. `options` must be those that read the cloud, except for the name of the grid; its `scale` multiplies
-/// this grid's numbers. At voxels without active value the background of the grid counts if it is not 0: it is then the
-/// value elsewhere.
+/// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in their order.
+/// `options` must be those that read the cloud, except for the name of the grid. Their `scale` multiplies this grid's
+/// numbers. A background other than 0 is the value at voxels that are not active.
 /// @param lowest, highest the range allowed, ends included, after scaling.
-/// @throws InputError as read_cloud_vdb does. Also if the metadata contradict auxiliary_quantity, the voxels do not
-/// coincide with the cloud's, or a value is missing or out of range.
+/// @throws InputError as read_cloud_vdb does. Also if the metadata contradict auxiliary_quantity; if the voxels do not
+/// coincide with the cloud's; if a value is missing or out of range.
 std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options,
                                       double lowest = std::numeric_limits<double>::lowest(),

@@ -27,8 +27,8 @@ class ControlPointBrdf {
   Eigen::MatrixXd leaving_by_arriving_;
 };
 
-/// How the surface's own normal stands in the scene's frame. The ground of a scene is a horizontal plane. A slope means
-/// that it consists of facets, all tilted alike. Together they receive the light that reaches the plane.
+/// Orientation of the surface's own normal in the scene's frame. The ground of a scene is a horizontal plane. A slope
+/// means that it consists of facets, all tilted alike. Together they receive the light that reaches the plane.
 struct SurfaceTilt {
   double slope_deg = 0;   ///< 0 <= slope < 90
   double aspect_deg = 0;  ///< azimuth that the slope faces, counter-clockwise from +x

@@ -35,7 +35,7 @@ bool is_cached_table(const std::filesystem::path& file);
 /// Quality of the fit; written to the result file and by `cloudbow phase`.
 struct FitReport {
   int linear_programmes = 0;
-  int fallbacks = 0;   ///< columns not solved as asked (fewer rows, or least squares with correction)
+  int fallbacks = 0;   ///< columns not solved as requested (fewer rows, or least squares with correction)
   double closure = 0;  ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
   double least_value =
       std::numeric_limits<double>::infinity();  ///< lowest value of a fitted phase function (mean 1) at a control point

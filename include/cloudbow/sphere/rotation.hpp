@@ -21,8 +21,9 @@ using PointPermutation = std::vector<int>;
 /// 60 rotations of the icosahedral group (in the points' own frame) do. Reflections may be given as well.
 std::optional<PointPermutation> exact_permutation(const ControlPoints& points, const Eigen::Matrix3d& rotation);
 
-/// How rotated points are matched to points, one to one. All find the exact permutation if there is one. The first two
-/// are quick (M^2 log M and M^2). The partners that they leave for the last points may be far away. The third is M^3.
+/// Methods that match rotated points to points, one to one. All find the exact permutation if there is one. The first
+/// two are quick (M^2 log M and M^2). The partners that they leave for the last points may be far away. The third is
+/// M^3.
 enum class Matching {
   best_first,    ///< Of all pairs left, always the closest.
   outward,       ///< From the closest pair outward through neighbours, each rotated point to the closest free point.
