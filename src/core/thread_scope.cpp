@@ -12,8 +12,8 @@
 namespace cloudbow {
 namespace {
 
-// OpenMP ends the process if it cannot start a thread. So they are tried before: as many beside the caller's as it will
-// start, all there at the same time.
+// OpenMP ends the process if it cannot start a thread. So they are tried before: as many in addition to the caller's as
+// it will start, all existing at the same time.
 int startable(int wanted) {
   std::mutex mutex;
   std::condition_variable all_tried;

@@ -22,7 +22,8 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 constexpr int sizes_per_block = 48;
 constexpr int angles_per_tile = 64;
 constexpr double last_moment = 1e-8;  // of (2l+1) chi_l
-/// Efficiencies cost little next to intensities, and the narrow resonances of spheres are in them: so many more sizes.
+/// Steps of efficiencies per step of intensities. Efficiencies take little time and contain the narrow resonances of
+/// spheres.
 constexpr int efficiency_steps = 5;
 
 void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {

@@ -50,8 +50,8 @@ int ControlPoints::bin(double polar_angle, double azimuth) const {
   return row * meridians_ + column;
 }
 
-// A triangle is entered into all bins that its circumscribed cap may touch: cheap, and it leaves no gap that a point
-// could fall through.
+// A triangle is entered into all bins that its circumscribed cap may touch. That takes little time, and every point
+// finds its triangle.
 void ControlPoints::fill_bins() {
   parallels_ = static_cast<int>(2 * std::sqrt(size()));
   meridians_ = 2 * parallels_;

@@ -1,4 +1,4 @@
-// Lower bounds that hide nothing.
+// A lower bound of 0 that keeps NaN.
 #pragma once
 
 namespace cloudbow {

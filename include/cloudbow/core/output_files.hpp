@@ -24,8 +24,8 @@ std::string name_ending(const std::filesystem::path& file);
 /// without ending is allowed.
 void check_ending(const OutputFile& output);
 
-/// Whether two paths lead to one file, there or yet to come: through links, another spelling of the path, or, for files
-/// to come, the letters' case.
+/// Whether two paths lead to one file, existing or not yet written: through links, another spelling of the path, or,
+/// for files not yet written, the letters' case.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// @throws InputError if an output is an input or another output under any name. Also if it has the ending of another

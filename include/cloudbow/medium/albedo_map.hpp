@@ -25,7 +25,7 @@ struct AlbedoMap {
 /// (time) may stand before or behind. Dimensions y, x, or the other way round if their names say so. Coordinates in
 /// variables of the dimensions' names turn an axis that descends; without any, y and x ascend. scale_factor, add_offset
 /// and units ("%") are obeyed.
-/// @throws InputError naming the file, what was found, what is allowed and what mends it: not such a file, damaged,
+/// @throws InputError naming the file, what was found, what is allowed and the remedy: not such a file, damaged,
 /// pictures in colour, transparent pixels, missing values, values outside 0 to 1.
 AlbedoMap read_albedo_map(const std::filesystem::path& file);
 

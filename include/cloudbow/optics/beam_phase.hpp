@@ -2,8 +2,8 @@
 // uses the whole phase function (Nakajima & Tanaka 1988, "TMS"), except for the sun's aureole.
 //
 // Within half a resolved angle of the beam (pi / 2N, fading until pi / N), light scatters on in the peak after its
-// scattering towards the camera, and must not count twice. The radiance after an optical depth lambda of scattering
-// into the peak is known there. With r_l = chi_l / f, f = chi_N, it is the small-angle solution of the moments l >= N:
+// scattering towards the camera. It must not count twice. The radiance after an optical depth lambda of scattering into
+// the peak is known there. With r_l = chi_l / f, f = chi_N, it is the small-angle solution of the moments l >= N:
 // exp(-lambda (1 - r_l)) - exp(-lambda). Each point emits the increase of that with lambda:
 //     f sum_{l >= N} (2l+1) [exp(-lambda) - (1 - r_l) exp(-lambda (1 - r_l))] P_l(cos).
 // This replaces f sum (2l+1) r_l P_l(cos). It may be negative: the peak widens.

@@ -1,6 +1,6 @@
-// Functions on the sphere as sums of real spherical harmonics: project, query, scale, add, rotate. The representation
-// that control points are measured against (docs/sphere.md). The free functions work on many functions at once:
-// `coefficients` then holds K rows, one a harmonic, of N contiguous functions.
+// Functions on the sphere as sums of real spherical harmonics: project, query, scale, add, rotate. They are the
+// reference for the accuracy of control points (docs/sphere.md). The free functions work on many functions at once:
+// `coefficients` then holds K rows, one per harmonic, of N contiguous functions.
 #pragma once
 
 #include <Eigen/Core>
