@@ -16,8 +16,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double size_exponent =
     -1.7;  // number of clouds of a diameter (Neggers et al. 2003, doi 10.1175/1520-0469(2003)060<2060:SSOSCI>2.0.CO;2)
 constexpr double largest_diameter_m = 1800;
-constexpr double surplus =
-    1.25;  // of the area of the footprints: the cover is then reached by removing the outermost part
+constexpr double surplus = 1.25;  // of the area of the footprints: the cover is then reached by removing outer parts
 constexpr double undiluted_fraction = 0.8;  // adiabatic fraction of liquid water at the base
 constexpr double dilution_height_m = 1000;  // height at which entrainment has halved it
 
