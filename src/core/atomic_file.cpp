@@ -27,7 +27,8 @@ std::string system_message(int error) { return std::generic_category().message(e
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-/// Names by which processes of this host and PID namespace know each other; a file system may be shared with others.
+/// Names by which processes of this host and PID namespace identify each other; a file system may be shared with
+/// others.
 std::string host_tag() {
   std::array<char, 256> host{};
   gethostname(host.data(), host.size() - 1);
@@ -68,7 +69,7 @@ std::optional<Maker> maker_of(std::string_view name, std::string_view prefix) {
   return number.ec == std::errc() && number.ptr == end ? std::optional(maker) : std::nullopt;
 }
 
-/// Processes of other hosts cannot be asked: a file is theirs no longer once nobody has written to it for a day.
+/// Processes of other hosts cannot be queried: a file is no longer theirs if it has not been written to for one day.
 bool is_left_behind(const fs::directory_entry& entry, const Maker& maker, const std::string& host) {
   if (maker.host == host) return kill(maker.process, 0) != 0 && errno == ESRCH;
   std::error_code error;
@@ -167,7 +168,7 @@ AtomicFile::AtomicFile(const fs::path& target) : name_(target) {
   const std::string host = host_tag();
   remove_left_behind(target_, host);
 
-  // What others may not read of an older file, they may not read of the new one either.
+  // Users who may not read the older file may not read the new one either.
   struct stat older {};
   const mode_t mode = stat(target_.c_str(), &older) == 0 ? (older.st_mode & 0666) | S_IRUSR | S_IWUSR : 0666;
   for (int attempt = 0;; ++attempt) {
@@ -191,8 +192,7 @@ void AtomicFile::commit() {
   if (stat(target_.c_str(), &older) == 0) take_over_access(temporary_, older);
   if (rename(temporary_.c_str(), target_.c_str()) != 0) throw_unwritable(name_, system_message(errno));
   committed_ = true;
-  // Some network file systems can't sync a folder (EINVAL), and a folder that may be written need not be readable
-  // (EACCES).
+  // Some network file systems can't sync a folder (EINVAL). A folder that may be written need not be readable (EACCES).
   const int error = sync_to_disk(folder_of(target_), O_RDONLY | O_DIRECTORY);
   if (error != 0 && error != EINVAL && error != EACCES) throw_unwritable(name_, system_message(error));
 }

@@ -67,7 +67,7 @@ std::uint64_t control_group_limit(const fs::path& root) {
   return least;
 }
 
-/// What a limit on addresses or data leaves beside what is reserved of them, with `held` of that in memory.
+/// Bytes that a limit on addresses or data allows in all: those not yet `reserved`, and the `held` ones in memory.
 std::uint64_t under_limit(const rlimit& limit, std::uint64_t reserved, std::uint64_t held) {
   if (limit.rlim_cur == RLIM_INFINITY) return unlimited;
   return (limit.rlim_cur > reserved ? limit.rlim_cur - reserved : 0) + held;

@@ -75,7 +75,7 @@ std::string foreign_filter(hid_t properties) {
   return {};
 }
 
-/// What an object refers to beyond its file; empty: nothing.
+/// Storage outside its file to which an object refers; empty if there is none.
 std::string leads_elsewhere(hid_t group, const char* name) {
   const Handle object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose, "open an object");
   if (H5Iget_type(object) != H5I_DATASET) return {};

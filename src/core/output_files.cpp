@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Equal for two paths that lead to the same file: its number, or that of the folder and the name of a file to come.
-/// Such names count as one if they differ by case alone: some file systems do not tell them apart.
+/// Equal for two paths that lead to the same file: its number, or that of the folder and the name of a file not yet
+/// written. Such names count as one if they differ by case alone: some file systems do not distinguish them.
 std::string identity_of(const fs::path& path) {
   struct stat found {};
   if (stat(path.c_str(), &found) == 0) return fmt::format("{}:{}", found.st_dev, found.st_ino);

@@ -33,7 +33,7 @@ struct Limits {
   rlim_t cpu_seconds;
   rlim_t wall_seconds;
   rlim_t memory_bytes;     ///< beyond what the process has
-  bool memory_is_of_host;  ///< ulimit leaves less than the rehearsal would
+  bool memory_is_of_host;  ///< ulimit leaves less than the sandbox would
   bool memory_is_short;    ///< and so little that a sound file may fail in any way
 };
 
@@ -51,20 +51,20 @@ MemoryInUse memory_in_use() {
   return {pages[0] * page, pages[5] * page};
 }
 
-/// What a limit leaves beyond what is in use.
+/// Amount that a limit leaves beyond what is in use.
 rlim_t room_below(auto resource, rlim_t in_use) {
   rlimit limit{};
   if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return RLIM_INFINITY;
   return limit.rlim_cur - std::min(limit.rlim_cur, in_use);
 }
 
-/// Parsing takes less than 0.1 s and 0.1 s for each megabyte; a disk of the network gives at least a megabyte a second.
+/// Parsing takes less than 0.1 s and 0.1 s per megabyte; a network disk delivers at least one megabyte per second.
 Limits limits_for(const std::filesystem::path& path, const SandboxOptions& options) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   const rlim_t megabytes = error ? 0 : static_cast<rlim_t>(bytes) / megabyte;
   const rlim_t left = memory_left_by_limits();
-  // What is available is within these limits too.
+  // The available memory is within these limits too.
   const rlim_t half = available_memory_bytes() / 2;
   const rlim_t memory = options.memory_bytes > 0 ? options.memory_bytes : half;
   const bool of_host = left < (options.memory_bytes > 0 ? memory : 2 * half);
@@ -123,7 +123,7 @@ std::string read_all(int file) {
 
 [[noreturn]] void perform(const Limits& limits, const std::function<void()>& read_file, int answer) {
   impose(limits);
-  // What the library says, it will say again.
+  // The parent's read prints the messages of the library again, so the child's are discarded.
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
@@ -173,7 +173,7 @@ Ending wait_for(pid_t child) {
           seconds(use.ru_utime) + seconds(use.ru_stime)};
 }
 
-/// What the end of the child says of the file.
+/// Throws the error that the child's exit status implies for the file, if any.
 void judge(const std::string& path, const std::string& library, const Limits& limits, const Ending& end,
            const std::string& message) {
   const auto short_of_memory = [&](const std::string& found) {

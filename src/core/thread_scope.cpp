@@ -12,8 +12,8 @@
 namespace cloudbow {
 namespace {
 
-// OpenMP ends the process if it cannot start a thread. So they are tried before: as many beside the caller's as it will
-// start, all there at the same time.
+// OpenMP ends the process if it cannot start a thread. So they are tried before: as many in addition to the caller's as
+// it will start, all existing at the same time.
 int startable(int wanted) {
   std::mutex mutex;
   std::condition_variable all_tried;
@@ -49,7 +49,7 @@ ThreadScope::ThreadScope(int threads) : before_(omp_get_max_threads()) {
   if (count > started_so_far) {
     count = std::max(started_so_far, startable(count));
     omp_set_num_threads(count);
-    // Nothing throws here.
+    // This region throws no exception.
 #pragma omp parallel
     static_cast<void>(omp_get_thread_num());
     started_so_far = count;

@@ -83,7 +83,7 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& problem) const { throw InputError(fmt::format("{}: {}", path_, problem)); }
 
-  /// How many levels have fluxes; the first and the last are the domain's.
+  /// Number of levels with fluxes; the first and the last are the domain's.
   hsize_t check_levels() const {
     const std::vector<double> edge = read_coordinate(file_, "z_edge");
     const std::vector<double> level = read_coordinate(file_, exists(file_, "z_flux") ? "z_flux" : "z_edge");

@@ -91,7 +91,7 @@ void read_every_value(hid_t file, std::uintmax_t file_bytes) {
   }
 }
 
-/// Calls of HDF5 that say what is wrong, with the file's name.
+/// Calls of HDF5 whose errors name the problem and the file.
 template <class Use>
 auto naming(const std::filesystem::path& path, const Use& use) {
   try {

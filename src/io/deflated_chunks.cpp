@@ -41,8 +41,8 @@ std::vector<Chunk> chunks_of(const std::vector<hsize_t>& shape, const std::vecto
   return chunks;
 }
 
-/// HDF5's shuffle filter: first the first bytes of all values, then the second ones, and so on. What the run leaves of
-/// the chunk is 0.
+/// HDF5's shuffle filter: first the first bytes of all values, then the second ones, and so on. The rest of the chunk
+/// after the run is 0.
 std::vector<Bytef> shuffled(std::span<const std::byte> values, std::size_t value_bytes, std::size_t chunk_values) {
   std::vector<Bytef> out(chunk_values * value_bytes, 0);
   const std::size_t count = values.size() / value_bytes;
@@ -53,8 +53,8 @@ std::vector<Bytef> shuffled(std::span<const std::byte> values, std::size_t value
   return out;
 }
 
-/// Of repeated strings only runs are looked for: bytes of a kind either repeat or are noise, and the search for more
-/// takes twice as long to save a few per cent.
+/// Runs are the only repeated strings that are searched for: bytes of one position either repeat or are noise. A full
+/// search takes twice as long to save a few per cent.
 std::vector<Bytef> deflated(std::vector<Bytef>&& in) {
   z_stream stream{};
   if (deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS, MAX_MEM_LEVEL, Z_RLE) != Z_OK) throw std::bad_alloc();

@@ -9,8 +9,8 @@
 
 namespace cloudbow::hdf5 {
 
-/// Shape of chunks of about 1 MiB, for axes that are not empty: whole trailing axes as far as they fit, so that a chunk
-/// is one run of the values, a map at one height touches few of them and a column of one cell isn't one chunk a value.
+/// Shape of chunks of about 1 MiB, for axes that are not empty: whole trailing axes as far as they fit. So a chunk is
+/// one run of the values. A map at one height touches few chunks, and a column of one cell isn't one chunk per value.
 std::vector<hsize_t> chunk_shape(const std::vector<hsize_t>& shape, std::size_t value_bytes);
 
 /// Sets the filters that write_deflated() applies: shuffle and deflate.

@@ -143,7 +143,7 @@ struct WavelengthIndex {
 };
 
 /// @param rows 0: any length.
-/// @param at where the variable has a dimension `wavelength`, which comes first: which one to read
+/// @param at the wavelength to read, if the variable has a dimension `wavelength`, which comes first.
 std::vector<double> read_values(hid_t file, const char* name, std::size_t rank, std::size_t rows,
                                 std::optional<WavelengthIndex> at = std::nullopt) {
   if (!hdf5::exists(file, name)) {

@@ -15,7 +15,8 @@ DropletTable read_shdom_table(const std::filesystem::path& file);
 /// By the first bytes of the file.
 bool is_shdom_table(std::string_view head);
 
-/// Index of the wavelength wanted; of the only one where none is. @throws InputError where it is not there.
+/// Index of the requested wavelength; of the only one if none is requested. @throws InputError if it is not in the
+/// file.
 std::size_t choose_wavelength(std::span<const double> there_um, std::optional<double> wanted_um);
 
 }  // namespace cloudbow

@@ -82,7 +82,7 @@ Bytes header(const FloatImage& image) {
 
 void write_exr(const std::filesystem::path& file, const FloatImage& unordered) {
   FloatImage image = unordered;
-  // The format wants channels in the order of their names.
+  // The format requires channels in the order of their names.
   std::sort(image.channel.begin(), image.channel.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
   const std::size_t line = width * image.channel.size() * sizeof(float);

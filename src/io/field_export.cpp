@@ -30,7 +30,7 @@ bool even(const BoxGrid& box) {
   return true;
 }
 
-/// All levels as planes of voxels where they are even, else those of the cloud.
+/// All levels as planes of voxels if they are even, else those of the cloud.
 VoxelPlanes exported_planes(const std::string& file, const BoxGrid& box) {
   if (even(box)) return {box.nz(), box.z_edge_m.front(), (box.z_edge_m.back() - box.z_edge_m.front()) / box.nz()};
   if (box.cloud.count > 0) return box.cloud;

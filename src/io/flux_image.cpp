@@ -49,7 +49,7 @@ std::vector<double> read_axis(hid_t file, const std::string& where, const std::s
   return value;
 }
 
-/// How a variable's dimensions make an image.
+/// Layout of an image in a variable's dimensions.
 struct ImageShape {
   bool spectral = false;  ///< the first is the wavelength
   bool levels = false;    ///< then one of height
@@ -105,7 +105,7 @@ std::size_t find_level(const std::vector<double>& height, const std::string& lev
   return static_cast<std::size_t>(std::min_element(height.begin(), height.end(), nearer) - height.begin());
 }
 
-/// Distance between neighbouring cells; `other` where there is one cell only.
+/// Distance between neighbouring cells; `other` if there is one cell only.
 double spacing(const std::vector<double>& centre, double other) {
   return centre.size() > 1 ? centre[1] - centre[0] : other;
 }
@@ -117,7 +117,7 @@ std::vector<double> edges_around(const std::vector<double>& centre, double width
   return edge;
 }
 
-/// Each level stands for what is nearest to it, between the first and the last.
+/// Each level represents the heights nearest to it, between the first and the last.
 std::vector<double> edges_between(const std::vector<double>& level) {
   std::vector<double> edge = {level.front()};
   for (std::size_t k = 0; k + 1 < level.size(); ++k) edge.push_back(0.5 * (level[k] + level[k + 1]));

@@ -1,5 +1,5 @@
-// What all readers and writers of HDF5 share: opening, shapes, values of datasets, and attributes that are exactly what
-// belongs there. Opening an input and return codes are in core/hdf5_file.hpp.
+// Functions that all readers and writers of HDF5 share: opening, shapes, values of datasets, and attributes of exactly
+// the expected kind. Opening an input and return codes are in core/hdf5_file.hpp.
 #pragma once
 
 #include <hdf5.h>
@@ -37,7 +37,7 @@ std::size_t value_count(hid_t dataset);
 /// Bytes of a stored value.
 std::size_t value_bytes(hid_t dataset);
 
-/// The type by which HDF5 knows a number in memory.
+/// The HDF5 type of a number in memory.
 template <class Number>
 hid_t memory_type() {
   if constexpr (std::is_same_v<Number, float>) return H5T_NATIVE_FLOAT;
@@ -50,7 +50,7 @@ hid_t memory_type() {
 struct Block {
   std::vector<hsize_t> start, size;
 
-  /// How many. @throws Error if there are more than memory can have.
+  /// Number of elements. @throws Error if there are more than memory can have.
   std::size_t values() const;
 };
 

@@ -67,7 +67,7 @@ class NetcdfFile {
     return read(name, expected, std::vector<std::size_t>(expected.size(), 0), expected);
   }
 
-  /// Empty where there is none.
+  /// Empty if there is none.
   std::string text_attribute(const char* name, const char* attribute) const {
     std::size_t length = 0;
     nc_type type = NC_NAT;
@@ -121,7 +121,7 @@ bool any_negative(const MomentRows& rows) {
                      [](const auto& row) { return least_value(row).value < least_allowed(row); });
 }
 
-/// The asymmetry parameters beside the moments say whether these hold the factor 2l+1, unless all are near 0.
+/// The asymmetry parameters beside the moments show whether these include the factor 2l+1, unless all are near 0.
 std::optional<bool> includes_factor_by(const std::vector<double>& asymmetry, const MomentRows& rows) {
   constexpr double slack = 0.02;  // of tables with two decimals
   double with = 0, without = 0;
@@ -141,7 +141,7 @@ std::optional<bool> includes_factor_by(const std::vector<double>& asymmetry, con
 
 /// libRadtran writes moments times 2l+1, and says so in their units; other programs that use the format need not. The
 /// asymmetry parameters beside them decide, else the units, else the moments: no chi_l is above 1, and no phase
-/// function negative. What is left is guessed, and told.
+/// function negative. Otherwise the reader guesses, and adds a note.
 bool includes_factor(const NetcdfFile& file, const MomentRows& rows, const std::vector<double>& asymmetry,
                      std::vector<std::string>& notes) {
   if (const auto included = includes_factor_by(asymmetry, rows)) return *included;

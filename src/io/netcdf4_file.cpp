@@ -45,7 +45,7 @@ void write_scalar(hid_t object, const std::string& name, hid_t stored, hid_t mem
   write_array(object, name, stored, memory, value, space);
 }
 
-/// Text of fixed length: what netCDF calls a char attribute, which every reader knows.
+/// Text of fixed length: a char attribute of netCDF, which every reader supports.
 void write_text(hid_t object, const std::string& name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "create a text type");
   check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), "set a text's length");
@@ -144,8 +144,7 @@ void write_coordinate(hid_t group, const char* name, std::span<const double> val
 }
 
 void write_dimension(hid_t group, const char* name, std::size_t size) {
-  // The scale's name and the type by which netCDF-4 knows a dimension without variable (netCDF-4 format specification).
-  // No value is stored.
+  // The scale's name and type mark a dimension without variable (netCDF-4 format specification). No value is stored.
   const Handle properties = creation_properties();
   const Handle space = dataspace({size});
   Handle dataset(H5Dcreate2(group, name, H5T_IEEE_F32BE, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,

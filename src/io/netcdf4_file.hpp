@@ -1,4 +1,4 @@
-// HDF5 written as netCDF-4 wants it: dimension scales on every axis, order of creation tracked, fill values,
+// HDF5 written as netCDF-4 requires: dimension scales on every axis, order of creation tracked, fill values,
 // attributes.
 #pragma once
 

@@ -9,7 +9,7 @@
 
 namespace cloudbow {
 
-/// Of a file of numbers in text; larger ones are refused.
+/// Limit for a file of numbers in text; larger ones are refused.
 inline constexpr std::uintmax_t most_text_bytes = 256u << 20;
 
 /// The numbers of a line up to a comment, which begins with "#" or "!". Blanks and commas separate them; Fortran's

@@ -50,7 +50,7 @@ struct AngleTable {
   std::vector<double> value;
 };
 
-/// Brings an axis whose ends can be none but those of radians or of cosines to degrees that ascend.
+/// Conversion of an axis to ascending degrees, if its ends fit radians or cosines alone.
 void to_ascending_degrees(AngleTable& table, std::vector<std::string>& notes) {
   std::vector<double>& axis = table.angle_deg;
   if (axis.size() < 2) return;

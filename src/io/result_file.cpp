@@ -285,7 +285,7 @@ class ResultWriter {
                       &ErrorEstimate::downwelling_flux_error);
   }
 
-  /// Where it was asked for.
+  /// Writes nothing if the field was not requested.
   void write_error_field(hid_t file, const char* name, const char* which,
                          std::vector<float> ErrorEstimate::*field) const {
     if ((info_.error_estimates.front().*field).empty()) return;
@@ -314,7 +314,7 @@ class ResultWriter {
     group.close();
   }
 
-  /// Of an image whose radiance stands in `radiance_of` a solution; only where there is a sun.
+  /// Of an image whose radiance is `radiance_of` a solution; only if there is a sun.
   template <class Radiance>
   void write_reflectance_factor(hid_t file, const std::string& name, const ImagePlane& plane,
                                 const Radiance& radiance_of) const {
@@ -386,7 +386,7 @@ class ResultWriter {
     }
   }
 
-  /// xarray opens a group without its parents, so the group brings its own coordinates.
+  /// xarray does not open the parents of a group, so the group has its own coordinates.
   void write_profile(hid_t file) const {
     hdf5::Handle group = netcdf4::create_group(file, "profile");
     write_wavelength(group);

@@ -21,7 +21,7 @@ using hdf5::shape_of;
 
 constexpr hsize_t block_values = hsize_t{1} << 20;  // of float: what is read of the radiances at once, if chunks allow
 
-/// Rows of a chunk; 1 where the variable has none.
+/// Rows of a chunk; 1 if the variable has none.
 hsize_t chunk_rows(hid_t dataset) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose, "read a layout");
   hsize_t chunk[2] = {1, 1};

@@ -17,16 +17,15 @@ namespace cloudbow {
 /// Indices i, j, k of a cell.
 using CellIndex = std::array<std::int32_t, 3>;
 
-/// Every function throws InputError where the file lacks or contradicts what is asked for, hdf5::Error where it is
-/// damaged.
+/// Every function throws InputError if the file lacks or contradicts the requested data, hdf5::Error if it is damaged.
 class ResultInput {
  public:
-  /// @throws InputError where the file is missing, is not one of cloudbow run, or holds several wavelengths.
+  /// @throws InputError if the file is missing, is not one of cloudbow run, or holds several wavelengths.
   explicit ResultInput(const std::filesystem::path& path);
 
   const BoxGrid& box() const { return box_; }
 
-  /// A variable of shape (z, y, x). @param field of output.fields that makes it, for the message where it is not there.
+  /// A variable of shape (z, y, x). @param field of output.fields that makes it, for the message if it is missing.
   std::vector<float> cell_field(const char* name, const char* field) const;
 
  private:
@@ -40,7 +39,7 @@ class ResultInput {
   BoxGrid box_;
 };
 
-/// The group radiance_field. What is read of its largest variable at once is bounded.
+/// The group radiance_field. The part of its largest variable that is read at once is bounded.
 class RadianceFieldInput {
  public:
   explicit RadianceFieldInput(const ResultInput& result);

@@ -5,7 +5,7 @@
 namespace cloudbow {
 namespace {
 
-/// What reading depends on and a scene can change from wavelength to wavelength; the rest is the same for one cloud.
+/// The options of reading that a scene can change from wavelength to wavelength; the rest is the same for one cloud.
 std::string key_of(const VdbReadOptions& options, double low, double high) {
   return fmt::format("{} {} {} {} {}", options.grid, options.scale, low, high, options.auxiliary_quantity);
 }

@@ -143,9 +143,9 @@ bool has_cloud(const LevelledCloud& cloud, int k) {
   return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(cloud.columns()), [](float v) { return v > 0; });
 }
 
-/// As high as the thinnest level with cloud unless the user says otherwise. Where all levels from the lowest to the
-/// highest with cloud are of one height the voxels are those levels, and the clear air below and above them is rounded
-/// to whole voxels; else voxels fill the domain.
+/// Voxels are as high as the thinnest level with cloud unless the user sets their height. If all levels from the lowest
+/// to the highest with cloud are of one height, the voxels are those levels. The clear air below and above them is then
+/// rounded to whole voxels. Else voxels fill the domain.
 UniformLevels choose_levels(const LevelledCloud& cloud, const CloudImportOptions& options) {
   const std::vector<double>& edge = cloud.z_edge_m;
   const double extent = edge.back() - edge.front();

@@ -1,4 +1,4 @@
-// What a cloud file holds, in numbers and as text.
+// The content of a cloud file, in numbers and as text.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What the makers of clouds share.
+// Parts that the makers of clouds share.
 #pragma once
 
 #include <cmath>
@@ -14,10 +14,10 @@ using DenseField = std::vector<double>;
 
 inline constexpr double moist_adiabatic_liquid_water_gradient = 2.0e-3;  // g/m3 per m, at 10 degrees C and 900 hPa
 
-/// Extinction [1/m] of droplets in the geometric limit (efficiency 2) of the given liquid water content [g/m3] at a
-/// fixed number of 100 per cm3, where the cube of the effective radius is 1/0.8 of that of the volume mean radius: beta
-/// = 3 w / (2 rho r_e), so that beta grows as w^(2/3) (Brenguier et al. 2000,
-/// doi 10.1175/1520-0469(2000)057<0803:RPOBLC>2.0.CO;2).
+/// Extinction [1/m] of droplets in the geometric limit (efficiency 2), from the liquid water content [g/m3]. Their
+/// number is fixed, 100 per cm3. The cube of the effective radius is 1/0.8 of that of the volume mean radius: beta = 3
+/// w / (2 rho r_e). So beta grows as w^(2/3) (Brenguier et al. 2000, doi
+/// 10.1175/1520-0469(2000)057<0803:RPOBLC>2.0.CO;2).
 inline double droplet_extinction(double liquid_water_content) {
   constexpr double pi = 3.14159265358979323846;
   constexpr double water_density = 1e6;   // g/m3

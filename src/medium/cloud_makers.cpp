@@ -16,7 +16,7 @@ namespace {
 
 constexpr double smallest_voxel_m3 = 3e-15;  // of an OpenVDB file
 constexpr double largest_ratio = 500;        // of a cumulus' horizontal sides: turbulence as fine as the shorter one
-constexpr double largest_field = 5e8;        // cells: the field is dense while it is made, 8 bytes a cell
+constexpr double largest_field = 5e8;        // cells: the field is dense while it is made, 8 bytes per cell
 
 template <class Number>
 void require(bool holds, std::string_view key, const Number& found, std::string_view allowed) {

@@ -1,6 +1,6 @@
 // A field of fair-weather cumulus. Each cloud is a bundle of turrets that rise from a common base and end in domes;
-// billows of ever smaller size, down to the cells, swell its surface (Perlin's gradient noise, its absolute value for
-// round bulges with sharp creases between).
+// billows of ever smaller size, down to the cells, displace its surface outwards. They are Perlin's gradient noise, its
+// absolute value for round bulges with sharp creases between.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,9 +16,9 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double size_exponent =
     -1.7;  // number of clouds of a diameter (Neggers et al. 2003, doi 10.1175/1520-0469(2003)060<2060:SSOSCI>2.0.CO;2)
 constexpr double largest_diameter_m = 1800;
-constexpr double surplus = 1.25;  // of the area of the footprints: the cover is then reached by taking off skin
+constexpr double surplus = 1.25;  // of the area of the footprints: the cover is then reached by removing outer parts
 constexpr double undiluted_fraction = 0.8;  // adiabatic fraction of liquid water at the base
-constexpr double dilution_height_m = 1000;  // where entrainment has halved it
+constexpr double dilution_height_m = 1000;  // height at which entrainment has halved it
 
 struct Turret {
   double x, y;    ///< from the middle of the cloud [m]
@@ -209,7 +209,7 @@ double depth_inside(const Cumulus& cloud, double x, double y, double z) {
   return depth;
 }
 
-/// Where the clouds are: depth below their surface in units of the width of their edge, -infinity far away.
+/// Depth below the surface of the clouds in units of the width of their edge, -infinity far away.
 DenseField depth_field(const MakerGrid& grid, int base, const std::vector<Cumulus>& clouds,
                        const Turbulence& turbulence) {
   DenseField depth(grid.cells(), -std::numeric_limits<double>::infinity());

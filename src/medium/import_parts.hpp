@@ -1,4 +1,4 @@
-// What the importers share: a field on levels of any thickness, and words for messages.
+// Parts that the importers share: a field on levels of any thickness, and words for messages.
 #pragma once
 
 #include <fmt/format.h>
@@ -23,9 +23,9 @@ struct LevelledCloud {
   std::vector<double> z_edge_m;  ///< nz + 1, ascending
   std::string quantity;
   std::string source = "the file";              ///< variable or column of the quantity, with its unit, for messages
-  std::string source_hint;                      ///< the option that says the unit otherwise, for messages
+  std::string source_hint;                      ///< the option that sets another unit, for messages
   std::vector<float> density;                   ///< of the quantity, >= 0
-  std::vector<float> effective_radius_um;       ///< empty, or > 0 where there is density
+  std::vector<float> effective_radius_um;       ///< empty, or > 0 in cells with density
   std::vector<float> single_scattering_albedo;  ///< empty, or 0 to 1
   std::vector<float> phase_index;               ///< empty, or from 1
   std::vector<std::vector<double>> moments;     ///< as in ImportedCloud
@@ -53,14 +53,14 @@ inline constexpr double max_import_cells = 4e9;
 /// Checks counts that a file states, before memory is taken.
 void check_import_size(const CloudImportOptions& options, double nx, double ny, double nz);
 
-/// Edges of levels given by their centres: halfway between neighbours, the outermost as far out as in, but not below
-/// the ground at 0 where the centres are not. Centres ascend, at least two.
+/// Edges of levels given by their centres: halfway between neighbours, the outermost as far out as in. They are not
+/// below the ground at 0 if the centres are not. Centres ascend, at least two.
 std::vector<double> edges_between(const std::vector<double>& centre);
 
-/// Distance of equally spaced centres. @throws InputError where they are not, to 1e-3 of it.
+/// Distance of equally spaced centres. @throws InputError if they are not, to 1e-3 of it.
 double uniform_spacing(const std::filesystem::path& file, const std::string& axis, const std::vector<double>& centre);
 
-/// As many levels as there are, of the height that the user says, from the ground; notes it.
+/// Sets as many levels as there are, of the height that the user gives, from the ground; adds a note.
 void set_levels_by_voxel_size(LevelledCloud& cloud, const CloudImportOptions& options);
 
 /// @throws InputError if the cloud has numbers that no cloud has, which are wrong units most of the time.

@@ -63,7 +63,7 @@ void LesAir::check_range(const std::string& name, const std::vector<T>& value, d
   }
 }
 
-/// Air gets thinner with height: where it does not, the levels are upside down.
+/// Density of air decreases with height: if it does not, the levels are upside down.
 template <class T>
 void LesAir::check_levels_ascend(const std::string& name, const std::vector<T>& value) const {
   const std::size_t top = grid_.length(2) - 1;
@@ -81,7 +81,8 @@ const std::vector<float>& LesAir::density() {
   const CloudImportOptions& options = file_.options;
   if (set_density_as_given()) return density_;
   const bool by_gas_law = options.air_density.empty() && !options.pressure.empty();
-  const NetcdfVariable* variable = by_gas_law ? nullptr : file_.find(options.air_density, air_density_names, "--air-density");
+  const NetcdfVariable* variable =
+      by_gas_law ? nullptr : file_.find(options.air_density, air_density_names, "--air-density");
   if (variable != nullptr) {
     set_density_of(*variable);
   } else {
@@ -168,7 +169,7 @@ LesAir::Pressure LesAir::pressure() {
     float highest = 0;
     for (const float number : value) highest = std::max(highest, number);
     const bool is_hpa = highest < 2000;
-    return file_.factor(whole, pressure_units_units, is_hpa ? 100 : 1, is_hpa ? "hPa" : "Pa");
+    return file_.factor(whole, pressure_units, is_hpa ? 100 : 1, is_hpa ? "hPa" : "Pa");
   };
   if (base == nullptr) {
     const double unit = unit_of(*variable, read);
@@ -176,7 +177,7 @@ LesAir::Pressure LesAir::pressure() {
   } else {
     const std::vector<float> of_base = grid_.read(*base, "base pressure");
     const double unit = unit_of(*base, of_base);
-    const double own_unit = file_.factor(*variable, pressure_units_units, unit, "that of the base pressure");
+    const double own_unit = file_.factor(*variable, pressure_units, unit, "that of the base pressure");
     for (std::size_t n = 0; n < read.size(); ++n) result.pa.push_back(read[n] * own_unit + of_base[n] * unit);
     result.name += "' + '" + base->name;
   }
@@ -261,9 +262,9 @@ std::optional<double> LesAir::balance(const Pressure& pressure, const std::vecto
   return std::isfinite(ratio) ? std::optional(ratio) : std::nullopt;
 }
 
-/// Why numbers that are named temperature are the potential temperature; empty if they are not. The weight of the air
-/// tells: the gas law with the temperature gives the density that pressure and heights have. Where it tells nothing,
-/// temperature falls with height in a cloud, and potential temperature rises.
+/// Reason why numbers that are named temperature are the potential temperature; empty if they are not. The weight of
+/// the air decides: the gas law with the temperature gives the density that pressure and heights have. If it is not
+/// conclusive, temperature falls with height in a cloud, and potential temperature rises.
 std::string LesAir::sign_of_potential(const Pressure& pressure, const std::vector<float>& kelvin,
                                       const std::vector<float>& converted) const {
   const auto fits = [](const std::optional<double>& ratio) { return ratio && *ratio > 0.99 && *ratio < 1.02; };

@@ -1,4 +1,4 @@
-// Density of the air of an LES file: as it is there, from pressure and temperature, or as the user says it.
+// Density of the air of an LES file: as it is in the file, from pressure and temperature, or as the user gives it.
 #pragma once
 
 #include <optional>
@@ -39,8 +39,8 @@ class LesAir {
   /// Temperature [K] from a variable that holds itself, the potential one, or the potential one's difference from 300
   /// K.
   std::vector<float> kelvin_of(const NetcdfVariable& variable, const Pressure& pressure);
-  /// Mean density of the first column by the gas law over that which the weight of the air gives; nothing if there is
-  /// no telling.
+  /// Mean density of the first column by the gas law over that which the weight of the air gives; nothing if these
+  /// cannot be compared.
   std::optional<double> balance(const Pressure& pressure, const std::vector<float>& kelvin) const;
   std::string sign_of_potential(const Pressure& pressure, const std::vector<float>& kelvin,
                                 const std::vector<float>& converted) const;

@@ -31,13 +31,13 @@ class LesFile {
 
   /// The variable that the user names with an option. @throws InputError if there is none.
   const NetcdfVariable& named(const std::string& name, const std::string& option) const;
-  /// All that go by these names, in their order, else all with one of the standard names; scalars do not count.
+  /// All variables with these names, in their order, else all with one of the standard names; scalars do not count.
   std::vector<const NetcdfVariable*> candidates(const Words& words) const;
   const NetcdfVariable* first_of(const Names& names) const;
-  /// What the user names, else the first candidate, else null.
+  /// The variable that the user names, else the first candidate, else null.
   const NetcdfVariable* find(const std::string& given, const Words& words, const std::string& option) const;
 
-  /// What the attributes say about a variable in words, in lower case.
+  /// Words of the attributes about a variable, in lower case.
   std::string meaning(const NetcdfVariable& variable) const;
   bool is_perturbation(const NetcdfVariable& variable) const;
 

@@ -61,7 +61,7 @@ void LesGrid::assign_axes(const NetcdfVariable& variable) {
   }
   std::vector<int> role(rank, -1);
   for (std::size_t n = 0; n < rank; ++n) role[n] = axis_of_dimension(variable.dimension[n]);
-  // Names that say nothing stand for what is customary: (time, z, y, x), the last of them first.
+  // Names without meaning get the customary order: (time, z, y, x), the last of them first.
   for (std::size_t n = 0; n < rank; ++n) {
     if (role[n] >= 0) continue;
     const int customary = static_cast<int>(rank - 1 - n);
@@ -153,7 +153,7 @@ LesGrid::Coordinates LesGrid::coordinates(std::size_t a, const NetcdfVariable* v
   const std::string meaning = file_.meaning(*variable);
   const auto means = [&](const char* word) { return meaning.find(word) != std::string::npos; };
   const bool point_down = a == 2 && (lower_case(file_.input.text_attribute(*variable, "positive")) == "down" ||
-                                     factor_of(pressure_units_units, variable->units) || means("sigma") || means("hybrid"));
+                                     factor_of(pressure_units, variable->units) || means("sigma") || means("hybrid"));
   Coordinates found{{}, "", point_down ? ascend && value.size() > 1 : !ascend};
   const auto known = factor_of(length_units, variable->units);
   if (!known && !variable->units.empty()) {
@@ -241,7 +241,7 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
   }
 }
 
-/// Lengths that say 0, 1, 2, ... along all axes count cells, whatever the unit says.
+/// Lengths that are 0, 1, 2, ... along all axes count cells, whatever the unit.
 void LesGrid::check_counts() const {
   if (!is_count_[2]) return;
   for (std::size_t a = 0; a < 2; ++a) {

@@ -47,7 +47,7 @@ class LesReader {
     const NetcdfVariable& variable =
         options_.variable.empty() ? guessed_variable() : file_.named(options_.variable, "--variable");
     const std::string unit = options_.units.empty() ? variable.units : options_.units;
-    const bool has_unit_of_extinction = factor_of(extinction_units_units, unit).has_value();
+    const bool has_unit_of_extinction = factor_of(extinction_units, unit).has_value();
     const Names& names = extinction_names.names;
     is_extinction_ = options_.quantity.empty()
                          ? has_unit_of_extinction || std::find(names.begin(), names.end(), variable.name) != names.end()
@@ -171,10 +171,10 @@ class LesReader {
   }
 
   void to_extinction() {
-    const auto factor = factor_of(extinction_units_units, units());
+    const auto factor = factor_of(extinction_units, units());
     if (!factor) {
       file_.fail("'{}': unit of extinction not known (found '{}', allowed {}) say it with --units", main_.name, units(),
-                 extinction_units_units.allowed);
+                 extinction_units.allowed);
     }
     scale(*factor);
     constexpr double most = 10;  // 1/m: 20 g/m3 of droplets of 3 um
@@ -292,7 +292,7 @@ class LesReader {
     return number;
   }
 
-  /// The cell with most water tells: other cells may be the rims of clouds.
+  /// The cell with most water decides: other cells may be the rims of clouds.
   void check_droplet_number(const std::string& source, const std::vector<float>& number) const {
     constexpr double least = 0.1, most = 1e5;  // per cm3
     const auto n = static_cast<std::size_t>(std::max_element(cloud_.density.begin(), cloud_.density.end()) -
@@ -321,7 +321,7 @@ class LesReader {
 
   // -- what else ----------------------------------------------------------------------------------------------------
 
-  /// Water of other kinds is not imported unless it is named, and the user is told so.
+  /// Water of other kinds is not imported unless it is named; a note reports it.
   void report_species() {
     for (const Species& species : species_names) {
       const auto& names = species.names;

@@ -8,19 +8,20 @@
 
 namespace cloudbow {
 
-const Words water_names{{"QC", "qc", "QCLOUD", "qcloud", "RCT", "rct", "QL", "ql", "LWC", "lwc", "clw", "CLW", "QN", "rl",
-                    "RL", "l", "q_l", "q_cloud_liquid_mass", "q\xcb\xa1"},
-                   {"mass_fraction_of_cloud_liquid_water_in_air", "cloud_liquid_water_mixing_ratio",
-                    "mass_concentration_of_cloud_liquid_water_in_air"}};
+const Words water_names{{"QC", "qc", "QCLOUD", "qcloud", "RCT", "rct", "QL", "ql", "LWC", "lwc", "clw", "CLW", "QN",
+                         "rl", "RL", "l", "q_l", "q_cloud_liquid_mass", "q\xcb\xa1"},
+                        {"mass_fraction_of_cloud_liquid_water_in_air", "cloud_liquid_water_mixing_ratio",
+                         "mass_concentration_of_cloud_liquid_water_in_air"}};
 const Words extinction_names{{"extinction", "ext", "EXT", "beta_ext", "extinction_coefficient", "kext"}, {}};
 const Words air_density_names{
     {"RHO", "rho", "DN0", "dn0", "rho0", "RHO0", "rhobf", "rhon", "rho_air", "air_density", "density", "RHODREF"},
     {"air_density"}};
-const Words pressure_names{{"p", "P", "PRES", "pres", "pressure", "PABST", "PABS", "prs", "presh", "p0"}, {"air_pressure"}};
+const Words pressure_names{{"p", "P", "PRES", "pres", "pressure", "PABST", "PABS", "prs", "presh", "p0"},
+                           {"air_pressure"}};
 const Words temperature_names{{"T", "t", "TABS", "tabs", "TEMP", "temp", "ta", "temperature", "air_temperature", "tk"},
-                         {"air_temperature"}};
+                              {"air_temperature"}};
 const Words potential_temperature_names{{"th", "TH", "THT", "theta", "THETA", "pt", "PT", "potential_temperature"},
-                                  {"air_potential_temperature"}};
+                                        {"air_potential_temperature"}};
 const Words droplet_number_names{
     {"NC", "nc", "NDROP", "ndrop", "QNCLOUD", "CDNC", "cdnc", "Nc", "ncloud", "q_cloud_liquid_number"},
     {"number_concentration_of_cloud_liquid_water_particles_in_air"}};
@@ -32,40 +33,40 @@ const Words scattering_albedo_names{{"ssa", "SSA", "single_scattering_albedo"}, 
 const Names ice_names{"QI", "qi", "QICE", "qice", "RIT", "rit", "cli", "CLI", "q_i", "ri", "q_ice_mass"};
 const Names condensate_names{"QN"};
 const std::vector<Species> species_names{{"cloud ice", ice_names},
-                                    {"rain", {"QR", "qr", "QRAIN", "qrain", "RRT", "rrt", "rr", "q_rain_mass"}},
-                                    {"precipitation", {"QP", "qp"}},
-                                    {"snow", {"QS", "qs", "QSNOW", "qsnow", "RST", "rst", "q_snow_mass"}},
-                                    {"graupel", {"QG", "qg", "QGRAUP", "qgraup", "RGT", "rgt", "q_graupel_mass"}},
-                                    {"hail", {"QH", "qh", "QHAIL", "qhail", "RHT"}}};
+                                         {"rain", {"QR", "qr", "QRAIN", "qrain", "RRT", "rrt", "rr", "q_rain_mass"}},
+                                         {"precipitation", {"QP", "qp"}},
+                                         {"snow", {"QS", "qs", "QSNOW", "qsnow", "RST", "rst", "q_snow_mass"}},
+                                         {"graupel", {"QG", "qg", "QGRAUP", "qgraup", "RGT", "rgt", "q_graupel_mass"}},
+                                         {"hail", {"QH", "qh", "QHAIL", "qhail", "RHT"}}};
 
 const Names heights_names{"z_ifc", "HHL", "z_mc", "HFL", "z", "zt", "height", "altitude", "z_t", "zu", "ZHAT", "ALT"};
 
 const UnitTable ratio_units{"kg/kg, g/kg, mg/kg",
-                       {{"kg/kg", 1},
-                        {"kgkg-1", 1},
-                        {"g/kg", 1e-3},
-                        {"gkg-1", 1e-3},
-                        {"mg/kg", 1e-6},
-                        {"mgkg-1", 1e-6},
-                        {"g/g", 1},
-                        {"gg-1", 1}}};
-const UnitTable content_units{"kg/m3, g/m3, mg/m3",
-                         {{"kg/m3", 1e3}, {"kgm-3", 1e3}, {"g/m3", 1}, {"gm-3", 1}, {"mg/m3", 1e-3}, {"mgm-3", 1e-3}}};
-const UnitTable extinction_units_units{"1/m, 1/km",
+                            {{"kg/kg", 1},
+                             {"kgkg-1", 1},
+                             {"g/kg", 1e-3},
+                             {"gkg-1", 1e-3},
+                             {"mg/kg", 1e-6},
+                             {"mgkg-1", 1e-6},
+                             {"g/g", 1},
+                             {"gg-1", 1}}};
+const UnitTable content_units{
+    "kg/m3, g/m3, mg/m3", {{"kg/m3", 1e3}, {"kgm-3", 1e3}, {"g/m3", 1}, {"gm-3", 1}, {"mg/m3", 1e-3}, {"mgm-3", 1e-3}}};
+const UnitTable extinction_units{"1/m, 1/km",
                                  {{"1/m", 1}, {"m-1", 1}, {"/m", 1}, {"1/km", 1e-3}, {"km-1", 1e-3}, {"/km", 1e-3}}};
 const UnitTable length_units{"m, km",
-                        {{"m", 1},
-                         {"meter", 1},
-                         {"meters", 1},
-                         {"metre", 1},
-                         {"metres", 1},
-                         {"km", 1e3},
-                         {"kilometer", 1e3},
-                         {"kilometers", 1e3},
-                         {"kilometre", 1e3},
-                         {"kilometres", 1e3}}};
+                             {{"m", 1},
+                              {"meter", 1},
+                              {"meters", 1},
+                              {"metre", 1},
+                              {"metres", 1},
+                              {"km", 1e3},
+                              {"kilometer", 1e3},
+                              {"kilometers", 1e3},
+                              {"kilometre", 1e3},
+                              {"kilometres", 1e3}}};
 const UnitTable density_units{"kg/m3, g/m3", {{"kg/m3", 1}, {"kgm-3", 1}, {"g/m3", 1e-3}, {"gm-3", 1e-3}}};
-const UnitTable pressure_units_units{"Pa, hPa, mb",
+const UnitTable pressure_units{"Pa, hPa, mb",
                                {{"Pa", 1},
                                 {"pascal", 1},
                                 {"pascals", 1},
@@ -78,50 +79,50 @@ const UnitTable pressure_units_units{"Pa, hPa, mb",
                                 {"millibars", 100}}};
 const UnitTable kelvin_units{"K, degC", {{"K", 1}, {"kelvin", 1}, {"degK", 1}, {"degreeK", 1}, {"degreesK", 1}}};
 const UnitTable celsius_units{"K, degC",
-                         {{"degC", 1},
-                          {"C", 1},
-                          {"degreeC", 1},
-                          {"degreesC", 1},
-                          {"celsius", 1},
-                          {"degreecelsius", 1},
-                          {"degreescelsius", 1},
-                          {"degcelsius", 1},
-                          {"\xc2\xb0"
-                           "C",
-                           1}}};
+                              {{"degC", 1},
+                               {"C", 1},
+                               {"degreeC", 1},
+                               {"degreesC", 1},
+                               {"celsius", 1},
+                               {"degreecelsius", 1},
+                               {"degreescelsius", 1},
+                               {"degcelsius", 1},
+                               {"\xc2\xb0"
+                                "C",
+                                1}}};
 const UnitTable number_per_volume_units{"1/m3, 1/cm3",
-                                 {{"1/m3", 1},
-                                  {"m-3", 1},
-                                  {"#/m3", 1},
-                                  {"#m-3", 1},
-                                  {"1/cm3", 1e6},
-                                  {"cm-3", 1e6},
-                                  {"#/cm3", 1e6},
-                                  {"#cm-3", 1e6},
-                                  {"/cm3", 1e6},
-                                  {"/m3", 1}}};
+                                        {{"1/m3", 1},
+                                         {"m-3", 1},
+                                         {"#/m3", 1},
+                                         {"#m-3", 1},
+                                         {"1/cm3", 1e6},
+                                         {"cm-3", 1e6},
+                                         {"#/cm3", 1e6},
+                                         {"#cm-3", 1e6},
+                                         {"/cm3", 1e6},
+                                         {"/m3", 1}}};
 const UnitTable number_per_mass_units{"1/kg, 1/g, 1/mg",
-                               {{"1/kg", 1},
-                                {"kg-1", 1},
-                                {"#/kg", 1},
-                                {"#kg-1", 1},
-                                {"/kg", 1},
-                                {"1/g", 1e3},
-                                {"g-1", 1e3},
-                                {"1/mg", 1e6},
-                                {"mg-1", 1e6},
-                                {"#/mg", 1e6}}};
+                                      {{"1/kg", 1},
+                                       {"kg-1", 1},
+                                       {"#/kg", 1},
+                                       {"#kg-1", 1},
+                                       {"/kg", 1},
+                                       {"1/g", 1e3},
+                                       {"g-1", 1e3},
+                                       {"1/mg", 1e6},
+                                       {"mg-1", 1e6},
+                                       {"#/mg", 1e6}}};
 const UnitTable radius_units{"um, m",
-                        {{"um", 1},
-                         {"micron", 1},
-                         {"microns", 1},
-                         {"micrometer", 1},
-                         {"micrometers", 1},
-                         {"micrometre", 1},
-                         {"micrometres", 1},
-                         {"m", 1e6},
-                         {"meter", 1e6},
-                         {"metre", 1e6}}};
+                             {{"um", 1},
+                              {"micron", 1},
+                              {"microns", 1},
+                              {"micrometer", 1},
+                              {"micrometers", 1},
+                              {"micrometre", 1},
+                              {"micrometres", 1},
+                              {"m", 1e6},
+                              {"meter", 1e6},
+                              {"metre", 1e6}}};
 
 namespace {
 

@@ -1,4 +1,4 @@
-// How output of large-eddy simulations names its variables, axes and units.
+// Names of variables, axes and units in output of large-eddy simulations.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace cloudbow {
 
-/// Names that a variable goes by, the likeliest first.
+/// Names of a variable, the likeliest first.
 using Names = std::vector<std::string>;
 
 /// A quantity by names of variables and, if none of them is in the file, by CF standard names.
@@ -19,8 +19,8 @@ struct Words {
   Names standard_names;
 };
 
-extern const Words water_names, extinction_names, air_density_names, pressure_names, temperature_names, potential_temperature_names, droplet_number_names,
-    effective_radius_names, scattering_albedo_names;
+extern const Words water_names, extinction_names, air_density_names, pressure_names, temperature_names,
+    potential_temperature_names, droplet_number_names, effective_radius_names, scattering_albedo_names;
 
 /// Water of other kinds, which is reported and not imported.
 struct Species {
@@ -34,7 +34,7 @@ extern const Names ice_names, condensate_names;
 /// Variables that hold heights of levels; heights_names at centres or, one more, at edges of cells.
 extern const Names heights_names;
 
-/// A unit as files spell it, and its size in the table's own unit. factor_of says how spellings are compared.
+/// A unit as files spell it, and its size in the table's own unit. factor_of describes how spellings are compared.
 struct Unit {
   const char* spelling;
   double factor;
@@ -45,29 +45,29 @@ struct UnitTable {
   std::vector<Unit> units;
 };
 
-extern const UnitTable ratio_units;            ///< kg/kg
-extern const UnitTable content_units;          ///< g/m3
-extern const UnitTable extinction_units_units;  ///< 1/m
-extern const UnitTable length_units;           ///< m
-extern const UnitTable density_units;          ///< kg/m3
-extern const UnitTable pressure_units_units;    ///< Pa
-extern const UnitTable kelvin_units;           ///< K
-extern const UnitTable celsius_units;          ///< K above 273.15 K
+extern const UnitTable ratio_units;              ///< kg/kg
+extern const UnitTable content_units;            ///< g/m3
+extern const UnitTable extinction_units;         ///< 1/m
+extern const UnitTable length_units;             ///< m
+extern const UnitTable density_units;            ///< kg/m3
+extern const UnitTable pressure_units;           ///< Pa
+extern const UnitTable kelvin_units;             ///< K
+extern const UnitTable celsius_units;            ///< K above 273.15 K
 extern const UnitTable number_per_volume_units;  ///< 1/m3
 extern const UnitTable number_per_mass_units;    ///< 1/kg
-extern const UnitTable radius_units;           ///< um
+extern const UnitTable radius_units;             ///< um
 
-/// Nothing for a spelling that the table does not know. Blanks, brackets and the signs ^ * _ . do not count, nor does
-/// the case of letters, except the m of milli: "MG" and "Mb" may be mega and are not known. A number before the unit
-/// ("1e-5 kg/kg") is part of the factor.
+/// Nothing for a spelling that is not in the table. Blanks, brackets and the signs ^ * _ . do not count, nor does the
+/// case of letters, except the m of milli: "MG" and "Mb" may be mega and are not in it. A number before the unit ("1e-5
+/// kg/kg") is part of the factor.
 std::optional<double> factor_of(const UnitTable& table, const std::string& spelled);
 
-/// A file that says "1" or nothing leaves the unit to be guessed.
+/// In a file with "1" or no unit, the unit must be guessed.
 bool is_unit_given(const std::string& units);
 
 constexpr std::array<const char*, 4> axis_names{"x", "y", "z", "time"};
 
-/// 0 x, 1 y, 2 z, 3 time; -1: not to be told from the name.
+/// 0 x, 1 y, 2 z, 3 time; -1: the name does not determine it.
 int axis_of_name(const std::string& name);
 
 /// Longitude or latitude by its name.

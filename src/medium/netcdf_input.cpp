@@ -22,7 +22,7 @@ double name_bytes(const std::string& name) { return word_bytes + padded(static_c
 
 bool is_integer(nc_type type) { return type != NC_FLOAT && type != NC_DOUBLE; }
 
-/// What the library writes into values that nobody writes; bytes have none that is sure to be no data.
+/// Value that the library writes into elements that are never written; for bytes, no value is certain to be no data.
 double default_fill(nc_type type) {
   switch (type) {
     case NC_SHORT:
@@ -218,8 +218,8 @@ double NetcdfInput::packing_step(const NetcdfVariable& variable) const {
   return is_integer(type) ? std::abs(number_attribute(variable, "scale_factor").value_or(0)) : 0;
 }
 
-/// netCDF User's Guide, "Attribute Conventions": all of these are of the stored numbers, except a valid range of
-/// floating type for integers that are packed, which is of the unpacked ones.
+/// netCDF User's Guide, "Attribute Conventions": all of these are of the stored numbers, with one exception. A valid
+/// range of floating type for packed integers is of the unpacked ones.
 ValidValues NetcdfInput::valid_values(const NetcdfVariable& variable) const {
   nc_type type = NC_NAT;
   check(nc_inq_vartype(id_, variable.id, &type), variable.name);

@@ -35,7 +35,7 @@ class NetcdfInput {
   std::string text_attribute(const NetcdfVariable& variable, const char* name) const;
   /// A number among the attributes of the file.
   std::optional<double> global_number(const char* name) const;
-  /// 0 if the variable is not packed: the distance of two numbers that its integers can stand for.
+  /// 0 if the variable is not packed: the distance of two numbers that its integers can represent.
   double packing_step(const NetcdfVariable& variable) const;
 
   /// A part of a numeric variable, scale_factor and add_offset applied. Values that the attributes _FillValue,

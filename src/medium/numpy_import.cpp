@@ -1,4 +1,4 @@
-// An array of NumPy (.npy, format versions 1 to 3): numbers alone, [z][y][x] of the quantity that the user says.
+// An array of NumPy (.npy, format versions 1 to 3): numbers alone, [z][y][x] of the quantity that the user gives.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,7 +10,7 @@
 namespace cloudbow {
 namespace {
 
-/// What the header says: a Python dictionary like {'descr': '<f8', 'fortran_order': False, 'shape': (20, 8, 10), }.
+/// Content of the header, a Python dictionary like {'descr': '<f8', 'fortran_order': False, 'shape': (20, 8, 10), }.
 struct NumpyHeader {
   std::string type;
   bool is_fortran = false;

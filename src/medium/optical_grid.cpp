@@ -15,8 +15,8 @@ namespace {
 constexpr double merge_fraction = 1e-9;
 constexpr double largest_layer_extinction = 1e36;  // 1/m: a hundred layers, one upon another, fit into 32 bits
 
-/// A height at which something may change. Where edges merge, the lower rank gives the number: the domain's own
-/// corners, then voxel faces, then layer edges.
+/// A height at which optics may change. If edges merge, the lower rank gives the number: the domain's own corners, then
+/// voxel faces, then layer edges.
 struct Edge {
   double z;
   int rank;
@@ -45,7 +45,7 @@ int nearest_edge(const std::vector<double>& edges, double z) {
   return z - edges[index - 1] < edges[index] - z ? index - 1 : index;
 }
 
-/// The planes of a cloud that hold active voxels: where its voxel faces become levels.
+/// The planes of a cloud that contain active voxels: its voxel faces become levels there.
 struct CloudPlanes {
   const CloudField* cloud = nullptr;
   int first = 0;
@@ -130,7 +130,7 @@ LayerProfile layer_profile(const std::vector<double>& edges, const std::vector<L
   return profile;
 }
 
-/// Counts graded levels through a stretch of uniform optics of total optical depth `depth`: count(s) grows by one a
+/// Counts graded levels through a stretch of uniform optics of total optical depth `depth`: count(s) grows by one per
 /// level.
 class Grading {
  public:
@@ -164,8 +164,8 @@ class Grading {
 
   LevelOptions options_;
   double depth_;
-  double edge_end_;    // where h has grown to max_optical_depth
-  double deep_begin_;  // where it grows again
+  double edge_end_;    // optical distance at which h has grown to max_optical_depth
+  double deep_begin_;  // optical distance at which it grows again
   double count_edge_;
   double count_middle_;
   double half_;
@@ -247,7 +247,7 @@ std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Laye
   return levels;
 }
 
-/// Throws where the grid would take more than the limit or its cells could not be counted.
+/// Throws if the grid would take more than the limit or its cells could not be counted.
 void check_size(const BoxGrid& box, const LayerProfile& layers, const CloudPlanes& planes, int phase_functions,
                 std::uint64_t limit_bytes) {
   double cells = 0;

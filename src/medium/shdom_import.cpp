@@ -1,6 +1,6 @@
-// Input files of SHDOM (Evans 1998, doi 10.1175/1520-0469(1998)055<0429:TSHDOM>2.0.CO;2): property files with
-// tabulated phase functions ("T", and the scalar part of polarised ones, "P") or extinction alone ("E"), liquid water
-// files with one or two parameters, particle files. Values stand for points; here each is a cell centred on its point.
+// Input files of SHDOM (Evans 1998, doi 10.1175/1520-0469(1998)055<0429:TSHDOM>2.0.CO;2): property files with tabulated
+// phase functions ("T", and the scalar part of polarised ones, "P") or extinction alone ("E"); liquid water files with
+// one or two parameters; particle files. Values belong to points; here each is a cell centred on its point.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -83,8 +83,7 @@ class ShdomReader {
     for (double& z : level) z *= metres;
     for (std::size_t n = 1; n < level.size(); ++n) {
       if (!(level[n] > level[n - 1]) || !std::isfinite(level[n])) {
-        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / metres,
-                    level[n - 1] / metres);
+        lines_.fail("levels do not ascend (found {:.6g} km after {:.6g} km)", level[n] / metres, level[n - 1] / metres);
       }
     }
     if (level.size() == static_cast<std::size_t>(levels_) + 1) {

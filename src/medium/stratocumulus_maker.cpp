@@ -13,7 +13,7 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr double adiabatic_fraction = 0.8;
 constexpr double log_deviation = 0.35;  // of the logarithm of optical depth
-constexpr double outer_waves = 2;       // waves in the longer side of the domain where the spectrum bends over to white
+constexpr double outer_waves = 2;       // waves in the longer side of the domain; fewer: white spectrum
 
 std::vector<std::complex<double>> unit_roots(int n) {
   std::vector<std::complex<double>> roots;
@@ -43,7 +43,7 @@ std::vector<double> turbulent_field(const MakerGrid& grid, std::uint64_t seed) {
     }
   }
 
-  // The transform is done axis by axis: nx*ny*(nx + ny) products are nothing beside solving the scene.
+  // The transform is done axis by axis: nx*ny*(nx + ny) products are negligible compared with solving the scene.
   const auto roots_x = unit_roots(nx);
   const auto roots_y = unit_roots(ny);
   std::vector<Complex> half(waves.size());

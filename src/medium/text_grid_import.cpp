@@ -111,7 +111,7 @@ class TextGridReader {
     }
   }
 
-  /// Lengths in km; what the user says holds.
+  /// Lengths in km; a unit given by the user has priority.
   void set_box(double dx, double dy, const std::vector<double>& edge) {
     const auto& given = options_.voxel_size_m;
     cloud_.dx_m = given ? (*given)[0] : dx * metres;

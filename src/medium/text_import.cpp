@@ -182,7 +182,7 @@ class OpticsCsvReader {
     check_import_size(options_, cloud_.nx, cloud_.ny, cloud_.nz());
   }
 
-  /// The user says the height of levels: the file's own heights do not count.
+  /// The user gives the height of levels: the file's own heights do not count.
   void use_level_numbers() {
     if (k_ < 0) {
       fail_import(

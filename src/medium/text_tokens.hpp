@@ -21,7 +21,7 @@ inline bool is_comment(std::string_view line) {
   return at == std::string_view::npos || line[at] == '#';
 }
 
-/// What a word of Fortran's list-directed output stands for: "3*280" is 280 three times.
+/// Meaning of a word of Fortran's list-directed output: "3*280" is 280 three times.
 struct RepeatedNumber {
   std::size_t count;
   double value;

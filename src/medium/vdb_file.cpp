@@ -28,7 +28,7 @@ constexpr bool has_address_sanitizer = __has_feature(address_sanitizer);
 constexpr bool has_address_sanitizer = false;
 #endif
 
-/// OpenVDB's log starts threads as it is loaded. It ends the program, or waits for ever, if they find no memory.
+/// OpenVDB's log starts threads as it is loaded. It ends the program, or never returns, if there is no memory for them.
 void check_memory_to_load() {
   constexpr std::uint64_t log_threads = 4;
   constexpr std::uint64_t libraries = 100'000'000;  // 65 MB, and what reading a small file takes
@@ -64,8 +64,8 @@ const VdbModule& vdb_module() {
   static const VdbModule& module = []() -> const VdbModule& {
     check_memory_to_load();
     const void* const symbol = load_symbol();
-    // The address sanitizer's allocator, unlike the C library's, is not kept whole over a fork: the threads that
-    // OpenVDB's log has just started are to be at rest before the first rehearsal.
+    // The address sanitizer's allocator, unlike the C library's, is not kept consistent over a fork. So the threads
+    // that OpenVDB's log has just started must be idle before the first read in a sandbox.
     if constexpr (has_address_sanitizer) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return *static_cast<const VdbModule*>(symbol);
   }();
@@ -90,7 +90,7 @@ bool is_auxiliary(const std::string& quantity) {
   return quantity == "effective_radius" || quantity == "single_scattering_albedo" || quantity == "phase_index";
 }
 
-/// Of a grid of liquid water, by the radii of another grid.
+/// Optical depth of a grid of liquid water, by the radii of another grid.
 void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, VdbGridInfo& water) {
   CloudField field = read_cloud_vdb(path, {.grid = water.name});
   const std::vector<float> radius =

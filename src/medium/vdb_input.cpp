@@ -23,7 +23,7 @@ std::string type_name(const openvdb::io::GridDescriptor& descriptor, const openv
   return descriptor.saveFloatAsHalf() ? "float stored as half" : "float";
 }
 
-/// What the first bytes of a file that is not OpenVDB tell.
+/// Kind of a file that is not OpenVDB, from its first bytes.
 std::string kind_of(const std::array<char, 8>& first) {
   const std::string_view bytes(first.data(), first.size());
   if (bytes == std::string_view("\x89HDF\r\n\x1a\n")) return "those of HDF5 or netCDF-4";

@@ -26,7 +26,7 @@ class VdbInput : private openvdb::io::Archive {
     std::streamoff data_begin = 0;
   };
 
-  /// @param wanted the grid that load() will be asked for: the others of a file without offsets are read and forgotten.
+  /// @param wanted the grid that load() will read: the others of a file without offsets are read and discarded.
   /// @throws InputError: missing, a directory, not OpenVDB, truncated or damaged.
   VdbInput(const std::filesystem::path& path, const std::string& wanted);
 
@@ -35,7 +35,7 @@ class VdbInput : private openvdb::io::Archive {
   /// The grid of this name with its metadata and transform. @throws InputError that lists the grids there.
   const Entry& find(const std::string& name) const;
 
-  /// Reads the tree. @throws InputError where the grid is not of floats, shares another grid's tree, or is damaged.
+  /// Reads the tree. @throws InputError if the grid is not of floats, shares another grid's tree, or is damaged.
   openvdb::FloatGrid::ConstPtr load(const Entry& entry);
 
  private:

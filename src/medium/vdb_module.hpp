@@ -1,5 +1,5 @@
-// What the module cloudbow_vdb does with OpenVDB, for vdb_file.cpp. OpenVDB takes longer to load than small scenes take
-// to solve, so it is loaded with the first VDB file that is met.
+// Functions of the module cloudbow_vdb, which uses OpenVDB, for vdb_file.cpp. OpenVDB takes longer to load than small
+// scenes take to solve. So it is loaded with the first VDB file.
 #pragma once
 
 #include "cloudbow/medium/vdb_file.hpp"

@@ -8,8 +8,8 @@ namespace cloudbow {
 
 namespace {
 
-/// The largest coefficient by which an index moves the voxel along another axis than its own, relative to the largest
-/// voxel size: over a thousand voxels a slope of 1e-6 moves a voxel by face_tolerance.
+/// The largest coefficient by which an index moves the voxel along an axis other than its own. It is relative to the
+/// largest voxel size: over a thousand voxels, the displacement by a slope of 1e-6 is face_tolerance.
 constexpr double largest_slope = 1e-6;
 
 openvdb::Mat4d affine_matrix(const openvdb::math::Transform& transform, const Place& where) {

@@ -1,4 +1,5 @@
-// Where the voxels of a VDB grid lie in a scene: the grid's transform, the axis that points up, the grid's own domain.
+// Positions of the voxels of a VDB grid in a scene: the grid's transform, the axis that points up, the grid's own
+// domain.
 #pragma once
 
 #include <fmt/format.h>
@@ -34,8 +35,8 @@ struct Place {
   }
 };
 
-/// Voxel indices of the file to cells of the scene. Along axis a of the scene, the voxel of index n = sign[a] *
-/// index[axis[a]] is centred at centre[a] + n * size[a].
+/// Maps voxel indices of the file to cells of the scene. Along axis a of the scene, n = sign[a] * index[axis[a]] is the
+/// index of a voxel. Its centre is centre[a] + n * size[a].
 struct Placement {
   std::array<int, 3> axis;  ///< of the indices
   std::array<int, 3> sign;
@@ -62,7 +63,7 @@ struct Placement {
 /// @throws InputError unless the transform takes boxes along the axes to boxes along the axes.
 Placement place(const openvdb::math::Transform& transform, const VdbReadOptions& options, const Place& where);
 
-/// The domain of the grid's metadata in the scene's axes. @throws InputError where it is half there or not finite.
+/// The domain of the grid's metadata in the scene's axes. @throws InputError if it is incomplete or not finite.
 std::optional<VdbDomain> metadata_domain(const openvdb::GridBase& grid, const Placement& placement, const Place& where);
 
 /// The face on which a corner of the domain lies. @param whose domain it is, for the message

@@ -55,8 +55,7 @@ void check_memory(double bytes, const VdbReadOptions& options, const Place& wher
   }
 }
 
-// A voxel passes through the tree (4 bytes and its share of the leaf), the list of voxels (16), the rows (8) and the
-// field (4).
+// Bytes per voxel: in the tree 4 and its share of the leaf, in the list of voxels 16, in the rows 8, in the field 4.
 void check_voxels(double voxels, const VdbReadOptions& options, const Place& where) {
   const std::string found = fmt::format("{:.0f} active voxels", voxels);
   check_memory(40.0 * voxels, options, where, found);
@@ -143,7 +142,7 @@ class VoxelCollector {
     }
   }
 
-  /// @throws InputError where numbers are negative by more than rounding.
+  /// @throws InputError if numbers are negative by more than rounding.
   void check_negative() const {
     if (-static_cast<double>(least_) > largest_rounding * static_cast<double>(largest_)) {
       where_.fail(
@@ -250,8 +249,8 @@ std::string numbers(const std::array<double, 3>& n) {
   return fmt::format("[{:.10g}, {:.10g}, {:.10g}]", n[0], n[1], n[2]);
 }
 
-/// Cells that hold the background: those of the grid's own domain, else of the scene's, that are not active. It has no
-/// end by itself.
+/// Cells that hold the background: those of the grid's own domain, else of the scene's, that are not active. The
+/// background has no bounds of its own.
 void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomain>& domain,
                     const VdbReadOptions& options, const Placement& placement, const Place& where,
                     VoxelCollector& voxels) {
@@ -307,7 +306,7 @@ void note_inactive_values(const openvdb::FloatGrid& grid, const Place& where, st
   }
 }
 
-/// A single voxel far from all others makes a domain that nobody meant.
+/// A single voxel far from all others makes a domain that is hardly intended.
 void note_stray_voxels(const std::vector<Voxel>& voxels, const CellBox& box, const Placement& placement,
                        const Place& where, std::vector<std::string>& notes) {
   constexpr double sparse = 1e-3;       // cells of the box with a value
@@ -458,8 +457,8 @@ std::vector<float> read_auxiliary(const std::filesystem::path& path, const Cloud
   return values;
 }
 
-/// Some damaged files make OpenVDB overflow its heap, spin or ask for all memory: the file is first parsed in a child
-/// process. OpenVDB works on one thread here and there: a child inherits no others, and would wait for them.
+/// Some damaged files make OpenVDB overflow its heap, loop endlessly or request all memory: the file is first parsed in
+/// a child process. OpenVDB uses one thread in both processes: a child inherits no others, and would wait for them.
 template <class Parse, class Read>
 auto after_parsing(const std::filesystem::path& path, Parse parse, Read read) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);

@@ -25,7 +25,7 @@ namespace {
 
 constexpr float largest_half = 65504.0F;
 
-/// What tells a grid from the others on the same voxels.
+/// Properties that distinguish a grid from the others on the same voxels.
 struct GridContent {
   const std::string& name;
   const std::string& quantity;
@@ -118,7 +118,7 @@ std::string units_of(const std::string& quantity) {
 
 constexpr std::uint32_t compression_flags = openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK;
 
-/// Grids one by one: openvdb::io::File and Stream want them all at once. The order of the writes is that of
+/// Grids one by one: openvdb::io::File and Stream require them all at once. The order of the writes is that of
 /// openvdb::io::Archive::write.
 class GridByGrid : private openvdb::io::Archive {
  public:
@@ -156,7 +156,7 @@ class PartFile {
 
   std::ostream& stream() { return stream_; }
 
-  /// What a function that writes throws becomes the user's message.
+  /// Calls a function that writes, and turns its exceptions into messages for the user.
   template <class Function>
   void doing(Function function) {
     try {

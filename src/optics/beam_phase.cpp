@@ -7,7 +7,7 @@
 namespace cloudbow {
 namespace {
 
-// Nodes crowd towards 0, where most light is: lambda = scale (exp(step node) - 1), the last at 60.
+// Nodes are densest near 0, because most light is there: lambda = scale (exp(step node) - 1), the last at 60.
 constexpr double scale = .05;
 constexpr double deepest = 60;
 const double step = std::log1p(deepest / scale) / (BeamPhase::nodes - 1);

@@ -12,7 +12,7 @@ namespace cloudbow {
 namespace {
 
 constexpr double four_pi = 4 * std::numbers::pi;
-constexpr double tiny = 1e-12;  // an entry below stands for 0, see FitProgramme
+constexpr double tiny = 1e-12;  // an entry below represents 0, see FitProgramme
 
 /// h_l = int_0^1 mu^power P_l dmu, l < count: from h_l = (P_{l-1}(0) - P_{l+1}(0)) / (2l+1) for power 0, raised by
 /// (2l+1) mu P_l = (l+1) P_{l+1} + l P_{l-1}.
@@ -124,8 +124,8 @@ Eigen::VectorXd ColumnFit::at_points(const PhaseFunction& phase, const Direction
 template <class Attempt>
 void ColumnFit::fit_with_fewer_rows(FittedColumn& column, const PhaseFunction& phase, const Direction& travel,
                                     int half_range_rows, const Attempt& attempt) const {
-  // What is asked for may have no solution that is positive (a coarse set of points, a strong peak): then fewer
-  // moments, then fewer half-range rows. The integral alone can always be held.
+  // The programme may have no positive solution (a coarse set of points, a strong peak). Then fewer moments are
+  // prescribed, then fewer half-range rows. The integral alone can always be prescribed.
   for (int half_range = half_range_rows; half_range >= 0; --half_range) {
     for (int degree = options_.exact_moments; degree >= (half_range > 0 ? std::min(1, options_.exact_moments) : 0);
          --degree) {

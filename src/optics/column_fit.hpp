@@ -25,11 +25,11 @@ class ColumnFit {
   /// @param ordinates directions and weights of the quadrature under which moments are held
   ColumnFit(const ControlPoints& points, const OrdinateSet& ordinates, const FitOptions& options);
 
-  /// @param travel direction in which the arriving light travels
-  /// @param half_range_rows rows int_up mu^k P, k < half_range_rows, besides the moments
+  /// @param travel direction in which the arriving light travels.
+  /// @param half_range_rows rows int_up mu^k P, k < half_range_rows, in addition to the moments.
   FittedColumn fit(const PhaseFunction& phase, const Direction& travel, int half_range_rows) const;
-  /// As the linear programme of fit(), but of all solutions with no residual above the bound the one of least mean
-  /// error; where the rows leave none, the bound is the least that they allow.
+  /// As the linear programme of fit(), but returns the solution of least mean error without residuals above the bound.
+  /// If the rows leave none, the bound is the least that they allow.
   FittedColumn fit_bounded(const PhaseFunction& phase, const Direction& travel, double bound) const;
   /// Brings the moments from the 1e-9 of the linear programme to rounding.
   void polish(FittedColumn& column, const PhaseFunction& phase, const Direction& travel) const;

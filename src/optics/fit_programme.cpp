@@ -29,12 +29,12 @@ struct Columns {
 
 }  // namespace
 
-// The dual has as many rows as there are control points, far fewer than samples, and the primal simplex starts from 0,
+// The dual has as many rows as there are control points, far fewer than samples. The primal simplex starts from 0,
 // which is feasible there: ten times faster than the programme as stated. With X = lower + Z, Z >= 0:
 //   maximise y.(u+ - u- + v) + c.q  subject to  A^T (u+ - u- + v) + C^T q <= 0,  scale.(u+ + u-) <= 1,  |v_i| <=
 //   mean_weight/(n mean_scale_i),
-// u+, u- >= 0, q free. Z is the (negative) price of the first rows, h that of the last. Where h is given, the last row
-// goes and h scale.(u+ + u-) is taken off what is maximised; where X has any sign, the first rows are equalities.
+// u+, u- >= 0, q free. Z is the (negative) price of the first rows, h that of the last. If h is given, the last row is
+// omitted and h scale.(u+ + u-) is subtracted from the objective. If X has any sign, the first rows are equalities.
 std::optional<Eigen::VectorXd> solve(const FitProgramme& programme, Simplex algorithm) {
   const auto points = static_cast<int>(programme.rows.cols());
   const auto samples = static_cast<int>(programme.samples.size());

@@ -9,11 +9,11 @@ namespace cloudbow {
 namespace {
 
 constexpr int intervals = 2000;
-constexpr double least_phase = 10;  // angle times order where a peak ends at the earliest: some three lobes
+constexpr double least_phase = 10;  // angle times order at which a peak ends at the earliest: some three lobes
 constexpr double wide_share = .1;
 constexpr double wide_asymmetry = .85;
 
-// Angles that crowd towards 0, where peaks are.
+// Angles that are densest near 0, because peaks are there.
 double angle_at(double step) {
   const double x = step / intervals;
   return std::numbers::pi * x * x * x;

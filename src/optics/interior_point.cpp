@@ -15,15 +15,15 @@ using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr double gap_tolerance = 1e-6;   // of the objective: fluxes do not change below 1e-4
-constexpr double row_tolerance = 1e-10;  // what is left in the exact rows and in the dual's
+constexpr double row_tolerance = 1e-10;  // residual of the exact rows and of the dual's
 constexpr int most_iterations = 60;      // a programme that has a solution takes 10 to 25
-constexpr double to_boundary = 0.995;    // of the way to where a variable becomes 0
+constexpr double to_boundary = 0.995;    // of the step at which a variable becomes 0
 
-// With Z = X - lower, r = A X - value, t_i >= |r_i| and c_i = mean_weight / (n mean_scale_i), the programme is
-//   minimise h + c.t  subject to  t - r >= 0, t + r >= 0, scale h - t >= 0, Z >= 0, C X = right,
-// where h is a variable, given, or without limit (then scale h - t is left out). Its slacks are above, below, rest and
-// Z, each with a multiplier. The start has all of them positive and consistent with X, t, h, so that only C X = right
-// and the dual's rows over X start wrong.
+// Let Z = X - lower, r = A X - value, t_i >= |r_i| and c_i = mean_weight / (n mean_scale_i). The programme is
+//   minimise h + c.t  subject to  t - r >= 0, t + r >= 0, scale h - t >= 0, Z >= 0, C X = right.
+// h is a variable, given, or without limit (then scale h - t is omitted). The slacks are above, below, rest and Z, each
+// with a multiplier. The start has all of them positive and consistent with X, t, h. So only C X = right and the dual's
+// rows over X are violated at the start.
 
 /// A value for each inequality: slacks, multipliers, or right sides of s * multiplier = ...
 struct Inequalities {
@@ -42,7 +42,7 @@ struct Inequalities {
   }
 };
 
-/// The step to where the first of the values, all positive, becomes 0.
+/// The step at which the first of the values, all positive, becomes 0.
 double step_to_zero(const Inequalities& value, const Inequalities& change) {
   const auto least = [](const ArrayXd& v, const ArrayXd& d) { return v.size() > 0 ? (d / v).minCoeff() : 0.0; };
   const double ratio = std::min({least(value.above, change.above), least(value.below, change.below),
@@ -82,7 +82,8 @@ class InteriorPoint {
       }
       if (!std::isfinite(gap) || !set_system()) return std::nullopt;
 
-      // Predictor: the full Newton step; corrector: towards the mean of the products, less where the first got far.
+      // Predictor: the full Newton step; corrector: towards the mean of the products, less if the predictor step was
+      // long.
       const double mean = gap / slack_.count();
       const NewtonStep predicted = newton(products(0, nullptr));
       const double primal = std::min(1.0, step_to_zero(slack_, predicted.slack)),
@@ -131,7 +132,7 @@ class InteriorPoint {
     if (minimised_) h_ = 1.1 * (t_ / scale).maxCoeff();
     if (limited_ && !minimised_) {
       h_ = programme_.bound;
-      // Where h is given there may be no room for t: slack and variable are brought together by the iteration.
+      // If h is given, no t may be feasible: the iteration makes slack and variable consistent.
       rest_residual_ = (1.1 * t_).max(scale * h_) - (scale * h_);
     }
     if (limited_) {
@@ -300,7 +301,7 @@ class InteriorPoint {
   Inequalities slack_, multiplier_;
   VectorXd row_multiplier_;
   VectorXd row_residual_, x_residual_;
-  ArrayXd rest_residual_;  // rest - (scale h - t) where h is given; else empty
+  ArrayXd rest_residual_;  // rest - (scale h - t) if h is given; else empty
 
   Inequalities weight_;
   ArrayXd t_weight_, h_column_;

@@ -12,7 +12,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double rounding = 1e-3;       // of moments with three decimals, by which P = 1 + mu falls below 0
+constexpr double rounding = 1e-3;        // of moments with three decimals, by which P = 1 + mu falls below 0
 constexpr double largest_ringing = 0.1;  // of the mean: beyond it single scattering is wrong by as much
 
 }  // namespace

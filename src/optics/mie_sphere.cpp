@@ -9,8 +9,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Ratios R_n = psi_n(z) / psi_{n-1}(z), n = 1 .. count at index n - 1, by downward recurrence from where psi is
-/// negligible: always stable, because psi is the solution that falls off with n. From R_n follows the logarithmic
+/// Ratios R_n = psi_n(z) / psi_{n-1}(z), n = 1 .. count at index n - 1, by downward recurrence from an order with
+/// negligible psi: always stable, because psi is the solution that falls off with n. From R_n follows the logarithmic
 /// derivative, D_n = (n+1)/z - R_{n+1}.
 template <class Number>
 std::vector<Number> riccati_bessel_ratios(Number z, int count) {
@@ -46,8 +46,8 @@ MieCoefficients mie_coefficients(double size_parameter, Complex refractive_index
   const std::vector<double> outer = riccati_bessel_ratios(x, terms + 1);
 
   MieCoefficients sphere{x, std::vector<Complex>(terms), std::vector<Complex>(terms), std::vector<double>(terms)};
-  // psi_n = x j_n and chi_n = -x y_n. chi grows with n, so that upward is its stable direction everywhere; psi is taken
-  // upward while it swings and by its ratios where it falls, so that neither loses digits.
+  // psi_n = x j_n and chi_n = -x y_n. chi grows with n, so that upward is its stable direction everywhere. psi is
+  // computed upward while it oscillates and by its ratios when it decays, so that neither loses digits.
   double psi_before = std::cos(x), psi = std::sin(x);
   double chi_before = -std::sin(x), chi = std::cos(x);
   for (int n = 1; n <= terms; ++n) {
@@ -62,8 +62,8 @@ MieCoefficients mie_coefficients(double size_parameter, Complex refractive_index
     const Complex derivative = (n + 1.0) / z - inner[n];
     const Complex electric = derivative / m + n / x;
     const Complex magnetic = m * derivative + n / x;
-    // What multiplies psi_n is D_n(mx)/m - D_n(x) and m D_n(mx) - D_n(x). Written by the ratios the leading terms of
-    // the second are gone, which would cancel for small spheres.
+    // The factors of psi_n are D_n(mx)/m - D_n(x) and m D_n(mx) - D_n(x). Written by the ratios, the second lacks its
+    // leading terms, which would cancel for small spheres.
     const Complex a_psi =
         falling ? ((n + 1) / x * (1.0 / (m * m) - 1.0) - inner[n] / m + outer[n]) * psi : electric * psi - psi_before;
     const Complex b_psi = falling ? (outer[n] - m * inner[n]) * psi : magnetic * psi - psi_before;

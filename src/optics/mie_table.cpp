@@ -22,7 +22,8 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 constexpr int sizes_per_block = 48;
 constexpr int angles_per_tile = 64;
 constexpr double last_moment = 1e-8;  // of (2l+1) chi_l
-/// Efficiencies cost little next to intensities, and the narrow resonances of spheres are in them: so many more sizes.
+/// Steps of efficiencies per step of intensities. Efficiencies take little time and contain the narrow resonances of
+/// spheres.
 constexpr int efficiency_steps = 5;
 
 void check_recipe(const DropletRecipe& recipe, std::span<const double> radii) {
@@ -72,7 +73,7 @@ Sizes choose_sizes(const DropletRecipe& recipe, std::span<const double> radii, d
                     radii.front(), smallest, smallest_size_parameter));
   }
   // u(x) = x / step + per_e_fold ln x: steps of 1 in u. A width of the distribution (its relative width is about sqrt
-  // v) holds at least four, where the trapezoidal rule is exact to 1e-16 for a bell.
+  // v) contains at least four. The trapezoidal rule is then exact to 1e-16 for a bell-shaped function.
   const double per_e_fold = std::max(60.0, 4 / std::sqrt(recipe.effective_variance));
   const auto u = [&](double x) { return x / size_step + per_e_fold * std::log(x); };
   const double u_first = u(smallest);

@@ -17,7 +17,7 @@ constexpr int last_degree = 31;  // the solver truncates forward peaks below thi
 /// Among more candidates than this only every n-th is tried as a class: finer steps than the family needs.
 constexpr std::size_t most_candidates = 96;
 
-/// What of a phase function matters for fluxes. All entries are linear in the function.
+/// The properties of a phase function that affect fluxes. All entries are linear in the function.
 struct Signature {
   double asymmetry;
   std::array<double, directions> turned;  ///< share of the light that crosses the horizontal, by direction of travel
@@ -40,7 +40,8 @@ class SignatureMaker {
     }
   }
 
-  /// Of light that travels at mu the share 1/2 - 1/2 sum over odd l of (2l+1) chi_l P_l(mu) int_0^1 P_l turns over.
+  /// Of light that travels at mu, a share changes hemisphere: 1/2 - 1/2 sum over odd l of (2l+1) chi_l P_l(mu) int_0^1
+  /// P_l.
   Signature operator()(const PhaseFunction& phase) const {
     Signature signature{phase.asymmetry_parameter(), {}};
     for (int m = 0; m < directions; ++m) {

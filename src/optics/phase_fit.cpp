@@ -48,7 +48,7 @@ FitOptions column_options(const PhaseFitOptions& options) {
   return column;
 }
 
-/// What all fits of one function share.
+/// Data that all fits of one function share.
 class Fitter {
  public:
   Fitter(const PhaseFunction& phase, const ControlPoints& points, const OrdinateSet& ordinates,

@@ -28,7 +28,7 @@ double henyey_greenstein_value(double g, double cos_angle) {
   return (1 - a) * (1 + a) / (base * std::sqrt(base));
 }
 
-/// How many of the moments g^l stand above 1e-17.
+/// Number of the moments g^l above 1e-17.
 int henyey_greenstein_moment_count(double g) {
   constexpr int most = 65536;
   if (g == 0) return 1;

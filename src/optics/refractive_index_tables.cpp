@@ -167,8 +167,8 @@ constexpr IndexRow water_rows[] = {
 };
 // clang-format on
 
-// Warren & Brandt (2008), ice Ih at -7 C, every row from 0.199 to 41.14 um, as printed by the database
-// refractiveindex.info (public domain, CC0).
+// Warren & Brandt (2008), ice Ih at -7 C, every row from 0.199 to 41.14 um. Source: the database refractiveindex.info
+// (public domain, CC0).
 // clang-format off
 constexpr IndexRow ice_rows[] = {
     {0.199, 1.3943, 9.565e-11}, {0.201, 1.3914, 3.249e-11}, {0.2019, 1.3901, 2.0e-11}, {0.21, 1.3801, 2.0e-11},

@@ -51,7 +51,7 @@ Eigen::SparseMatrix<double> interpolation(const ControlPoints& points, const Ord
   return matrix;
 }
 
-/// Where a map takes each control point; empty if it does not map the points onto themselves.
+/// Image of each control point under a map; empty if it does not map the points onto themselves.
 std::vector<int> permutation(const ControlPoints& points, const Eigen::Matrix3d& map) {
   std::vector<int> to;
   for (const Direction& v : points.directions()) {
@@ -111,7 +111,7 @@ std::vector<Orbit> orbits_of(const OrdinateSet& ordinates, const std::vector<Sym
   return orbits;
 }
 
-/// Column of a member: where several maps lead to it, their mean, which has the symmetry of the direction itself.
+/// Column of a member: if several maps lead to it, their mean, which has the symmetry of the direction itself.
 Eigen::VectorXd permuted(const Eigen::VectorXd& column, const Member& member) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(column.size());
   for (const SymmetryMap* map : member.maps) {
@@ -120,7 +120,7 @@ Eigen::VectorXd permuted(const Eigen::VectorXd& column, const Member& member) {
   return result / static_cast<double>(member.maps.size());
 }
 
-/// Adds a fitted column, that stands for so many of the table, to a report.
+/// Adds a fitted column, which represents so many of the table, to a report.
 void add(FitReport& report, const FittedColumn& column, std::size_t copies) {
   report.linear_programmes += column.linear_programmes;
   report.fallbacks += column.fell_back ? static_cast<int>(copies) : 0;
@@ -173,8 +173,8 @@ ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlP
                                       const FitOptions& options) {
   check(options);
   const auto start = std::chrono::steady_clock::now();
-  // Where the ordinates are control points, a half range is not resolved well enough to be prescribed, and without its
-  // rows the beam does better with the order of the diffuse light.
+  // If the ordinates are control points, a half range is not resolved well enough to be prescribed. Without its rows
+  // the beam is more accurate with the order of the diffuse light.
   const int beam_order = ordinates.is_control_points ? options.delta_m_order : options.beam_delta_m_order;
   const int half_range_rows = ordinates.is_control_points ? 0 : options.beam_half_range_rows;
   const DeltaM diffuse = delta_m(phase, options.delta_m_order);

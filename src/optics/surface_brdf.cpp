@@ -125,7 +125,7 @@ SurfaceBrdf SurfaceBrdf::cox_munk(double wind_speed_m_s, double refractive_index
   SurfaceBrdf brdf;
   brdf.function_ = [=](const Direction& arriving, const Direction& leaving) {
     const Angles a(arriving, leaving);
-    // The facet that mirrors one direction into the other halves the angle between them.
+    // The normal of the facet that mirrors one direction into the other bisects the angle between them.
     const double cos_half = std::sqrt(.5 * (1 + a.cos_phase));
     if (cos_half == 0) return 0.;
     const double tilt = std::min(1., (a.mu_i + a.mu_o) / (2 * cos_half));
@@ -145,8 +145,8 @@ double SurfaceBrdf::operator()(const Direction& arriving, const Direction& leavi
 double SurfaceBrdf::directional_albedo(double mu) const {
   const Direction arriving(std::sqrt(1 - mu * mu), 0, -mu);
   if (lambertian_) return function_(arriving, -arriving) * pi;
-  // Both sides of the plane of incidence are alike: half the azimuths will do. Nodes crowd at the horizon, where glints
-  // are narrow, by mu_o = u^2.
+  // Both sides of the plane of incidence are alike: half the azimuths suffice. Nodes are densest at the horizon,
+  // because glints are narrow there, by mu_o = u^2.
   constexpr int polar_nodes = 96;
   constexpr int azimuths = 192;
   const GaussLegendre u = make_gauss_legendre(polar_nodes);

@@ -10,7 +10,7 @@
 
 namespace cloudbow {
 
-/// What takes long to find; the rest of a table follows from it.
+/// The part of a table that takes long to compute; the rest follows from it.
 struct FittedColumns {
   Eigen::MatrixXd value;  ///< control points x columns
   FitReport report;       ///< of these columns: programmes, fallbacks, least value, error
@@ -25,7 +25,7 @@ class TableCache {
   /// Nothing if there is no such entry, or something else of its name: a directory, a pipe, a file that is damaged or
   /// belongs to another key.
   std::optional<FittedColumns> load() const;
-  /// A reader never meets half a file. Failing is no error: the table is made again.
+  /// A reader never sees an incomplete file. Failing is no error: the table is made again.
   void store(const FittedColumns& columns) const;
 
  private:

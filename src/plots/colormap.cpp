@@ -44,8 +44,8 @@ Rgb srgb(double lightness, double chroma, double hue_deg) {
 
 Rgb grey(double t) { return srgb(100 * t, 0, 0); }
 
-/// The chroma stays inside what sRGB can show along this path of hues, so that no colour is clipped and the lightness
-/// is exact.
+/// The chroma stays inside the gamut of sRGB along this path of hues. So no colour is clipped and the lightness is
+/// exact.
 Rgb blue_yellow(double t) { return srgb(20 + 72 * t, 25 + 22 * t * t * t, 290 - 195 * t); }
 
 int hex_digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }

@@ -15,7 +15,7 @@ namespace {
 constexpr double text_size = 11;
 constexpr double margin = 70;
 constexpr double longer_side = 640;
-constexpr double flattest = 4;  // a map is stretched where it would be flatter or steeper than this
+constexpr double flattest = 4;  // a map is stretched if it would be flatter or steeper than this
 constexpr int colour_count = 200;
 
 void draw_curve(const std::filesystem::path& file, const ColumnPlot& plot) {

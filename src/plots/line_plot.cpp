@@ -78,7 +78,7 @@ Frame layout(const PlotBox& box, const LinePlot& plot, double text_size) {
   frame.box.bottom -= (plot.x.label.empty() ? 2.6 : 4.9) * text_size;
   frame.box.top += plot.title.empty() ? text_size : 3 * text_size;
   frame.box.right -= 1.5 * text_size;
-  // Lines one pixel wide are crisp where they run through the middle of pixels.
+  // Lines one pixel wide are sharp if they run through the middle of pixels.
   frame.box = {std::floor(frame.box.left) + 0.5, std::floor(frame.box.top) + 0.5, std::floor(frame.box.right) + 0.5,
                std::floor(frame.box.bottom) + 0.5};
   return frame;
@@ -125,7 +125,7 @@ void draw_axes(PlotCanvas& canvas, const Frame& frame, const PlotBox& outer, dou
   canvas.text(frame.plot.title, {(left + right) / 2, top - 1.4 * text_size}, 1.15 * text_size, TextAnchor::centre);
 }
 
-/// Above the point to the right, where a falling curve leaves room; inside the frame.
+/// Above the point to the right, because a falling curve leaves room there; inside the frame.
 void draw_point_label(PlotCanvas& canvas, const Frame& frame, PlotPoint at, const std::string& label,
                       double text_size) {
   const double x =
@@ -155,8 +155,8 @@ void draw_series(PlotCanvas& canvas, const Frame& frame, const PlotSeries& serie
   finish();
 }
 
-constexpr double legend_line_length = 3.5;     // length of a line in the legend, in text sizes
-constexpr double row_height = 2.0;  // of the legend, in text sizes
+constexpr double legend_line_length = 3.5;  // length of a line in the legend, in text sizes
+constexpr double row_height = 2.0;          // of the legend, in text sizes
 
 double entry_width(const PlotSeries& series, double text_size) {
   return (legend_line_length + 1) * text_size + PlotCanvas::text_width(series.label, text_size);

@@ -49,13 +49,13 @@ void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double 
 /// Entries side by side, in as many rows as the width needs; from the top of the box. @returns the height used.
 double draw_legend(PlotCanvas& canvas, const PlotBox& box, const std::vector<PlotSeries>& series, double text_size);
 
-/// Where an axis has its ticks, least to largest, inside the range. Logarithmic: powers of ten, or with `minor` their
-/// multiples 2 to 9.
+/// Values at the ticks of an axis, least to largest, inside the range. Logarithmic: powers of ten, or with `minor`
+/// their multiples 2 to 9.
 std::vector<double> axis_ticks(const PlotAxis& axis, std::pair<double, double> range, bool minor = false);
 /// The range of an axis that shows these values.
 std::pair<double, double> axis_range(const PlotAxis& axis, const std::vector<double>& values);
 
-/// Eight colours that are told apart with any colour vision (Okabe & Ito 2008), in turn.
+/// Eight colours that can be distinguished with any colour vision (Okabe & Ito 2008), in turn.
 PlotColour plot_colour(std::size_t index);
 
 }  // namespace cloudbow

@@ -55,7 +55,7 @@ class PlotCanvas {
 
   PlotBox everything() const { return {0, 0, static_cast<double>(width_), static_cast<double>(height_)}; }
   PlotColour colour_at(int x, int y) const;
-  /// @throws InputError where the file can't be written, or its name has the ending of another kind of picture.
+  /// @throws InputError if the file can't be written, or its name has the ending of another kind of picture.
   void write_png(const std::filesystem::path& file) const;
 
  private:

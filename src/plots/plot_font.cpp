@@ -175,7 +175,7 @@ const Glyph& glyph_of(char32_t code) {
   return found == glyphs.end() ? box : found->second;
 }
 
-/// Takes one character off the front. Bytes that are not UTF-8 stand for themselves.
+/// Takes one character off the front. Bytes that are not UTF-8 are returned as they are.
 char32_t take_character(std::string_view& text) {
   const auto byte = [&text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::size_t length = byte(0) >= 0xf0 ? 4 : byte(0) >= 0xe0 ? 3 : byte(0) >= 0xc0 ? 2 : 1;

@@ -24,11 +24,11 @@ namespace {
 constexpr int colour_count = 255;
 constexpr double longer_side = 768;
 constexpr double largest_side = 16384;
-/// A section is stretched where it would be flatter or steeper than this: atmospheres are much wider or higher than a
+/// A section is stretched if it would be flatter or steeper than this: atmospheres are much wider or higher than a
 /// screen.
 constexpr double section_aspect = 4;
 
-/// Where the display's red, green and blue are looked for in a spectrum [um].
+/// Wavelengths [um] of a spectrum that represent the display's red, green and blue.
 constexpr std::array<double, 3> natural_wavelengths_um{0.67, 0.55, 0.45};
 constexpr std::array<double, 3> luminance_weights{0.2126, 0.7152, 0.0722};  // of the display's colours, ITU-R BT.709
 
@@ -112,7 +112,7 @@ IndexedImage draw(const RenderReport& report, std::vector<Rgb> colour) {
   return picture;
 }
 
-/// What becomes the display's red, green and blue: three images, or one for grey; and what they are, in words.
+/// Images of the display's red, green and blue: three, or one for grey; and their description in words.
 struct Channels {
   std::vector<FluxImage> image;
   std::string name;
@@ -131,7 +131,7 @@ std::vector<double> display_wavelengths(const std::vector<double>& there_um) {
   return chosen;
 }
 
-/// The reflectance factor that belongs to a variable, where there is one.
+/// The reflectance factor that belongs to a variable, if there is one.
 std::optional<std::string> find_reflectance_factor(const RenderOptions& options) {
   const auto there = list_flux_images(options.result_file);
   for (const char* prefix : {"reflectance_factor_", "radiance_", "camera_"}) {
@@ -142,7 +142,7 @@ std::optional<std::string> find_reflectance_factor(const RenderOptions& options)
   return std::nullopt;
 }
 
-/// Reflectance factors for a tone curve; none where the options or the file ask for a colormap.
+/// Reflectance factors for a tone curve; none if the options or the file require a colormap.
 std::optional<Channels> find_channels(const RenderOptions& options) {
   const bool toned = !options.tone.empty() || options.exposure || options.automatic_exposure;
   if (toned && (options.range || !options.colormap.empty())) {
@@ -195,7 +195,7 @@ double exposure_of(const RenderOptions& options, const Channels& channels) {
   return automatic_exposure(std::move(luminance));
 }
 
-/// Black where there is no value.
+/// Black for pixels without value.
 RgbImage draw_natural(const RenderReport& report, const Channels& channels, const std::string& tone, double exposure) {
   RgbImage picture{report.width, report.height, {}};
   const std::size_t last = channels.image.size() - 1;
@@ -232,7 +232,7 @@ void check_options(const RenderOptions& options) {
 
 RenderReport render(const RenderOptions& options) {
   const std::string tone = options.tone.empty() ? "filmic" : options.tone;
-  display_level(tone, 0);  // tells of an unknown name
+  display_level(tone, 0);  // throws for an unknown name
   auto colour = make_colormap(options.colormap.empty() ? "grey" : options.colormap, colour_count);
   check_options(options);
   const bool is_exr = picture_format(options.image_file, OutputKind::picture) == PictureFormat::exr;

@@ -19,8 +19,8 @@ struct ErrorKind {
   double FluxErrors::*of;
 };
 constexpr std::array<ErrorKind, 3> kinds{{{"domain mean", &FluxErrors::domain},
-                                           {"columns, up at the top", &FluxErrors::up},
-                                           {"columns, down at the bottom", &FluxErrors::down}}};
+                                          {"columns, up at the top", &FluxErrors::up},
+                                          {"columns, down at the bottom", &FluxErrors::down}}};
 
 struct Curve {
   std::vector<double> seconds, error;  ///< of each row; the truth's error is NaN

@@ -50,8 +50,8 @@ int ControlPoints::bin(double polar_angle, double azimuth) const {
   return row * meridians_ + column;
 }
 
-// A triangle is entered into all bins that its circumscribed cap may touch: cheap, and it leaves no gap that a point
-// could fall through.
+// A triangle is entered into all bins that its circumscribed cap may touch. That takes little time, and every point
+// finds its triangle.
 void ControlPoints::fill_bins() {
   parallels_ = static_cast<int>(2 * std::sqrt(size()));
   meridians_ = 2 * parallels_;
@@ -85,8 +85,8 @@ const std::vector<int>& ControlPoints::triangles_near(const Direction& local) co
 }
 
 int ControlPoints::triangle_at_local(const Direction& local) const {
-  // A point lies inside a triangle where it is to the left of all three sides. On a side rounding may deny it to both
-  // neighbours: so the triangle that comes nearest to holding the point is taken, and there is always one.
+  // A point lies inside a triangle if it is to the left of all three sides. On a side, rounding can exclude it from
+  // both neighbours. So the triangle that comes nearest to containing the point is taken, and there is always one.
   int nearest = -1;
   double inside = -std::numeric_limits<double>::infinity();
   for (const int t : triangles_near(local)) {

@@ -13,7 +13,7 @@ std::vector<Eigen::Matrix3d> icosahedral_group() {
     m << sphere.vertex[t[0]], sphere.vertex[t[1]], sphere.vertex[t[2]];
     return m;
   };
-  // A map is known by where it takes one triangle: any of 20, its corners in any of 6 orders.
+  // A map is determined by the image of one triangle: any of 20, its corners in any of 6 orders.
   const Eigen::Matrix3d from_first = columns(sphere.triangle.front()).inverse();
   std::vector<Eigen::Matrix3d> group;
   for (const auto& triangle : sphere.triangle) {

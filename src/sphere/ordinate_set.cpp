@@ -31,7 +31,7 @@ constexpr int max_azimuths = 128;
       name, max_polar_angles, max_azimuths));
 }
 
-/// What follows the prefix, if the name has it.
+/// The rest of the name after the prefix, if it has the prefix.
 std::optional<std::string_view> after(std::string_view name, std::string_view prefix) {
   if (!name.starts_with(prefix)) return std::nullopt;
   return name.substr(prefix.size());
@@ -153,9 +153,9 @@ Eigen::Matrix3d control_point_frame_rotation() {
   return Eigen::Quaterniond(0.2067, 0.1056, 0.9465, 0.2242).normalized().toRotationMatrix();
 }
 
-// Weights equal on each icosahedral orbit. A quadrature with the group's symmetry is exact for every harmonic as soon
-// as it is exact for the invariant ones, which exist only at degrees 0, 6, 10, 12, ... (Sobolev 1962): one equation
-// for each orbit. The invariant of a degree is taken as a Legendre polynomial about a vertex, summed over the orbit.
+// Weights equal on each icosahedral orbit. A quadrature with the group's symmetry is exact for every harmonic if it is
+// exact for the invariant ones. These exist only at degrees 0, 6, 10, 12, ... (Sobolev 1962): one equation per orbit.
+// The invariant of a degree is taken as a Legendre polynomial about a vertex, summed over the orbit.
 std::vector<double> icosphere_weights(int subdivisions) {
   assert(subdivisions >= 0 && subdivisions <= 3);
   constexpr int invariant_degrees[] = {0, 6, 10, 12, 16, 18, 20, 22, 24, 26};

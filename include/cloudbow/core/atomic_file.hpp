@@ -22,7 +22,7 @@ bool is_temporary_of(const std::filesystem::path& file, const std::filesystem::p
 /// that killed processes have left behind for the same target are removed first.
 class AtomicFile {
  public:
-  /// @throws InputError if the folder is missing or may not be written, or the target is anything but a regular file.
+  /// @throws InputError if the folder is missing or not writable, or the target is not a regular file.
   explicit AtomicFile(const std::filesystem::path& target);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

@@ -1,4 +1,4 @@
-// How much memory the process may come to hold.
+// Memory that the process may use.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace cloudbow {
 
-/// Bytes that the process may hold in all, with what it holds now: the least of the machine's memory, what the system
-/// calls available, the limits of its control groups (version 1 and 2, with all groups above), and `ulimit -v` and
-/// `ulimit -d`.
-/// @param root folder in the place of / for the files of the kernel.
+/// Bytes that the process may hold in all, with what it holds now. This is the least of the machine's memory, the
+/// memory that the system reports as available, and all limits. Limits are those of its control groups (version 1 and
+/// 2, with all groups above), `ulimit -v` and `ulimit -d`.
+/// @param root folder that replaces / for the files of the kernel.
 std::uint64_t available_memory_bytes(const std::filesystem::path& root = "/");
 
 }  // namespace cloudbow

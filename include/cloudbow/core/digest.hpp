@@ -10,7 +10,7 @@
 namespace cloudbow {
 
 /// Two different inputs have the same value with a probability of about 2^-64. The value depends on the bytes alone and
-/// not on how many at a time are added. Files keep values, so whatever changes them raises the format numbers of
+/// not on how many at a time are added. Files store values, so a change of the values raises the format numbers of
 /// checkpoints and cached tables.
 class Digest {
  public:
@@ -32,7 +32,7 @@ class Digest {
   requires std::is_arithmetic_v<T>
   void add(T value) { add_bytes(&value, sizeof value); }
 
-  /// Of everything added so far. More may be added afterwards.
+  /// Hash of everything added so far. More may be added afterwards.
   std::uint64_t value() const;
 
  private:

@@ -7,7 +7,7 @@
 namespace cloudbow {
 
 /// The user's input or usage is wrong: the program prints what() on one line and exits with code 2.
-/// The message reads "where: problem (what was found, what is allowed) suggestion".
+/// The message reads "location: problem (what was found, what is allowed) suggestion".
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -9,8 +9,8 @@
 
 namespace cloudbow::hdf5 {
 
-/// What HDF5 said: the system's message if there is one ("No space left on device"), else the innermost entry of its
-/// error stack.
+/// Error text of HDF5: the system's message if there is one ("No space left on device"), else the innermost entry of
+/// its error stack.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -48,13 +48,13 @@ class Handle {
   Closer closer_;
 };
 
-/// Must come before any other HDF5 call: after a failed close HDF5's own clean-up at exit would crash the program, and
-/// its error stack would be printed to stderr.
+/// Must come before any other HDF5 call. Otherwise HDF5's own clean-up at exit would crash the program after a failed
+/// close. Its error stack would also be printed to stderr.
 void start_library();
 
-/// An input, for reading. HDF5 is not asked for anything that the file refers to elsewhere: links to other files,
-/// links and filters of plug-ins, virtual datasets and external storage are refused before they are followed.
-/// @throws InputError naming the file if it is no regular file, is locked or holds such a thing; Error if damaged.
+/// An input, for reading. HDF5 does not read anything outside the file to which it refers: links to other files, links
+/// and filters of plug-ins, virtual datasets and external storage are refused before they are followed.
+/// @throws InputError naming the file if it is no regular file, is locked or has such a reference; Error if damaged.
 Handle open_file(const std::filesystem::path& path);
 
 /// The same check before another library opens the file; anything but HDF5 passes.

@@ -6,8 +6,8 @@
 
 namespace cloudbow {
 
-/// Control characters (C0, DEL, C1 in UTF-8) and bytes that are no UTF-8 become \xNN; the rest stays as it is. A name
-/// in a file may hold sequences that move the cursor, hide text or set the title of the window.
+/// Control characters (C0, DEL, C1 in UTF-8) and bytes that are no UTF-8 become \xNN; the rest is unchanged. Otherwise
+/// a name in a file could move the cursor, hide text or set the title of the window.
 std::string printable(std::string_view text);
 
 }  // namespace cloudbow

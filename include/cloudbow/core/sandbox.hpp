@@ -1,4 +1,4 @@
-// Reading a file of a stranger: first in a child process, whose death is an answer and not the end of the program.
+// Reads an untrusted file in a child process first, so that a crash in a library becomes an error message.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace cloudbow {
 struct SandboxOptions {
   std::string library{};           ///< that reads the file, as messages name it
   std::uint64_t memory_bytes = 0;  ///< beyond what the process has; 0: half of what is available
-  std::uint64_t wall_seconds = 0;  ///< 0: a minute, and a second for each megabyte of the file
-  std::uint64_t cpu_seconds = 0;   ///< 0: 5 s, and a second for each megabyte of the file
+  std::uint64_t wall_seconds = 0;  ///< 0: one minute, and one second per megabyte of the file
+  std::uint64_t cpu_seconds = 0;   ///< 0: 5 s, and one second per megabyte of the file
 };
 
 /// Runs `read` in a child process with limits on memory, CPU seconds and seconds on the clock. The child has one
 /// thread: `read` must not wait for others, which OpenMP's loops do.
-/// @throws InputError with the message of what `read` throws there, so that it never begins in this process (libraries
-/// leak what they have half read), and if the child crashes, is killed, runs out of memory or out of time. Limits that
+/// @throws InputError with the message of what `read` throws there. It then never begins in this process: libraries
+/// leak what they have half read. Also if the child crashes, is killed, runs out of memory or out of time. Limits that
 /// the process has itself are kept; if they leave little memory, the message says so.
 void read_in_sandbox(const std::filesystem::path& path, const SandboxOptions& options,
                      const std::function<void()>& read);
@@ -26,7 +26,7 @@ void read_in_sandbox(const std::filesystem::path& path, const SandboxOptions& op
 /// Bytes that `ulimit -v` and `ulimit -d` leave beyond what this process has; the largest number if there is no limit.
 std::uint64_t memory_left_by_limits();
 
-/// What `read` returns in this process, after it went well in a child.
+/// Result of `read` in this process, after it succeeded in a child.
 template <class Read>
 auto after_sandbox(const std::filesystem::path& path, const SandboxOptions& options, const Read& read) {
   read_in_sandbox(path, options, [&read] { static_cast<void>(read()); });

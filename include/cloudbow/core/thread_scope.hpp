@@ -1,10 +1,10 @@
-// How many threads OpenMP's regions have.
+// Number of threads of OpenMP's regions.
 #pragma once
 
 namespace cloudbow {
 
-/// That many threads in this scope, or as many as can be started where memory or a limit keeps some from it. Afterwards
-/// as before.
+/// Sets the number of threads in this scope, and restores the previous one afterwards. If memory or a limit prevents
+/// some threads from starting, the number is that of those that can.
 class ThreadScope {
  public:
   /// @param threads 0: as many as before.

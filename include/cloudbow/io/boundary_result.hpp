@@ -7,8 +7,8 @@
 
 namespace cloudbow {
 
-/// Of a file by `cloudbow run`. @throws InputError where it is no such file, or its fluxes do not reach from the bottom
-/// of the domain to its top.
+/// Of a file by `cloudbow run`. @throws InputError if it is no such file, or its fluxes do not cover the domain from
+/// bottom to top.
 BoundaryResult read_boundary_result(const std::filesystem::path& file);
 
 }  // namespace cloudbow

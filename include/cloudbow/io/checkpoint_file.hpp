@@ -11,7 +11,7 @@
 namespace cloudbow {
 
 /// As write_result(): nothing half-written under the name. @param source program name and version.
-/// @throws InputError where it cannot be written.
+/// @throws InputError if it cannot be written.
 void write_checkpoint(const std::filesystem::path& file, const std::string& source, const StateKey& key,
                       std::span<const StateArray> state);
 
@@ -26,7 +26,7 @@ class CheckpointInput {
   const StateKey& key() const { return key_; }
   const std::string& source() const { return source_; }
 
-  /// @throws InputError where the array is not there, has another shape or is damaged.
+  /// @throws InputError if the array is missing, has another shape or is damaged.
   void load(const StateArray& array) const;
 
  private:

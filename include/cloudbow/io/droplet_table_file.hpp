@@ -26,22 +26,21 @@ struct DropletTableInfo {
 /// the glory.
 std::vector<double> droplet_table_angles();
 
-/// As write_result(): under a temporary name, renamed when complete. @throws InputError where the file cannot be
-/// written.
+/// As write_result(): under a temporary name, renamed when complete. @throws InputError if the file cannot be written.
 void write_droplet_table(const std::filesystem::path& file, const DropletTable& table, const DropletTableInfo& info);
 
 /// The same for several wavelengths in one file: tables of the same radii, each with its own refractive index; the rest
-/// of what is known of them is that of the first.
+/// of their common data are those of the first.
 void write_droplet_tables(const std::filesystem::path& file, std::span<const DropletTable> tables,
                           std::span<const DropletTableInfo> infos);
 
-/// Reads a table of any known form, which its content tells:
+/// Reads a table of any known form, which it recognises by the content:
 /// - HDF5 by write_droplet_table() and write_droplet_tables();
 /// - netCDF by libRadtran's `mie` (wavelen, reff, ext, ssa, nmom, pmom), classic or netCDF-4;
 /// - text by SHDOM's make_mie_table ("! Mie table vs. effective radius").
-/// @param wavelength_um which one to take of a file that holds several [um], to 0.1 %.
-/// @throws InputError naming the file: no such file, none of these forms, damaged, a variable missing, of the wrong
-/// shape or unit, no such wavelength, and as check_droplet_table() says.
+/// @param wavelength_um [um] selects one of a file with several, to 0.1 %.
+/// @throws InputError naming the file: no such file, none of these forms, damaged; a variable missing, of the wrong
+/// shape or unit; no such wavelength; and as check_droplet_table() says.
 DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um = std::nullopt);
 
 }  // namespace cloudbow

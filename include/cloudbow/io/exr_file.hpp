@@ -19,7 +19,7 @@ struct FloatImage {
 };
 
 /// One part of scan lines, not compressed (OpenEXR file layout, version 2). Atomic, as result files are.
-/// @throws InputError where the file can't be written.
+/// @throws InputError if the file can't be written.
 void write_exr(const std::filesystem::path& file, const FloatImage& image);
 
 }  // namespace cloudbow

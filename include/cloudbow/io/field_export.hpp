@@ -12,7 +12,7 @@
 
 namespace cloudbow {
 
-/// At least one field must be asked for.
+/// At least one field must be requested.
 struct FieldExportOptions {
   std::filesystem::path result_file;
   std::filesystem::path vdb_file;
@@ -21,11 +21,11 @@ struct FieldExportOptions {
   bool all_directions = false;  ///< grids "radiance_000" ...: one for each control point
   bool actinic = false;         ///< grid "actinic_flux"
   bool absorption = false;      ///< grid "absorbed_power"
-  /// Of the radiances that are in memory at once with all_directions; at least one direction is.
+  /// Limit of the radiances that are in memory at once with all_directions; at least one direction is.
   std::size_t batch_bytes = std::size_t{256} << 20;
 };
 
-/// What was written, for lines on the terminal.
+/// Summary of the written file, for lines on the terminal.
 struct FieldExportReport {
   std::vector<std::string> grids;
   std::array<int, 3> voxels{};
@@ -35,13 +35,13 @@ struct FieldExportReport {
   bool whole_domain = true;  ///< false: the levels of the result are uneven, and the cloud's box alone was exported
 };
 
-/// Writes the fields asked for, each a float grid in the result's axes (metres, z up) with the voxels of the cloud;
-/// cells without a value (no matter in them) are inactive. Levels of one height are exported whole. Where layers make
-/// them uneven the planes of voxels from the cloud's lowest to its highest are: a voxel that a layer's edge cuts gets
-/// the mean of its parts by height.
-/// @throws InputError where the file is missing, no result, or lacks a field (the message says how to get it);
-/// `travel` has no length; the levels are uneven and there is no cloud; the VDB file cannot be written.
-/// No file is left then.
+/// Writes each requested field as a float grid in the result's axes (metres, z up). Its voxels are those of the cloud.
+/// Cells without a value (no matter in them) are inactive. Levels of one height are exported whole. If layers make them
+/// uneven, only the planes of voxels from the cloud's lowest to its highest are exported. A voxel that a layer's edge
+/// cuts gets the mean of its parts by height.
+/// @throws InputError if the file is missing, no result, or lacks a field (the message explains how to get it); if
+/// `travel` has no length; if the levels are uneven and there is no cloud; if the VDB file cannot be written. No file
+/// is left then.
 FieldExportReport export_fields(const FieldExportOptions& options);
 
 }  // namespace cloudbow

@@ -8,8 +8,9 @@
 
 namespace cloudbow {
 
-/// Values on a rectangle of cells, seen with the first axis to the right and the second upwards: a horizontal map (x,
-/// y), what a camera sees or, where the result has one row or column of cells only, a vertical section (x or y, z).
+/// Values on a rectangle of cells, with the first axis to the right and the second upwards. It is a horizontal map (x,
+/// y), the image of a camera or a vertical section (x or y, z). A section is that of a result with one row or column of
+/// cells only.
 struct FluxImage {
   std::string variable;
   std::string units;
@@ -22,23 +23,23 @@ struct FluxImage {
   std::vector<double> row_edge_m;  ///< rows + 1, ascending
 };
 
-/// Where in a variable of more dimensions an image lies.
+/// Indices of an image in a variable of more dimensions.
 struct ImageChoice {
   std::string level = "top";  ///< "top", "bottom" or a height in metres between them, of which the nearest level is
                               ///< taken; sections and images ignore it
   std::optional<double> wavelength_um;  ///< of which the nearest is taken; default: the first
 };
 
-/// Wavelengths [um] of a result; empty: it has no spectrum. @throws InputError where the file is no result.
+/// Wavelengths [um] of a result; empty: it has no spectrum. @throws InputError if the file is no result.
 std::vector<double> read_wavelengths(const std::filesystem::path& result_file);
 
 /// Root variables that read_flux_image() can read, in the order of the file. @throws InputError as above.
 std::vector<std::string> list_flux_images(const std::filesystem::path& result_file);
 
-/// Reads a root variable of shape (y, x), (z, y, x), (level, y, x), an image with pixels of its own or of a camera; all
-/// of them with the wavelength first where the result has a spectrum.
-/// @throws InputError where the file is no result, or it lacks the variable (the message lists what is there), the
-/// level or any wavelength.
+/// Reads a root variable of shape (y, x), (z, y, x) or (level, y, x); or an image with pixels of its own or of a
+/// camera. All of them have the wavelength first if the result has a spectrum.
+/// @throws InputError if the file is no result; if it lacks the variable (the message lists those in it), the level or
+/// any wavelength.
 FluxImage read_flux_image(const std::filesystem::path& result_file, const std::string& variable,
                           const ImageChoice& choice);
 

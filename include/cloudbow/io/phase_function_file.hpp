@@ -11,7 +11,7 @@ namespace cloudbow {
 
 struct PhaseFunctionFile {
   PhaseFunction function;
-  std::vector<std::string> notes;  ///< what was guessed or made good: the user must be told
+  std::vector<std::string> notes;  ///< guesses and corrections, to be printed for the user
 };
 
 /// Rows "l chi_l", l = 0, 1, 2, ..., or "chi_l" alone; chi_0 = 1, without the factor 2l+1. @throws InputError with file

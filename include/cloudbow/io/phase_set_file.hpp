@@ -14,14 +14,14 @@ enum class MomentFactor { excluded, included, automatic };
 struct PhaseSetFile {
   std::vector<std::vector<double>> moments;  ///< [function][l] without the factor, chi_0 = 1; trailing zeros cut
   bool factor_was_included = false;
-  std::string note;  ///< what the user must be told of the first function that rings below 0, if any does
+  std::string note;  ///< note for the user on the first function that rings below 0, if any does
 };
 
 /// @throws InputError with file and line: not numbers, degrees not 0, 1, 2, ..., rows of different length, chi_0 not 1,
 /// |chi_l| above 1, a function that is negative.
 PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor factor);
 
-/// Without the factor. @throws InputError where it cannot be written.
+/// Without the factor. @throws InputError if it cannot be written.
 void write_phase_set_file(const std::filesystem::path& file, const std::vector<std::vector<double>>& moments);
 
 }  // namespace cloudbow

@@ -1,4 +1,4 @@
-// Which kind of picture a file name asks for.
+// Kind of picture that a file name implies.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@ namespace cloudbow {
 
 enum class PictureFormat { png, exr };
 
-/// By the ending of the name, in letters of any size; a name without one asks for PNG.
+/// By the ending of the name, in letters of any size; a name without one means PNG.
 /// @param kind plot, which is PNG alone, or picture
 /// @throws InputError for any other ending (check_ending())
 PictureFormat picture_format(const std::filesystem::path& file, OutputKind kind = OutputKind::plot);

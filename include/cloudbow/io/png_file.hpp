@@ -23,8 +23,8 @@ struct RgbImage {
   std::vector<std::uint8_t> rgb;  ///< [row][column][channel], row 0 on top
 };
 
-/// Atomic, as result files are. @throws InputError where the file can't be written, or its name ends as that of
-/// another kind of picture (picture_format()).
+/// Atomic, as result files are. @throws InputError if the file can't be written, or its name ends as that of another
+/// kind of picture (picture_format()).
 void write_png(const std::filesystem::path& file, const IndexedImage& image);
 void write_png(const std::filesystem::path& file, const RgbImage& image);
 

@@ -13,7 +13,7 @@
 
 namespace cloudbow {
 
-/// How a run to a wanted error or time went (`/plan`).
+/// Course of a run to a target error or time (`/plan`).
 struct RunPlan {
   std::optional<double> target_error;  ///< fraction
   std::string of;                      ///< "domain" or "columns": the fluxes that it is of
@@ -22,7 +22,7 @@ struct RunPlan {
   std::string levels_solved;  ///< all, in their order
   double predicted_error = 0;
   double predicted_seconds = 0;  ///< wall seconds of that level's solve and its coarse solves
-  double seconds = 0;            ///< what these took
+  double seconds = 0;            ///< time of these
   double predicted_memory_bytes = 0;
   double seconds_in_all = 0;  ///< with the levels before
   bool met = true;            ///< the target, by the estimate, and the budget
@@ -33,8 +33,8 @@ struct ResultInfo {
   std::string source;  ///< program name and version
   std::string history;
   std::string scene;  ///< the whole scene file as run
-  /// Of each solution: phase functions that stand for droplets which vary, and the error that they make; empty where
-  /// droplets do not vary.
+  /// Of each solution: phase functions that represent droplets which vary, and their error; empty if droplets do not
+  /// vary.
   std::vector<std::int32_t> phase_classes{};
   std::vector<double> phase_class_error{};
   std::vector<double> wavelengths_um{};  ///< of each solution; empty: the scene has no spectrum, and one solution
@@ -42,10 +42,10 @@ struct ResultInfo {
   std::optional<RunPlan> plan{};
 };
 
-/// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no half file under the name, and
-/// an older file stays as it was until the new one is complete.
-/// @throws InputError naming the file where it can't be written (as check_writable of output_files.hpp, or disk full);
-/// the temporary file is removed.
+/// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,
+/// and an older file is unchanged until the new one is complete.
+/// @throws InputError naming the file if it can't be written (as check_writable of output_files.hpp, or disk full); the
+/// temporary file is removed.
 void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info);
 
 /// The solutions of a scene with a spectrum, all on the same grid: every variable has the dimension `wavelength` first.

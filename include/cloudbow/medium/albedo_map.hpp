@@ -25,12 +25,12 @@ struct AlbedoMap {
 /// (time) may stand before or behind. Dimensions y, x, or the other way round if their names say so. Coordinates in
 /// variables of the dimensions' names turn an axis that descends; without any, y and x ascend. scale_factor, add_offset
 /// and units ("%") are obeyed.
-/// @throws InputError naming the file, what was found, what is allowed and what mends it: not such a file, damaged,
+/// @throws InputError naming the file, what was found, what is allowed and the remedy: not such a file, damaged,
 /// pictures in colour, transparent pixels, missing values, values outside 0 to 1.
 AlbedoMap read_albedo_map(const std::filesystem::path& file);
 
-/// A map of another size, by its own coordinates, is that of another place.
-/// @param file for the message
+/// A map of another size, by its own coordinates, belongs to another site.
+/// @param file for the message.
 /// @throws InputError if the map has coordinates and they are off by more than 1 % or a cell.
 void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m);
 

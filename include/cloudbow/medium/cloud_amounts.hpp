@@ -1,4 +1,4 @@
-// How much there is in a cloud: extinction of its water, and sums over its columns.
+// Amounts in a cloud: extinction of its water, and sums over its columns.
 #pragma once
 
 #include <span>

@@ -25,7 +25,7 @@ struct CloudField {
   std::vector<std::uint32_t> row_begin;
   std::vector<RowSpan> spans;  ///< order: k, then j, then i ascending
   std::vector<float> value;  ///< > 0, finite; in the units of `quantity` (extinction 1/m or liquid water content g/m3)
-  std::string quantity;      ///< "extinction", "liquid_water_content", or empty where the file does not say
+  std::string quantity;      ///< "extinction", "liquid_water_content", or empty if the file does not say
 
   std::size_t active_voxels() const { return value.size(); }
   double max_m(int axis) const { return min_m[axis] + cells[axis] * cell_size_m[axis]; }

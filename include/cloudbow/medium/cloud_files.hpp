@@ -14,11 +14,11 @@
 
 namespace cloudbow {
 
-/// The grids of one cloud. One that is asked for again comes from memory, where they are kept.
+/// The grids of one cloud. If grids are kept, a repeated request returns the one in memory.
 class CloudFiles {
  public:
-  /// @param keep grids will be asked for more than once
-  /// @param tell is called with each sentence about the cloud, once; none: nobody listens
+  /// @param keep grids will be requested more than once.
+  /// @param tell is called with each sentence about the cloud, once; may be empty.
   explicit CloudFiles(bool keep, std::function<void(const std::string&)> tell = {})
       : keep_(keep), tell_(std::move(tell)) {}
 

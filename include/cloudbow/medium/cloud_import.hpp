@@ -21,7 +21,7 @@ struct CloudImportOptions {
   /// levels_by_voxel_size.
   std::optional<std::array<double, 3>> voxel_size_m;
   bool levels_by_voxel_size = false;          ///< levels are of this size from the ground, whatever the file says
-  std::optional<std::array<int, 2>> columns;  ///< nx, ny of the domain where a text file does not say
+  std::optional<std::array<int, 2>> columns;  ///< nx, ny of the domain if a text file does not say
   double vertical_size_m = 0;                 ///< of the uniform cells; 0: the thinnest level with cloud
   double minimum = 0;                         ///< cells with less than this of the quantity count as clear air
   /// "extinction" or "liquid_water_content". Of text columns, in 1/m or g/m3; empty: the former. Of LES files, which of
@@ -58,21 +58,21 @@ std::string cloud_import_format(const CloudImportOptions& options);
 struct ImportedCloud {
   CloudField field;
   std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index"
-  std::vector<std::vector<double>> moments;  ///< [phase function][l] where the file holds them, without the factor 2l+1
-  std::vector<std::string> notes;            ///< what was found and what was guessed, for the user to check
+  std::vector<std::vector<double>> moments;  ///< [phase function][l] if the file holds them, without the factor 2l+1
+  std::vector<std::string> notes;            ///< findings and guesses, for the user to check
 };
 
-/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass: each voxel is the
-/// mean of the levels in it by thickness, an effective radius the mean that keeps mass and mass / radius, an albedo the
-/// one that keeps scattering.
+/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass. Each voxel is the
+/// mean of the levels in it by thickness. An effective radius is the mean that keeps mass and mass / radius, an albedo
+/// the one that keeps scattering.
 /// @throws InputError naming file and variable, line or cell: missing or damaged file, missing variable or axis, unit
-/// not known, time index beyond the axis, levels or columns not monotonic or not uniform, NaN, negative or no cloud,
+/// not known, time index beyond the axis; levels or columns not monotonic or not uniform, NaN, negative or no cloud;
 /// numbers that no cloud has: air density outside 0.01 to 2 kg/m3, pressure outside 100 to 120000 Pa, temperature
-/// outside 150 to 350 K, liquid water above 20 g/m3, effective radius outside 0.1 um to 5 mm, levels thinner than 1 mm
+/// outside 150 to 350 K; liquid water above 20 g/m3, effective radius outside 0.1 um to 5 mm; levels thinner than 1 mm
 /// or thicker than 5 km, cloud below the ground.
 ImportedCloud import_cloud(const CloudImportOptions& options);
 
-/// r_e [um] = 1e6 (3 L / (4 pi rho_w k N))^(1/3) for L [g/m3] of water and N droplets per m3, k = radius_ratio_cubed.
+/// r_e [um] = 1e6 (3 L / (4 pi rho_w k N))^(1/3). L [g/m3] is the water, N the droplets per m3, k = radius_ratio_cubed.
 double effective_radius_of_droplets(double liquid_g_m3, double droplets_per_m3, double radius_ratio_cubed);
 
 }  // namespace cloudbow

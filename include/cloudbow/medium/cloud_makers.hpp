@@ -27,23 +27,23 @@ struct CloudMakerOptions {
   std::optional<double> base_m;
 };
 
-/// The kinds that make_cloud knows.
+/// The kinds that make_cloud accepts.
 const std::vector<std::string>& cloud_maker_kinds();
 
 /// - slab: uniform from base_m to the top of the domain.
-/// - step: like a slab, with 0.2 times the optical depth in the left half (small x) and 1.8 times in the right half:
-/// the I3RC step cloud
-///   (Cahalan et al. 2005, doi 10.1175/BAMS-86-9-1275) for 10.
-/// - sphere: uniform, as large as the domain allows with half a cell of clear air; cells on its surface hold their
-/// share.
-/// - cumulus: a population of clouds with a power-law distribution of sizes, a common flat base, liquid water that
-/// grows with height as in a
-///   diluted adiabatic parcel, cauliflower tops and thin turbulent edges.
+/// - step: like a slab, with 0.2 times the optical depth in the left half (small x) and 1.8 times in the right half. An
+///   optical depth of 10 is the I3RC step cloud (Cahalan et al. 2005, doi 10.1175/BAMS-86-9-1275).
+/// - sphere: uniform, as large as the domain allows with half a cell of clear air; cells on its surface have their
+///   share.
+/// - cumulus: a population of clouds with a power-law distribution of sizes and a common flat base. Liquid water grows
+///   with height as in a diluted adiabatic parcel; tops are cauliflower-like and edges thin and turbulent.
 /// - stratocumulus: a layer with a flat base, whose optical depth is lognormal with a -5/3 spectrum, adiabatic in the
-/// vertical. The same options give the same field, whatever the compiler and its library: random numbers and
-/// distributions are this program's own, and values of the random kinds are rounded to 11 significant bits, coarser
-/// than any difference of a math library.
-/// @throws InputError where an option is missing, out of range or does not belong to the kind.
+///   vertical.
+///
+/// The same options give the same field, whatever the compiler and its library: random numbers and distributions are
+/// this program's own. Values of the random kinds are rounded to 11 significant bits, coarser than any difference of a
+/// math library.
+/// @throws InputError if an option is missing, out of range or does not belong to the kind.
 CloudField make_cloud(const CloudMakerOptions& options);
 
 }  // namespace cloudbow

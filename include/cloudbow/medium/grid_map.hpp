@@ -29,7 +29,7 @@ struct GridMap {
 /// The levels of `grid` as they are: what GridMap::level is if levels do not change.
 std::vector<int> same_levels(const OpticalGrid& grid);
 
-/// The grid whose cells have the coefficients of `grid` at map.cell, and whose levels have its layers at map.level.
+/// The grid whose cells have the coefficients of `grid` at map.cell. Its levels have the layers of `grid` at map.level.
 OpticalGrid remap(const OpticalGrid& grid, GridMap map);
 
 /// Every cell of the box active: for light in cells without matter too.

@@ -1,5 +1,4 @@
-// What light meets: absorption and scattering coefficients of the active cells of a box with uniform columns and any
-// levels.
+// Absorption and scattering coefficients of the active cells of a box with uniform columns and any levels.
 #pragma once
 
 #include <array>
@@ -83,11 +82,11 @@ OpticalGrid layers_only(const OpticalGrid& grid);
 /// Optical properties of the cloud's droplets: the same everywhere, or by voxel.
 struct CloudOptics {
   double extinction_per_value = 1;                     ///< multiplies CloudField::value to give extinction [1/m], > 0
-  double single_scattering_albedo = 1;                 ///< used where voxel_single_scattering_albedo is empty
+  double single_scattering_albedo = 1;                 ///< used if voxel_single_scattering_albedo is empty
   std::vector<double> voxel_single_scattering_albedo;  ///< per active voxel, or empty
   int phase_function = 0;                              ///< index into the problem's phase functions
-  /// Where droplets vary: per active voxel, the first of two phase functions, phase_function + voxel_phase_function,
-  /// and the share of its scattering that follows the next one; or both empty.
+  /// If droplets vary, per active voxel: the first of two phase functions, phase_function + voxel_phase_function. The
+  /// share is that of its scattering that follows the next one. Otherwise both are empty.
   std::vector<std::uint16_t> voxel_phase_function;
   std::vector<float> voxel_next_share;
 };
@@ -101,11 +100,13 @@ struct Layer {
   int phase_function = 0;
 };
 
-/// How finely levels without cloud are cut. Optical depths are vertical and after delta-M. At the optical distance t
-/// from the nearest interface between different optics (the domain's top and bottom among them) a level is
-///   h(t) = min(edge_optical_depth + growth t, max(max_optical_depth, deep_growth t))
-/// deep: thin where radiance bends, at most max_optical_depth inside, and beyond t = max_optical_depth / deep_growth,
-/// where only diffusion is left, growing again so that optical depths of 1e4 stay at some hundreds of levels.
+/// Subdivision of levels without cloud. Optical depths are vertical and after delta-M. Interfaces are those between
+/// different optics, and the domain's top and bottom. At the optical distance t from the nearest interface, the
+/// thickness of a level is:
+///   h(t) = min(edge_optical_depth + growth t, max(max_optical_depth, deep_growth t)).
+/// Levels are thin near the interfaces, because radiance changes fast there, and at most max_optical_depth inside. Only
+/// diffusion is left beyond t = max_optical_depth / deep_growth. There they grow again, so that optical depths of 1e4
+/// take some hundreds of levels.
 struct LevelOptions {
   double edge_optical_depth = 0.02;
   double growth = 0.2;
@@ -114,10 +115,10 @@ struct LevelOptions {
   int min_levels = 1;           ///< of each stretch of the same optics
   std::vector<double> edges_m;  ///< heights at which levels must end, beside those of cloud and layers
   int layer_cells = 0;          ///< > 0: this many equal levels between any two layer edges, whatever the optics
-  /// Where not empty, the levels as they are: those that another grid of the same cloud, layers and domain has, or
+  /// If not empty, exactly these levels are used: those that another grid of the same cloud, layers and domain has, or
   /// finest_levels() of several.
   std::vector<double> levels_m;
-  /// Of the grid's coefficients; exceeding it is told before memory is taken.
+  /// Limit of the grid's coefficients; exceeding it is an error before memory is taken.
   std::uint64_t memory_limit_bytes = std::numeric_limits<std::uint64_t>::max();
 
   static LevelOptions layers_only() {
@@ -127,19 +128,20 @@ struct LevelOptions {
   }
 };
 
-/// Levels for grids that differ in their optics only, from the levels that each has by itself (all ascending, with the
-/// same ends): between edges that all have, those of the grid that cuts there most finely.
+/// Levels for grids that differ in their optics only, from the levels of each (all ascending, with the same ends).
+/// Between edges that all have, they are those of the grid with the finest levels there.
 std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels_m);
 
 /// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the
 /// faces of the voxel planes between the lowest and the highest active voxel, joined with the layers' edges; below and
-/// above them the layers' edges, cut as the optics need. Stretches without matter stay single levels. Edges closer than
-/// 1e-9 of the domain's height become one.
-/// @param cloud may be null; @param domain_min_m, domain_max_m the corners of the domain, which lie on voxel faces
-/// (horizontally) and contain the active voxels and the layers.
-/// @param delta_m_fraction [p] forward fraction f of each phase function, used to judge how finely to cut.
-/// @throws InputError where sizes exceed what can be indexed or the memory limit, an extinction is not finite, a layer
-/// reaches outside the domain or is thinner than the edges can tell.
+/// above them the layers' edges, subdivided as the optics require. Stretches without matter stay single levels. Edges
+/// closer than 1e-9 of the domain's height become one.
+/// @param cloud may be null.
+/// @param domain_min_m, domain_max_m the corners of the domain. They lie on voxel faces (horizontally) and contain the
+/// active voxels and the layers.
+/// @param delta_m_fraction [p] forward fraction f of each phase function, used to choose the subdivision.
+/// @throws InputError if sizes exceed the range of indices or the memory limit; if an extinction is not finite; if a
+/// layer reaches outside the domain or is thinner than the distance at which edges merge.
 OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics,
                               const std::vector<Layer>& layers, const std::array<double, 3>& domain_min_m,
                               const std::array<double, 3>& domain_max_m, bool periodic, int phase_functions,

@@ -19,8 +19,8 @@ std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel);
 /// A sentence about radii outside the range above; none inside.
 std::optional<std::string> doubt_effective_radius(double smallest_um, double largest_um);
 
-/// What `cloud.scale` makes 1/m of an extinction, g/m3 of a liquid water content, in the units that a file says; none
-/// where these are not known.
+/// The `cloud.scale` that converts the units of a file: an extinction to 1/m, a liquid water content to g/m3. None if
+/// these units are not recognised.
 std::optional<double> scale_of_units(const std::string& quantity, const std::string& units);
 
 }  // namespace cloudbow

@@ -11,7 +11,7 @@ namespace cloudbow {
 struct Surface {
   double albedo = 0;                ///< Lambertian, 0 to 1
   std::vector<float> albedo_map;    ///< [ny][nx] Lambertian, in place of it; empty: the same everywhere
-  std::optional<SurfaceBrdf> brdf;  ///< in place of both: whatever reflects unevenly, or is tilted
+  std::optional<SurfaceBrdf> brdf;  ///< instead of both, for surfaces that are not Lambertian or are tilted
   SurfaceTilt tilt;
 };
 

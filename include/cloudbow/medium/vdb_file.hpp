@@ -30,42 +30,41 @@ struct VdbReadOptions {
   /// world's origin.
   std::optional<std::array<double, 3>> voxel_size_m{};
   double scale = 1.0;  ///< multiplies the stored number; > 0
-  /// How far a background other than 0 reaches where the grid's metadata do not say it.
+  /// Extent of a background other than 0, if the grid's metadata do not give it.
   std::optional<VdbDomain> domain_m{};
-  /// What a companion's metadata `quantity` has to be where it is there; empty: anything.
+  /// Required metadata `quantity` of an auxiliary grid, if it has any; empty: anything.
   std::string auxiliary_quantity{};
   bool ignores_background = false;  ///< the active values alone: of a grid that describes the voxels of another
   /// Largest memory that reading may take; 0: half of the machine's.
   std::uint64_t memory_limit_bytes = 0;
 };
 
-/// The field of a grid, and what else its file says.
+/// The field of a grid, with its units and notes.
 struct VdbCloud : CloudField {
-  std::string units{};               ///< empty where the file does not say
-  std::vector<std::string> notes{};  ///< what reading decided, a sentence each with file and grid
+  std::string units{};               ///< empty if the file does not say
+  std::vector<std::string> notes{};  ///< decisions of reading, one sentence each with file and grid
 };
 
 /// Reads a scalar float grid (stored as float or half) as cells of constant density. The transform gives the centre of
 /// voxel (i, j, k); it may scale, translate, mirror and exchange axes. Values that are active and > 0 make the field,
-/// active tiles are expanded. The box is the grid's metadata domain_min_m, domain_max_m (world coordinates, on voxel
-/// faces to 1e-3 of a voxel), else the bounding box of the values > 0. A background other than 0 is the value of all
-/// voxels that are not active, in the box of the metadata, else in `domain_m`. Negative values down to -1e-5 of the
-/// largest count as 0. `quantity` and `units` come from the metadata of these names, empty where there is none. `notes`
-/// say what was decided.
+/// active tiles are expanded. The box is the grid's metadata domain_min_m, domain_max_m, else the bounding box of the
+/// values > 0. Metadata are world coordinates, on voxel faces to 1e-3 of a voxel. A background other than 0 is the
+/// value of all inactive voxels, in the box of the metadata, else in `domain_m`. Negative values down to -1e-5 of the
+/// largest count as 0. `quantity` and `units` come from the metadata of these names, empty if there is none. `notes`
+/// report what was decided.
 /// @throws InputError, each with its own message: file missing, a directory, not OpenVDB, truncated or damaged; grid
-/// missing (lists those there), of a name that several have, of another type, a level set, empty, too large for
-/// memory_limit_bytes (judged before memory is taken); a background without end; transform rotated, sheared or a
+/// missing (lists those in the file), of a name that several have, of another type, a level set, empty; too large for
+/// memory_limit_bytes (checked before memory is taken); an unbounded background; transform rotated, sheared or a
 /// frustum; metadata off the voxel faces or smaller than the cloud; value NaN, infinite or negative (names the voxel);
 /// option out of range.
 VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options = {});
 
-/// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in the order of
-/// cloud.value. `options` must be those that read the cloud, but for the name of the grid; its `scale` multiplies this
-/// grid's numbers. Where the grid has no active value its background counts if it is not 0: a background other than 0
-/// states what holds elsewhere.
+/// Values of a second float grid (single-scattering albedo, effective radius) at the voxels of `cloud`, in their order.
+/// `options` must be those that read the cloud, except for the name of the grid. Their `scale` multiplies this grid's
+/// numbers. A background other than 0 is the value at voxels that are not active.
 /// @param lowest, highest the range allowed, ends included, after scaling.
-/// @throws InputError as read_cloud_vdb does, and where the metadata contradict auxiliary_quantity, the voxels do not
-/// coincide with the cloud's, a value is missing or out of range.
+/// @throws InputError as read_cloud_vdb does. Also if the metadata contradict auxiliary_quantity; if the voxels do not
+/// coincide with the cloud's; if a value is missing or out of range.
 std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options,
                                       double lowest = std::numeric_limits<double>::lowest(),
@@ -73,7 +72,7 @@ std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const C
 
 struct VdbWriteOptions {
   std::string grid = "density";
-  bool half = false;  ///< 16 bits a value: half the size, 11 significant bits above 6.1e-5, at most 65504
+  bool half = false;  ///< 16 bits per value: half the size, 11 significant bits above 6.1e-5, at most 65504
 };
 
 /// A second grid on the voxels of a field.
@@ -84,13 +83,13 @@ struct VdbAuxiliary {
   std::vector<float> value;  ///< in the order of CloudField::value
 };
 
-/// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator, under a temporary name
-/// beside `path` that is renamed when complete. Cell (0, 0, 0) is voxel (0, 0, 0). Companions are stored as float.
-/// @throws InputError where the file cannot be written, or a value does not fit into half.
+/// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator. The file has a temporary
+/// name beside `path` until it is complete. Cell (0, 0, 0) is voxel (0, 0, 0). Auxiliary grids are stored as float.
+/// @throws InputError if the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
                      const std::vector<VdbAuxiliary>& auxiliaries = {});
 
-/// Where the voxels of fields lie: nx, ny, nz cells of cell_size_m from the corner min_m on, z up.
+/// Positions of the voxels of fields: nx, ny, nz cells of cell_size_m from the corner min_m on, z up.
 struct VdbBox {
   std::array<int, 3> cells{};
   std::array<double, 3> cell_size_m{};
@@ -107,11 +106,11 @@ struct VdbField {
   std::vector<float> value{};                            ///< of each of these
 };
 
-/// Writes float grids one after the other, so that one at a time is in memory, with the metadata of write_cloud_vdb, of
-/// `direction` and with offsets, by which readers fetch single grids. Cell (0, 0, 0) is voxel (0, 0, 0). The file
-/// appears under its name when it is complete.
-/// @param field makes the fields 0 to count - 1, asked for in this order; what it throws passes through.
-/// @throws InputError where the file cannot be written.
+/// Writes float grids one after the other, so that one at a time is in memory. They have the metadata of
+/// write_cloud_vdb and of `direction`. Offsets let readers fetch single grids. Cell (0, 0, 0) is voxel (0, 0, 0). The
+/// file appears under its name when it is complete.
+/// @param field makes the fields 0 to count - 1, called in this order; its exceptions pass through.
+/// @throws InputError if the file cannot be written.
 void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
                       const std::function<VdbField(std::size_t)>& field);
 
@@ -122,11 +121,11 @@ struct Spread {
   double max = 0;
 };
 
-/// What vertical integrals of a quantity in these units are: "optical depth", "liquid water path [g/m2]" or, in units
-/// that make something else of it, "vertical integral".
+/// Name of vertical integrals of a quantity in these units: "optical depth", "liquid water path [g/m2]" or, in other
+/// units, "vertical integral".
 std::string column_integral_name(const std::string& quantity, const std::string& units);
 
-/// What a grid holds when it is read as a cloud with z up.
+/// Content of a grid that is read as a cloud with z up.
 struct CloudSummary {
   std::array<int, 3> cells{};
   std::array<double, 3> cell_size_m{};
@@ -148,13 +147,13 @@ struct CloudSummary {
 struct VdbGridInfo {
   std::string name;
   std::string type;      ///< "float", "float stored as half", or OpenVDB's own name of any other type
-  std::string quantity;  ///< metadata, empty where there is none
+  std::string quantity;  ///< metadata, empty if there is none
   std::string units;
-  std::optional<CloudSummary> cloud;  ///< absent where the grid cannot be read as a cloud
+  std::optional<CloudSummary> cloud;  ///< absent if the grid cannot be read as a cloud
   std::string reason;                 ///< why not: the message of read_cloud_vdb
-  /// Of liquid water where another grid of the file is its effective radius: over columns with any water.
+  /// Optical depth of liquid water if another grid of the file is its effective radius: over columns with any water.
   std::optional<Spread> optical_depth;
-  double largest_voxel_depth = 0;  ///< optical depth of a voxel, where it is known
+  double largest_voxel_depth = 0;  ///< optical depth of a voxel, if it is known
 };
 
 struct CloudInfo {
@@ -168,9 +167,9 @@ CloudSummary summarize(const CloudField& field);
 /// Vertical integrals of the values over the columns, [j][i].
 std::vector<double> column_integrals(const CloudField& field);
 
-/// Grids whose quantity is an effective radius, a single-scattering albedo or a phase index are read without their
-/// background, which belongs to the voxels of another grid.
-/// @throws InputError where the file as a whole cannot be read.
+/// Grids of an effective radius, a single-scattering albedo or a phase index are read without their background. It
+/// belongs to the voxels of another grid.
+/// @throws InputError if the file as a whole cannot be read.
 CloudInfo describe_cloud_vdb(const std::filesystem::path& path);
 
 /// Several lines for a terminal, each ended by a newline.

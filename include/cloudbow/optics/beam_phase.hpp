@@ -1,12 +1,12 @@
-// First scattering of a beam that carries the light of its truncated forward peak (delta-M), as it is seen: by the
-// whole phase function (Nakajima & Tanaka 1988, "TMS"), but for the sun's aureole.
+// First scattering, as a camera sees it, of a beam that carries the light of its truncated forward peak (delta-M). It
+// uses the whole phase function (Nakajima & Tanaka 1988, "TMS"), except for the sun's aureole.
 //
-// Seen straight on, within half a resolved angle of the beam (pi / 2N, fading until pi / N), light scatters on in the
-// peak after it was sent towards the eye, and must not be seen twice. What is seen after an optical depth lambda of
-// scattering into the peak is known there: with r_l = chi_l / f, f = chi_N, the small-angle solution exp(-lambda (1 -
-// r_l)) - exp(-lambda) of the moments l >= N. Each place sends what that gains there,
-//     f sum_{l >= N} (2l+1) [exp(-lambda) - (1 - r_l) exp(-lambda (1 - r_l))] P_l(cos)
-// in the place of f sum (2l+1) r_l P_l(cos); it may be negative: the peak widens.
+// Within half a resolved angle of the beam (pi / 2N, fading until pi / N), light scatters on in the peak after its
+// scattering towards the camera. It must not count twice. The radiance after an optical depth lambda of scattering into
+// the peak is known there. With r_l = chi_l / f, f = chi_N, it is the small-angle solution of the moments l >= N:
+// exp(-lambda (1 - r_l)) - exp(-lambda). Each point emits the increase of that with lambda:
+//     f sum_{l >= N} (2l+1) [exp(-lambda) - (1 - r_l) exp(-lambda (1 - r_l))] P_l(cos).
+// This replaces f sum (2l+1) r_l P_l(cos). It may be negative: the peak widens.
 #pragma once
 
 #include <span>

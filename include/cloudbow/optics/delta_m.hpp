@@ -6,8 +6,8 @@
 namespace cloudbow {
 
 struct DeltaM {
-  double forward_fraction;  ///< f = chi_N, taken as unscattered; 0 where the function has no forward peak
-  PhaseFunction truncated;  ///< chi'_l = (chi_l - f)/(1 - f), l < N; the function itself (exact) where f = 0
+  double forward_fraction;  ///< f = chi_N, taken as unscattered; 0 if the function has no forward peak
+  PhaseFunction truncated;  ///< chi'_l = (chi_l - f)/(1 - f), l < N; the function itself (exact) if f = 0
 };
 
 /// Truncates at order N >= 1. Only a forward peak is truncated: chi_N > 0 and chi_l >= chi_N for all l < N, otherwise f

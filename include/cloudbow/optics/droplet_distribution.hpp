@@ -1,5 +1,5 @@
-// Size distributions of droplets, named by effective radius r_e = <r^3>/<r^2> and effective variance
-// v = <(r - r_e)^2 r^2> / (r_e^2 <r^2>) (Hansen & Travis 1974, Space Sci. Rev. 16, 527, Eqs. 2.53, 2.54).
+// Size distributions of droplets, with parameters effective radius r_e = <r^3>/<r^2> and effective variance v = <(r -
+// r_e)^2 r^2> / (r_e^2 <r^2>). Source: Hansen & Travis 1974, Space Sci. Rev. 16, 527, Eqs. 2.53, 2.54.
 #pragma once
 
 #include <string>
@@ -19,10 +19,10 @@ class DropletDistribution {
 
   /// ln n(r) but for a constant.
   double log_density(double radius_um) const;
-  /// Where r^power n(r) per ln r is largest [um].
+  /// Radius at which r^power n(r) per ln r is largest [um].
   double mode(double power) const;
-  /// Radii [um] outside which light is neither scattered nor water held, to 1e-8: below the first r^3 n(r) per ln r and
-  /// above the second r^5 n(r) per ln r (the forward peak's) is smaller than that part of its maximum.
+  /// Radii [um] outside which scattering and water are negligible, to 1e-8 of a maximum. Below the first r^3 n(r) per
+  /// ln r is smaller than that part of its maximum. Above the second r^5 n(r) per ln r (the forward peak's) is.
   double smallest_radius_um() const;
   double largest_radius_um() const;
 

@@ -1,4 +1,4 @@
-// What clouds of droplets do to light of one wavelength, by effective radius.
+// Optical properties of clouds of droplets at one wavelength, by effective radius.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct DropletTable {
   std::vector<double> extinction_m2_per_g;       ///< extinction coefficient [1/m] of 1 g/m3 of water
   std::vector<double> single_scattering_albedo;  ///< 0 to 1
   std::vector<std::vector<double>> moments;      ///< [radius][l] chi_l, chi_0 = 1, without the factor 2l+1
-  std::vector<std::string> notes{};              ///< what its reader guessed: the user must be told
+  std::vector<std::string> notes{};              ///< guesses of its reader, to be printed for the user
 
   std::size_t size() const { return effective_radius_um.size(); }
 };
@@ -28,9 +28,9 @@ struct DropletTable {
 void check_tabulated_radius(double radius_um);
 
 /// @throws InputError "PROBLEM (found X, allowed Y)": no row, rows of different number, radii that do not ascend,
-/// values out of range, chi_0 not 1 or |chi_l| > 1 (to 1e-4, the digits of text tables), moments of which the last
-/// still matters: (2l+1) |chi_l| above 5 % of the largest; phase functions that are negative (check_not_negative()).
-/// @returns what the user must be told of phase functions that ring below 0, of the first row that does.
+/// values out of range; chi_0 not 1 or |chi_l| > 1 (to 1e-4, the digits of text tables); a last moment that is not
+/// negligible, (2l+1) |chi_l| above 5 % of the largest; phase functions that are negative (check_not_negative()).
+/// @returns the note for the user on the first row whose phase function rings below 0.
 std::string check_droplet_table(const DropletTable& table);
 
 struct DropletOptics {
@@ -46,7 +46,7 @@ struct DropletMixture {
 };
 
 /// The mixture of the two neighbouring rows that has this effective radius: masses add up, so that 1/r_e is linear in
-/// the share of water. @throws InputError where the radius is outside the table.
+/// the share of water. @throws InputError if the radius is outside the table.
 DropletMixture mixture_for(const DropletTable& table, double effective_radius_um);
 
 /// Extinction and scattering of a mixture, per mass of its water; both add up over the rows.

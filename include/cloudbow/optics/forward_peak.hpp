@@ -1,4 +1,4 @@
-// What one truncation of a phase function (delta-M) leaves to the beam and a finer one does not: light that counts as
+// Light that one truncation of a phase function (delta-M) leaves to the beam and a finer one does not. It counts as
 // unscattered for the first and yet spreads.
 #pragma once
 
@@ -29,7 +29,7 @@ class ForwardPeak {
   DeltaM fine_;
   DeltaM coarse_;
   double share_;
-  double cos_end_ = 1;  // of the angle where the peak ends
+  double cos_end_ = 1;  // of the angle at which the peak ends
 };
 
 struct PeakAngle {
@@ -38,7 +38,7 @@ struct PeakAngle {
 };
 
 /// `count` > 0 scattering angles distributed as the magnitude of sum_p weight_p peak_p, and a tenth of them wider than
-/// that, at the middles of as many equal shares.
+/// that. They are at the middles of as many equal shares.
 /// @param weight [p] >= 0, for peaks of share > 0 not all 0.
 std::vector<PeakAngle> peak_angles(std::span<const ForwardPeak> peaks, std::span<const double> weight, int count);
 

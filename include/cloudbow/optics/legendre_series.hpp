@@ -24,17 +24,17 @@ struct SeriesTerms {
 };
 SeriesTerms terms_of(std::span<const double> moments);
 
-/// Up to this share of the largest term in its last one, a series is taken for the front of a longer one, which was cut
-/// once its terms were small; above, for a polynomial that is meant as it stands.
+/// Largest ratio of the last term to the largest term for which a series counts as truncated. It is then the start of a
+/// longer one that was cut once its terms were small. Above, it counts as a complete polynomial.
 inline constexpr double fallen = 0.05;
 
-/// The least value that a phase function of mean 1 may have. Moments of three decimals leave -0.001. A series that was
-/// cut rings: at 180 degrees, where its terms alternate, by half of the term after the last, and nowhere by more than
-/// its last; this much is let pass, down to -0.1.
+/// The least value that a phase function of mean 1 may have. Moments of three decimals leave -0.001. A truncated series
+/// rings. At 180 degrees, at which its terms alternate, it does so by half of the term after the last. It nowhere does
+/// so by more than its last term; this much is allowed, down to -0.1.
 double least_allowed(std::span<const double> moments);
 
-/// @returns what the user must be told of a series that rings below 0, else nothing.
-/// @throws InputError if the series is negative beyond least_allowed(), with the value, the angle and what mends it.
+/// @returns a note for the user on a series that rings below 0, else nothing.
+/// @throws InputError if the series is negative beyond least_allowed(), with the value, the angle and the remedy.
 std::string check_not_negative(std::span<const double> moments);
 
 }  // namespace cloudbow

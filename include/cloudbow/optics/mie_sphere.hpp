@@ -1,5 +1,5 @@
-// Scattering of a plane wave by a homogeneous sphere (Mie 1908), in the notation of Bohren & Huffman, "Absorption and
-// Scattering of Light by Small Particles" (1983), chapter 4.
+// Scattering of a plane wave by a homogeneous sphere (Mie 1908). Notation: Bohren & Huffman, "Absorption and Scattering
+// of Light by Small Particles" (1983), chapter 4.
 #pragma once
 
 #include <complex>
@@ -13,8 +13,8 @@ struct MieCoefficients {
   double size_parameter = 0;
   std::vector<std::complex<double>> a;
   std::vector<std::complex<double>> b;
-  /// [n-1] Re a_n - |a_n|^2 + Re b_n - |b_n|^2, the absorbed part, by a formula without that difference: right in all
-  /// digits however small k is, and exactly 0 where k = 0.
+  /// [n-1] Re a_n - |a_n|^2 + Re b_n - |b_n|^2, the absorbed part, by a formula without that difference: accurate in
+  /// all digits however small k is, and exactly 0 for k = 0.
   std::vector<double> absorbed;
 };
 
@@ -23,7 +23,7 @@ struct MieCoefficients {
 int mie_term_count(double size_parameter);
 
 /// @param size_parameter x = 2 pi radius / wavelength, > 0, up to 1e5.
-/// @param refractive_index m = n + i k relative to the surroundings, n > 0, k >= 0.
+/// @param refractive_index m = n + i k relative to the medium around the sphere, n > 0, k >= 0.
 MieCoefficients mie_coefficients(double size_parameter, std::complex<double> refractive_index);
 
 /// Cross-sections over the geometric one, pi radius^2.

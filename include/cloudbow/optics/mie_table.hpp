@@ -10,10 +10,10 @@
 
 namespace cloudbow {
 
-/// What droplets are made of and how their sizes are spread.
+/// Material of droplets and distribution of their sizes.
 struct DropletRecipe {
-  double wavelength_um = 0.55;                     ///< in the surroundings
-  std::complex<double> refractive_index{1.33, 0};  ///< n + i k relative to the surroundings
+  double wavelength_um = 0.55;                     ///< in the medium around the droplets
+  std::complex<double> refractive_index{1.33, 0};  ///< n + i k relative to that medium
   double density_g_cm3 = 1;
   DistributionKind distribution = DistributionKind::gamma;
   double effective_variance = 0.1;
@@ -21,7 +21,7 @@ struct DropletRecipe {
 
 struct MieTableOptions {
   /// Largest step between sizes at which phase functions are computed, in size parameters; a fifth of it for extinction
-  /// and albedo. What the narrow resonances of single spheres leave is in docs/droplets.md.
+  /// and albedo. The remaining error from narrow resonances of single spheres is in docs/droplets.md.
   double size_step = 0.05;
   int threads = 0;                                  ///< 0: all. The table has the same bits for any number
   std::function<void(double fraction)> progress{};  ///< called now and then from the calling thread; may throw to stop
@@ -32,12 +32,12 @@ inline constexpr double largest_size_parameter = 12000;
 /// Smallest: an atom in light of a kilometre's wavelength; powers of it must be numbers.
 inline constexpr double smallest_size_parameter = 1e-12;
 
-/// All radii at once, over one set of sizes: the trapezoidal rule in a variable that gives steps of size_step for large
-/// and of constant ratio for small droplets. Phase functions are exact polynomials: as many Gauss-Legendre cosines as
-/// make the norm and every moment exact; moments are kept down to (2l+1) |chi_l| = 1e-8.
+/// Computes all radii at once, over one set of sizes, by the trapezoidal rule. Its variable gives steps of size_step
+/// for large and of constant ratio for small droplets. Phase functions are exact polynomials: enough Gauss-Legendre
+/// cosines make the norm and every moment exact. Moments are kept down to (2l+1) |chi_l| = 1e-8.
 /// @param effective_radius_um ascending.
-/// @throws InputError for radii that do not ascend or are out of range, n outside .001 to 1000 or k outside 0 to 1000,
-/// distribution as DropletDistribution says, wavelength <= 0, density outside .001 to 100, droplets larger than
+/// @throws InputError for radii that do not ascend or are out of range; n outside .001 to 1000 or k outside 0 to 1000;
+/// distribution as DropletDistribution says; wavelength <= 0, density outside .001 to 100; droplets larger than
 /// largest_size_parameter or smaller than smallest_size_parameter.
 DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double> effective_radius_um,
                             const MieTableOptions& options = {});

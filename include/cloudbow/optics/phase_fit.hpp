@@ -1,4 +1,4 @@
-// Fits of a phase function about one direction of arrival to control points, by every method, and how good they are.
+// Fits of a phase function about one direction of arrival to control points, by every method, and their errors.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,8 +38,8 @@ struct PhaseFitOptions {
   double bound_factor = 1.2;           ///< of linear_programming_bounded
 };
 
-/// Of the interpolant, in units of P (mean 1). Errors are taken at the samples: the 642 vertices of an icosphere, or
-/// 2562 for 642 control points, where the fits see the function; "between" at the 10242 vertices of a finer one.
+/// Of the interpolant, in units of P (mean 1). Errors are taken at the samples of the fits: the 642 vertices of an
+/// icosphere, or 2562 for 642 control points. Errors "between" are at the 10242 vertices of a finer one.
 struct PhaseFitErrors {
   double max_error = 0;
   double worst_angle_deg = 0;  ///< scattering angle of the sample of max_error
@@ -48,17 +48,17 @@ struct PhaseFitErrors {
   double scaled_error = 0;           ///< largest error / sqrt(max(|P|, .05)): what the solver's fit minimises
   double max_error_between = 0;      ///< at the finer vertices
   double ordinate_norm = 0;          ///< chi_0 as the ordinates' quadrature sees the interpolant
-  double ordinate_asymmetry = 0;     ///< chi_1, likewise
+  double ordinate_asymmetry = 0;     ///< chi_1, in the same way
   double interpolant_norm = 0;       ///< chi_0 as the integral of the interpolant itself
-  double interpolant_asymmetry = 0;  ///< chi_1, likewise
+  double interpolant_asymmetry = 0;  ///< chi_1, in the same way
   double least_value = 0;            ///< at the control points: the interpolant is nowhere lower
 };
 
 struct PhaseFit {
   PhaseFitMethod method = PhaseFitMethod::collocation;
-  Eigen::VectorXd value;  ///< at the control points; empty where the solver found nothing
+  Eigen::VectorXd value;  ///< at the control points; empty if the solver found no solution
   PhaseFitErrors errors;
-  int exact_degree = -1;  ///< moments l <= this were prescribed: less than asked where no positive solution holds them
+  int exact_degree = -1;  ///< moments l <= this were prescribed: fewer than requested if no positive solution has them
   double seconds = 0;
 };
 

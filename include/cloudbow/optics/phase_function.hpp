@@ -31,7 +31,7 @@ class PhaseFunction {
   double asymmetry_parameter() const { return moment(1); }
   /// The stored moments, chi_0 first. Henyey-Greenstein keeps those above 1e-17 (at most 65536).
   std::span<const double> moments() const { return moments_; }
-  /// True where P = 1 everywhere.
+  /// True if P = 1 everywhere.
   bool is_isotropic() const;
   /// Text that identifies the function completely: the key of caches and of equality.
   const std::string& key() const { return key_; }

@@ -14,8 +14,8 @@ struct PhaseTable {
   double operator()(double x) const;
   /// Over the sphere.
   double mean() const;
-  /// (1/2) int P P_l dmu for l below `count`, by Gauss-Legendre on each segment, with nodes enough for the waves of P_l
-  /// in it.
+  /// (1/2) int P P_l dmu for l below `count`, by Gauss-Legendre on each segment. Nodes suffice for the oscillations of
+  /// P_l in it.
   std::vector<double> moments(int count) const;
 };
 

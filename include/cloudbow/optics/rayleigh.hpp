@@ -1,4 +1,4 @@
-// How scattering by air molecules goes with the wavelength.
+// Dependence of scattering by air molecules on the wavelength.
 #pragma once
 
 namespace cloudbow {

@@ -1,5 +1,5 @@
-// A surface's reflectance on control points: a family of control-point functions of the leaving direction, one for each
-// arriving direction, and the matrices that the solver makes of it.
+// A surface's reflectance on control points: a family of control-point functions of the leaving direction, one per
+// arriving direction. The solver's matrices are computed from it.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 namespace cloudbow {
 
-/// The reflectance as a function of two directions, interpolated in both: column i holds, at all control points, the
+/// The reflectance as a function of two directions, interpolated in both: column i contains, at all control points, the
 /// light that leaves when it arrives at control point i. Each value is the mean over the neighbourhoods that the two
-/// points stand for. Below the horizon the functions go on as mirror images
-/// (|z|), so that interpolation near the horizon stays on the surface's side.
+/// points represent. Below the horizon the functions continue as mirror images (|z|). So interpolation near the horizon
+/// stays on the surface's side.
 class ControlPointBrdf {
  public:
   ControlPointBrdf(const SurfaceBrdf& brdf, const ControlPoints& points);
@@ -27,8 +27,8 @@ class ControlPointBrdf {
   Eigen::MatrixXd leaving_by_arriving_;
 };
 
-/// How the surface's own normal stands in the scene's frame. The ground of a scene is a horizontal plane; a slope means
-/// that it is made of facets, all tilted alike, which together catch the light that reaches the plane.
+/// Orientation of the surface's own normal in the scene's frame. The ground of a scene is a horizontal plane. A slope
+/// means that it consists of facets, all tilted alike. Together they receive the light that reaches the plane.
 struct SurfaceTilt {
   double slope_deg = 0;   ///< 0 <= slope < 90
   double aspect_deg = 0;  ///< azimuth that the slope faces, counter-clockwise from +x

@@ -13,10 +13,10 @@
 
 namespace cloudbow {
 
-/// linear_programming: per column minimises h + 20 mean(|r|) over samples of residual r scaled by sqrt(max(|P|, .05)),
-/// |r| <= h, subject to the exact rows and X >= min(0, min P). The other two fit without constraints (all samples
-/// alike; values at the control points), then take the least relative correction that makes the same rows exact, which
-/// may turn values negative.
+/// linear_programming: per column minimises h + 20 mean(|r|) over samples of residual r scaled by sqrt(max(|P|, .05)).
+/// Constraints: |r| <= h, the exact rows and X >= min(0, min P). The other two fit without constraints (all samples
+/// alike; values at the control points). They then take the least relative correction that makes the same rows exact,
+/// which may turn values negative.
 enum class FitMethod { linear_programming, least_squares, collocation };
 
 struct FitOptions {
@@ -32,10 +32,10 @@ struct FitOptions {
 /// Whether a file has the name of a table in the cache.
 bool is_cached_table(const std::filesystem::path& file);
 
-/// What the fit achieved; goes into the result file and to `cloudbow phase`.
+/// Quality of the fit; written to the result file and by `cloudbow phase`.
 struct FitReport {
   int linear_programmes = 0;
-  int fallbacks = 0;   ///< columns not solved as asked (fewer rows, or least squares with correction)
+  int fallbacks = 0;   ///< columns not solved as requested (fewer rows, or least squares with correction)
   double closure = 0;  ///< worst |sum_d' w_d' T(d',d)/w_d - 1| over columns, beam included
   double least_value =
       std::numeric_limits<double>::infinity();  ///< lowest value of a fitted phase function (mean 1) at a control point

@@ -15,8 +15,8 @@
 
 namespace cloudbow {
 
-/// What a residual is divided by: 1 (Eq. 5), |Y| (Eq. 6), sqrt |Y| (Eq. 7). |Y| below 1e-6 of its largest counts as
-/// that, because a residual divided by 0 could only be 0.
+/// Divisor of a residual: 1 (Eq. 5), |Y| (Eq. 6), sqrt |Y| (Eq. 7). |Y| below 1e-6 of its largest counts as that value,
+/// because a residual divided by 0 could only be 0.
 enum class ResidualScale { absolute, relative, square_root };
 
 /// Linear functionals of X that are to have given values.
@@ -29,15 +29,15 @@ struct ExactRows {
 struct ConstrainedFit {
   ExactRows rows;
   double lower = 0;
-  Eigen::VectorXd scale;             ///< positive, one a sample
-  Eigen::VectorXd mean_scale;        ///< positive, one a sample; not looked at where mean_weight is 0
+  Eigen::VectorXd scale;             ///< positive, one per sample
+  Eigen::VectorXd mean_scale;        ///< positive, one per sample; not used if mean_weight is 0
   double mean_weight = 20;           ///< 0: h alone
   bool minimax = true;               ///< false: the mean alone, without h
   std::optional<double> bound = {};  ///< h is given: the mean alone is minimised, subject to |r_i| <= bound scale_i
 };
 
-/// Where the products of a sample's three weights go in a sparse symmetric matrix over the control points, of which the
-/// lower triangle is stored: what all programmes with the same samples share.
+/// Positions of the products of a sample's three weights in a sparse symmetric matrix over the control points. Its
+/// lower triangle is stored. All programmes with the same samples share it.
 struct NormalPattern {
   NormalPattern() = default;
   NormalPattern(std::span<const Stencil> samples, int points);
@@ -50,7 +50,7 @@ struct NormalPattern {
 class SphereFit {
  public:
   /// @param samples directions whose values determine all control points (four times as many, spread evenly, do).
-  /// @throws InputError where they do not.
+  /// @throws InputError if they do not.
   SphereFit(const ControlPoints& points, std::vector<Direction> samples);
 
   std::span<const Direction> samples() const { return sample_; }
@@ -58,9 +58,9 @@ class SphereFit {
   Eigen::VectorXd interpolated(const Eigen::VectorXd& at_points) const;
   /// X = (A^T A)^-1 A^T Y.
   Eigen::VectorXd least_squares(const Eigen::VectorXd& value) const;
-  /// The X of least h with |A X - Y| <= h scale (Eq. 5 to 7), any sign. Nothing where the solver finds no optimum.
+  /// The X of least h with |A X - Y| <= h scale (Eq. 5 to 7), any sign. Nothing if the solver finds no optimum.
   std::optional<Eigen::VectorXd> minimax(const Eigen::VectorXd& value, ResidualScale scale) const;
-  /// Nothing where there is no solution, or none that stands up to checking (rows within 1e-6).
+  /// Nothing if there is no solution, or none that passes the check (rows within 1e-6).
   /// @param linear_programmes counted up by the programmes solved
   std::optional<Eigen::VectorXd> constrained(const Eigen::VectorXd& value, ConstrainedFit fit,
                                              int& linear_programmes) const;

@@ -17,8 +17,8 @@ struct ColumnPlot {
   std::vector<double> value;  ///< [j][i]
 };
 
-/// A map with x to the right, y up and a scale of colours; where there is one row or column only, a curve. PNG.
-/// @throws InputError where the file can't be written.
+/// A map with x to the right, y up and a scale of colours; if there is one row or column only, a curve. PNG.
+/// @throws InputError if the file can't be written.
 void write_column_plot(const std::filesystem::path& file, const ColumnPlot& plot);
 
 }  // namespace cloudbow

@@ -19,15 +19,15 @@ struct RenderOptions {
   std::optional<double> wavelength_um;      ///< of a spectrum: draw the nearest alone
   std::optional<std::pair<double, double>>
       range;             ///< values of the first and last colour; default: smallest and largest value
-  int scale = 0;         ///< pixels a cell, nearest neighbour; 0: so that the longer side is about 768 pixels, of
+  int scale = 0;         ///< pixels per cell, nearest neighbour; 0: so that the longer side is about 768 pixels, of
                          ///< cameras and of OpenEXR files 1
-  std::string colormap;  ///< one of colormap_names(); empty: natural colours where there can be, else grey
+  std::string colormap;  ///< one of colormap_names(); empty: natural colours if possible, else grey
   std::string tone;      ///< one of tone_names(); empty: filmic
   std::optional<double> exposure;  ///< factor on reflectance factors, > 0; default 1
   bool automatic_exposure = false;
 };
 
-/// What the picture shows, for a line on the terminal.
+/// Content of the picture, for a line on the terminal.
 struct RenderReport {
   FluxImage image;  ///< of natural colours: the red one
   int width = 0;    ///< pixels
@@ -44,11 +44,12 @@ std::vector<std::string> tone_names();
 /// atomically.
 ///
 /// Images of radiance at three wavelengths become natural colours: red, green and blue are the reflectance factors at
-/// the wavelengths nearest to 0.67, 0.55 and 0.45 um, times the exposure, through a tone curve (docs/pictures.md). With
-/// a tone or an exposure, images of one wavelength become grey in the same way. All else is drawn by a colormap, in
-/// which cells without value are transparent. OpenEXR files hold the numbers as they are, 0 where there is none.
-/// @throws InputError for files that can't be read or written and for options out of range or that exclude each other,
-/// listing what is there or allowed.
+/// the wavelengths nearest to 0.67, 0.55 and 0.45 um. They are multiplied by the exposure and pass through a tone curve
+/// (docs/pictures.md). With a tone or an exposure, images of one wavelength become grey in the same way. All else is
+/// drawn by a colormap, in which cells without value are transparent. OpenEXR files contain the numbers unchanged, 0
+/// for cells without value.
+/// @throws InputError for files that can't be read or written; for options out of range or that exclude each other,
+/// with a list of the available or allowed ones.
 RenderReport render(const RenderOptions& options);
 
 }  // namespace cloudbow

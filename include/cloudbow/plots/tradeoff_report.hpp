@@ -26,10 +26,10 @@ struct TradeoffReport {
 /// Ends with a newline. An asterisk marks errors on the Pareto front against CPU seconds.
 std::string tradeoff_table(const TradeoffReport& report);
 
-/// One line a level after a header; the truth has no errors. @throws InputError where it cannot be written.
+/// One line per level after a header; the truth has no errors. @throws InputError if it cannot be written.
 void write_tradeoff_csv(const std::filesystem::path& file, const TradeoffReport& report);
 
-/// Errors against CPU seconds, both logarithmic (PNG). @throws InputError where it cannot be written.
+/// Errors against CPU seconds, both logarithmic (PNG). @throws InputError if it cannot be written.
 void write_tradeoff_plot(const std::filesystem::path& file, const TradeoffReport& report);
 
 }  // namespace cloudbow

@@ -1,6 +1,6 @@
 // Control points: the vertices of a subdivided icosahedron (or other polyhedron), on which spherical functions are
-// stored, and the spherical-triangle weights that interpolate between them (Chatelier & Malgouyres, "A fast
-// interpolation method to represent the BRDF in global illumination").
+// stored. Spherical-triangle weights interpolate between them. Source: Chatelier & Malgouyres, "A fast interpolation
+// method to represent the BRDF in global illumination".
 #pragma once
 
 #include <Eigen/Geometry>
@@ -50,7 +50,7 @@ class ControlPoints {
   const std::vector<int>& triangles_near(const Direction& local) const;
   int triangle_at_local(const Direction& local) const;
 
-  SphereMesh mesh_;  // in its own frame, where points are located
+  SphereMesh mesh_;  // in its own frame, in which points are located
   std::vector<Direction> directions_;
   std::vector<std::array<Direction, 3>> side_normal_;  // of each triangle, pointing inwards, in the mesh's frame
   Eigen::Matrix3d rotation_;

@@ -1,6 +1,6 @@
-// Functions on the sphere as sums of real spherical harmonics: project, query, scale, add, rotate. The representation
-// that control points are measured against (docs/sphere.md). The free functions work on many functions at once:
-// `coefficients` then holds K rows, one a harmonic, of N contiguous functions.
+// Functions on the sphere as sums of real spherical harmonics: project, query, scale, add, rotate. They are the
+// reference for the accuracy of control points (docs/sphere.md). The free functions work on many functions at once:
+// `coefficients` then holds K rows, one per harmonic, of N contiguous functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,8 +41,8 @@ class HarmonicSeries {
  public:
   /// @param coefficients harmonic_count(degree) numbers, by harmonic_index().
   HarmonicSeries(int degree, std::vector<double> coefficients);
-  /// Projects f: coefficients are integrals of f Y_lm by the ordinates' quadrature. Where it is exact to twice the
-  /// degree and more, it is also the fit by least squares.
+  /// Projects f: coefficients are integrals of f Y_lm by the ordinates' quadrature. If it is exact to at least twice
+  /// the degree, this is also the least-squares fit.
   HarmonicSeries(int degree, const OrdinateSet& quadrature, const std::function<double(const Direction&)>& f);
 
   int degree() const { return basis_.degree(); }

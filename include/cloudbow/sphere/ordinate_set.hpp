@@ -14,9 +14,8 @@ struct OrdinateSet {
   std::vector<Direction> direction;  ///< D unit vectors, none with z = 0; those with z < 0 (downward) first.
   std::vector<double> weight;        ///< D quadrature weights [sr], positive, sum 4 pi.
   int exactness_degree =
-      0;  ///< Spherical harmonics up to this degree are integrated exactly (to 1e-10; at most 64 is told).
-  /// Orthogonal maps (reflections of an octant, or the icosahedral group in the set's own frame) that map the set onto
-  /// itself.
+      0;  ///< Spherical harmonics up to this degree are integrated exactly (to 1e-10; at most 64 is reported).
+  /// Orthogonal maps of the set onto itself: reflections of an octant, or the icosahedral group in the set's own frame.
   std::vector<Eigen::Matrix3d> symmetry;
   bool is_control_points = false;
 

@@ -1,8 +1,8 @@
 // Rotation of functions that are given at control points. The rotated function takes in direction R v the value that
-// the function had in direction v. Either control points change places (a permutation keeps every value, and so the
-// peak, but displaces it by up to half the spacing of the points), or the values are interpolated anew (which flattens
-// peaks a little each time). Both are prepared once for a rotation and a set of points and then applied to any number
-// of functions, whose values are M rows of N contiguous functions.
+// the function had in direction v. There are two ways. A permutation of the control points keeps every value, and so
+// the peak. It displaces the peak by up to half the spacing of the points. Interpolation of the values flattens peaks a
+// little each time. Both are prepared once for a rotation and a set of points. They are then applied to any number of
+// functions, whose values are M rows of N contiguous functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,12 +17,13 @@ namespace cloudbow {
 /// The value at point m becomes the one that was at point source[m]; every point is the source of one other.
 using PointPermutation = std::vector<int>;
 
-/// The permutation that the rotation is, if it maps the set of points onto itself (to 1e-9 rad), as the 60 rotations
-/// of the icosahedral group (in the points' own frame) do; nothing otherwise. Reflections may be given as well.
+/// The permutation that the rotation is, if it maps the set of points onto itself (to 1e-9 rad); empty otherwise. The
+/// 60 rotations of the icosahedral group (in the points' own frame) do. Reflections may be given as well.
 std::optional<PointPermutation> exact_permutation(const ControlPoints& points, const Eigen::Matrix3d& rotation);
 
-/// How rotated points are matched to points, one to one. All find the exact permutation if there is one. The first two
-/// are quick (M^2 log M and M^2) but leave the last points what is left, which may be far away; the third is M^3.
+/// Methods that match rotated points to points, one to one. All find the exact permutation if there is one. The first
+/// two are quick (M^2 log M and M^2). The partners that they leave for the last points may be far away. The third is
+/// M^3.
 enum class Matching {
   best_first,    ///< Of all pairs left, always the closest.
   outward,       ///< From the closest pair outward through neighbours, each rotated point to the closest free point.

@@ -1,5 +1,5 @@
-// Triangle meshes of the unit sphere: a regular polyhedron with triangular faces, each split in four, again and again,
-// with the new vertices pushed out to the sphere.
+// Triangle meshes of the unit sphere: a regular polyhedron with triangular faces. Each face is split in four
+// repeatedly, and the new vertices are projected to the sphere.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace cloudbow {
 
-/// What is subdivided. Triangles of the icosahedron stay the most even in size, 1.3 to 1 at most; those of the others
-/// become up to 2.1 to 1 (octahedron) and 6.5 to 1 (tetrahedron) unequal.
+/// The polyhedron that is subdivided. Triangles of the icosahedron stay the most even in size, 1.3 to 1 at most. Those
+/// of the others reach ratios of up to 2.1 to 1 (octahedron) and 6.5 to 1 (tetrahedron).
 enum class Polyhedron { icosahedron, octahedron, tetrahedron };
 
 struct SphereMesh {

@@ -1,6 +1,6 @@
 // Functions on the sphere, given by their values at control points: query, scale, add and deform. (rotation.hpp turns
-// them.) The free functions work on many functions at once: `values` then holds M rows, one a control point, of N
-// contiguous functions. What a query needs of a direction, its stencil, is worked out once for all of them.
+// them.) The free functions work on many functions at once: `values` then holds M rows, one per control point, of N
+// contiguous functions. The stencil of a query, which depends on its direction alone, is computed once for all of them.
 #pragma once
 
 #include <functional>
@@ -27,8 +27,8 @@ template <class Real>
 void add_scaled(Real factor, std::span<const Real> values, std::span<Real> sum);
 
 /// The lobe of a deformation (theory.md, Eq. 9a): values (1 - (angle/reach)^2)^2 at control points nearer to `centre`
-/// than `reach`, 0 beyond, over what they interpolate to at the centre, so that the lobe is 1 there.
-/// @param reach [rad], up to pi and not below the longest side of the triangle that holds the centre; otherwise throws
+/// than `reach`, 0 beyond. They are divided by their interpolant at the centre, so that the lobe is 1 there.
+/// @param reach [rad], up to pi and not below the longest side of the triangle with the centre; otherwise throws
 /// InputError.
 std::vector<double> deformation_lobe(const ControlPoints& points, const Direction& centre, double reach);
 
@@ -49,14 +49,14 @@ class SphericalFunction {
   /// @param other on the same ControlPoints object.
   SphericalFunction& operator+=(const SphericalFunction& other);
 
-  /// Moves the value at `centre` to `value` and what is around along with it, less and less with the angle up to
-  /// `reach` [rad], beyond which nothing changes: adds (value - old value) * deformation_lobe(centre, reach). Raising
-  /// keeps a positive function positive; lowering may make it negative where it was below its value at the centre.
+  /// Moves the value at `centre` to `value`: adds (value - old value) * deformation_lobe(centre, reach). Values around
+  /// move too, less and less with the angle up to `reach` [rad], beyond which nothing changes. Raising keeps a positive
+  /// function positive. Lowering may make it negative at directions in which it was below its value at the centre.
   void deform(const Direction& centre, double value, double reach);
 
-  /// Moves the value at `direction` by `change`: each of the three control points around it moves by
-  /// w_i change / (w_1^2 + w_2^2 + w_3^2), w_i its weight there (theory.md, Eq. 9c; Chatelier & Malgouyres 2007,
-  /// Eq. 8). Of all changes of control points that do this it is the smallest in the sense of least squares.
+  /// Moves the value at `direction` by `change`: each of the three control points around it moves by w_i change /
+  /// (w_1^2 + w_2^2 + w_3^2). w_i is its weight there (theory.md, Eq. 9c; Chatelier & Malgouyres 2007, Eq. 8). Of all
+  /// changes of control points that do this, it is the smallest in the sense of least squares.
   void move_value_at(const Direction& direction, double change);
 
   /// The same control points with other values, such as permute() and reweight() return.

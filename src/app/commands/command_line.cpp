@@ -243,10 +243,9 @@ int parse_and_act(int argc, const char* const* argv) {
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, or too little memory, 3 solved but not converged "
-      "or not within the "
-      "error or time asked for (the result is marked so), "
-      "or a check of verify does not hold");
+      "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, or too little memory. "
+      "3: the solve did not converge, missed the error or time asked for (the result says so), or a check of verify "
+      "does not hold");
   Action action;
   add_run(app, action, command_text(argc, argv));
   add_cloud(app, action);

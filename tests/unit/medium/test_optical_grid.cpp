@@ -57,8 +57,8 @@ OpticalGrid slab(double optical_depth, double forward_fraction = 0,
 TEST(OpticalGrid, VoxelFacesJoinLayerEdgesAndEmptyPlanesStayWhole) {
   const CloudField cloud = small_cloud();
   // The layer cuts the voxels of the plane 120 to 150 m; it is thin enough not to be cut outside the cloud.
-  const OpticalGrid grid = make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, origin, {40, 60, 300}, true, 2,
-                                             {0, 0}, LevelOptions{});
+  const OpticalGrid grid =
+      make_optical_grid(&cloud, {}, {{40, 130, 0.009, 0.5, 1}}, origin, {40, 60, 300}, true, 2, {0, 0}, LevelOptions{});
   EXPECT_EQ(grid.box.z_edge_m, (std::vector<double>{0, 40, 90, 120, 130, 150, 180, 300}));
   EXPECT_EQ(grid.box.cloud.count, 3);
   EXPECT_EQ(grid.box.cloud.bottom_m, 90);

@@ -57,7 +57,7 @@ TEST(BeamPhase, StraightOnItAddsUpToSmallAngleTransfer) {
   for (int l = 0; l < 300; ++l) {
     const double r = std::pow(g, l) / f;
     truth += l < order ? (2 * l + 1) * std::pow(g, l) * lambda
-                        : (2 * l + 1) * f * (std::exp(-lambda * (1 - r)) - std::exp(-lambda));
+                       : (2 * l + 1) * f * (std::exp(-lambda * (1 - r)) - std::exp(-lambda));
   }
   EXPECT_NEAR(sum / truth, 1, 3e-3);  // linear between nodes
 }

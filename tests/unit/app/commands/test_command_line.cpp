@@ -251,7 +251,8 @@ TEST(CommandLine, OneColumnIsItsOwnIndependentColumn) {
 
 TEST(CommandLine, DryRunWritesNothing) {
   const TemporaryFolder folder;
-  const Outcome outcome = cloudbow({"run", folder.write("slab.toml", slab_toml), "-o", folder / "result.h5", "--dry-run"});
+  const Outcome outcome =
+      cloudbow({"run", folder.write("slab.toml", slab_toml), "-o", folder / "result.h5", "--dry-run"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("memory"), HasSubstr("time")));
   EXPECT_FALSE(std::filesystem::exists(folder / "result.h5"));

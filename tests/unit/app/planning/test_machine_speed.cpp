@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cloudbow/transport/solver.hpp"
 #include "app/planning/machine_speed.hpp"
+#include "cloudbow/transport/solver.hpp"
 #include "temporary_folder.hpp"
 
 namespace cloudbow {

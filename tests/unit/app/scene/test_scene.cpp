@@ -236,8 +236,10 @@ TEST(Scene, WrongOverrides) {
   EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg"}), HasSubstr("KEY=VALUE"));
   EXPECT_THAT(message_of(layers_toml, {"sun..zenith_deg=3"}), HasSubstr("KEY=VALUE"));
   EXPECT_THAT(message_of(layers_toml, {"title.x=3"}), HasSubstr("below a value"));
-  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg=steep"}), AllOf(HasSubstr("not a number"), HasSubstr("\"steep\"")));
-  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg=95"}), AllOf(HasSubstr("--set sun.zenith_deg=95"), HasSubstr("90")));
+  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg=steep"}),
+              AllOf(HasSubstr("not a number"), HasSubstr("\"steep\"")));
+  EXPECT_THAT(message_of(layers_toml, {"sun.zenith_deg=95"}),
+              AllOf(HasSubstr("--set sun.zenith_deg=95"), HasSubstr("90")));
 }
 
 struct Mistake {
