@@ -104,8 +104,8 @@ auto naming(const std::filesystem::path& path, const Use& use) {
 
 [[noreturn]] void fail_version(const std::filesystem::path& path, std::int64_t format, const std::string& source) {
   throw InputError(
-      fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}) go on with the "
-                  "program that wrote it, or start without this checkpoint",
+      fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}) use that "
+                  "program, or start anew",
                   path.string(), format, printable(source), checkpoint_format));
 }
 

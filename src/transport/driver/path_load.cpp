@@ -63,12 +63,14 @@ bool beam_needs_double(const Problem& problem, const SolverOptions& options) {
          through_sides(problem, options) > most_through_sides_in_float;
 }
 
-PathLoad path_load(const Problem& problem, const SolverOptions& options) {
+PathLoad path_load(const SolvePlan& plan) {
+  const Problem& problem = plan.problem();
+  const SolverOptions& options = plan.options();
   const BoxGrid& box = problem.grid.box;
   const LevelRange levels{0, box.nz()};
   PathLoad load;
   load.beam = beam_segments(problem, options);
-  if (solved_by_polar_streams(problem, options)) return load;
+  if (plan.by_polar_streams()) return load;
   const bool independent_columns = options.independent_columns;
   const auto length = [&](const Direction& travel) {
     return pattern_segments(box, travel, independent_columns, levels);
@@ -91,9 +93,11 @@ PathLoad path_load(const Problem& problem, const SolverOptions& options) {
   return load;
 }
 
-void check_paths(const Problem& problem, const SolverOptions& options) {
+void check_paths(const SolvePlan& plan) {
+  const Problem& problem = plan.problem();
+  const SolverOptions& options = plan.options();
   const BoxGrid& box = problem.grid.box;
-  const PathLoad load = path_load(problem, options);
+  const PathLoad load = path_load(plan);
   // Columns without azimuths have their beam in float.
   const double most_of_beam = options.independent_columns ? longest_beam_in_float : most_segments;
   if (load.beam > most_of_beam) {

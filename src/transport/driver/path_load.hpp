@@ -1,7 +1,7 @@
 // How long the shared patterns of a solve are, before any is made.
 #pragma once
 
-#include "cloudbow/transport/solution.hpp"
+#include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
 
@@ -15,7 +15,7 @@ struct PathLoad {
   double bytes(int threads) const;
 };
 
-PathLoad path_load(const Problem& problem, const SolverOptions& options);
+PathLoad path_load(const SolvePlan& plan);
 
 /// Segments of one ray of the direct beam; 0 if there is no beam that crosses columns.
 double beam_segments(const Problem& problem, const SolverOptions& options);
@@ -25,6 +25,6 @@ bool beam_needs_double(const Problem& problem, const SolverOptions& options);
 
 /// @throws InputError where a ray crosses more cells than can be solved in a sensible time, or where the sun lights the
 /// sides of an open domain so much more than its top that no error in the top's terms says anything.
-void check_paths(const Problem& problem, const SolverOptions& options);
+void check_paths(const SolvePlan& plan);
 
 }  // namespace cloudbow

@@ -137,9 +137,9 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   // Libraries; reading a cloud takes another one.
   constexpr std::size_t libraries = 20'000'000;
   constexpr std::size_t reading = 33'000'000;
-  check_paths(problem, options);
+  check_paths(plan);
   const auto threads = static_cast<std::size_t>(threads_of(plan));
-  const auto of_patterns = static_cast<std::size_t>(path_load(problem, options).bytes(static_cast<int>(threads)));
+  const auto of_patterns = static_cast<std::size_t>(path_load(plan).bytes(static_cast<int>(threads)));
   if (plan.by_polar_streams()) {
     constexpr std::size_t program_of_columns = 17'500'000;
     return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) + of_patterns +

@@ -220,7 +220,7 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
   Solution solution;
   {
     const ThreadScope threads(plan.threads());
-    check_paths(plan.problem(), plan.options());
+    check_paths(plan);
     solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
                                        : solve_by_ordinates(plan, progress, checkpoints);
   }

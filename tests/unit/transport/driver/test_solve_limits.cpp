@@ -113,19 +113,19 @@ TEST(SolveLimits, RaysThatCrossTooManyCellsAreRefusedWithTheZenithAngleThatIsNot
               ThrowsMessage<InputError>(HasSubstr("sun:")));
   // 3 m of height and cells of 1 m: 5e6 segments at a slope of 5e6/3.
   const double most = std::atan(5e6 / 3) * 180 / std::numbers::pi;
-  EXPECT_NO_THROW(check_paths(under_zenith(most - 1e-5), quick()));
-  EXPECT_THROW(check_paths(under_zenith(most + 1e-5), quick()), InputError);
+  EXPECT_NO_THROW(check_paths(SolvePlan(under_zenith(most - 1e-5), quick())));
+  EXPECT_THROW(check_paths(SolvePlan(under_zenith(most + 1e-5), quick())), InputError);
   SolverOptions columns = quick();
   columns.independent_columns = true;
-  EXPECT_NO_THROW(check_paths(under_zenith(89.9999999), columns));
+  EXPECT_NO_THROW(check_paths(SolvePlan(under_zenith(89.9999999), columns)));
 }
 
 TEST(SolveLimits, NarrowCellsAreRefusedForTheirOrdinates) {
   Problem problem = cloudy();
   problem.grid.box.dx_m = problem.grid.box.dy_m = 1e-6;
-  EXPECT_THROW(check_paths(problem, quick()), InputError);
+  EXPECT_THROW(check_paths(SolvePlan(problem, quick())), InputError);
   problem.sun.reset();
-  EXPECT_THAT([&] { check_paths(problem, quick()); }, ThrowsMessage<InputError>(HasSubstr("directions:")));
+  EXPECT_THAT([&] { check_paths(SolvePlan(problem, quick())); }, ThrowsMessage<InputError>(HasSubstr("directions:")));
 }
 
 TEST(SolveLimits, MemoryOfLongPatternsIsForeseen) {
