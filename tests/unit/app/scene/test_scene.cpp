@@ -228,6 +228,17 @@ TEST(Scene, Overrides) {
   EXPECT_EQ(again.solver.accuracy, "fine");
 }
 
+TEST(Scene, EarlierNamesOfKeysAreAccepted) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("scene.toml", layers_toml);
+  for (const char* key : {"max_level_optical_depth", "largest_level_depth"}) {
+    const Scene scene = read_scene(file, std::vector<std::string>{std::string("solver.") + key + "=3"});
+    EXPECT_EQ(scene.solver.max_level_optical_depth, 3) << key;
+  }
+  EXPECT_THAT(message_of(layers_toml, {"solver.max_level_optical_depth=3", "solver.largest_level_depth=2"}),
+              AllOf(HasSubstr("solver.largest_level_depth"), HasSubstr("earlier name")));
+}
+
 TEST(Scene, WrongOverrides) {
   EXPECT_THAT(message_of(layers_toml, {"sun.zenit_deg=30"}),
               AllOf(HasSubstr("--set sun.zenit_deg=30"), HasSubstr("unknown key"), HasSubstr("mean zenith_deg")));
