@@ -14,7 +14,7 @@ namespace cloudbow {
 struct View {
   std::string name;
   Direction travel;  ///< of the light that is seen, z != 0
-  int width = 0;     ///< pixels along x and y over the domain's horizontal extent; 0: one a column
+  int width = 0;     ///< pixels along x and y over the domain's horizontal extent; 0: one per column
   int height = 0;
 };
 
@@ -53,7 +53,7 @@ struct IterationOptions {
   bool half_precision_radiance = false;
 };
 
-/// What a solution contains.
+/// Contents of a solution.
 struct OutputOptions {
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, if flux_levels is listed

@@ -1,4 +1,4 @@
-// The fields of a solution, once: what they are called, where their values lie, who asks for them.
+// The one list of a solution's fields: their names, the locations of their values, the options that request them.
 #pragma once
 
 #include <span>

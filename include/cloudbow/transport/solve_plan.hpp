@@ -1,5 +1,5 @@
-// What is known about a problem before it is solved: found out once, read by the solve, by predictions of its cost, and
-// by other solves of the same problem.
+// Properties of a problem before it is solved. They are computed once, and read by the solve, by predictions of its
+// cost, and by other solves of the problem.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ class SolvePlan {
   /// @param problem must last as long as the plan.
   SolvePlan(const Problem& problem, const SolverOptions& options);
 
-  /// The same problem with other options. What does not depend on them is not found out again.
+  /// The same problem with other options. Properties that do not depend on them are not computed again.
   SolvePlan with(const SolverOptions& options) const;
 
   const Problem& whole() const { return *whole_; }                       ///< as given

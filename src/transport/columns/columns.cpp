@@ -47,8 +47,8 @@ struct Sums {
 };
 
 // A symmetric, orthogonal matrix that turns sqrt(w mu), which is isotropic light, to the first axis. In this basis the
-// first row of what absorbs (B, Z) is 0 where nothing absorbs, and the net flux is the first component of d: what a
-// very thick layer lets through stands beside no larger number.
+// first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d, so the
+// small flux through a very thick layer is added to no larger number.
 std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
   const int n = streams.size();
   std::vector<double> v;
@@ -164,7 +164,7 @@ class ColumnSolver {
     std::vector<V> scattered;  // [p] share of what is taken out
     std::vector<V> beam;       // [p] what of the beam scatters, by 4 pi
   };
-  // What came of it.
+  // Results.
   struct Faces {
     V mean;                  // 4 pi times mean diffuse radiance in the cell
     V below_mean, net, sum;  // at the face below it: 4 pi times mean radiance, fluxes from d and s
@@ -195,7 +195,7 @@ class ColumnSolver {
   double isotropic_ = 0;                 // radiance 1 in s: its first component, the others are 0
   columns::Vector<Real> flux_;           // of s and d
   columns::Vector<Real> mean_;           // 4 pi mean radiance of s
-  std::vector<Real> loss_of_isotropic_;  // [n] first row of B where nothing scatters
+  std::vector<Real> loss_of_isotropic_;  // [n] first row of B without scattering
   std::vector<Real> inverse_cosine_;     // triangle of M^-1
   std::vector<Real> root_;               // [n][n] M^1/2, rows as they were
   std::vector<Shape> shapes_;
@@ -225,7 +225,7 @@ void ColumnSolver<Real>::fill_lane(std::size_t column, int lane, std::vector<Cel
     cell.used[lane] = 1;
     cell.thickness[lane] = static_cast<Real>(sigma * dz);
     cell.absorbed[lane] = static_cast<Real>(grid_.absorption[c] / sigma);
-    double irradiance = 0;  // where sources are given: at the top of the cell, or its mean
+    double irradiance = 0;  // meaning of sources: value at the top of the cell, or its mean
     if (beam_) {
       irradiance = beam_->at(c, level * columns_ + column);
     } else if (problem_.sun) {
@@ -417,7 +417,7 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
       carried = irradiance * mu0() * std::exp(-beam_path);
       direct = irradiance * mu0() * std::exp(-true_path);
     }
-    // Where hardly any light comes, rounding may leave less than nothing.
+    // In very dark cells rounding can make the flux slightly negative.
     const double upward = not_negative(up);
     const double diffuse = not_negative(down + carried - direct);
     sums.up[level] += count * upward;

@@ -1,5 +1,5 @@
-// Columns that exchange no diffuse light, each solved by itself without iteration (docs/theory.md, "Columns without
-// iteration"): what takes the place of the sweeps where nothing but fluxes, absorption and actinic flux is asked.
+// Columns that exchange no diffuse light, each solved independently without iteration (docs/theory.md, "Columns without
+// iteration"). This solver replaces the sweeps if only fluxes, absorption and actinic flux are requested.
 #pragma once
 
 #include "cloudbow/transport/solution.hpp"

@@ -101,7 +101,7 @@ class Likeness {
   }
 
  private:
-  // Every number that a column's fluxes depend on; ends where `take` returns false.
+  // Passes every number that a column's fluxes depend on; ends when `take` returns false.
   template <class Take>
   void visit(std::size_t column, const Take& take) const {
     if (!albedo_.empty() && !take(0, albedo_[column])) return;

@@ -1,4 +1,4 @@
-// What columns that exchange no diffuse light are made of, and which of them are alike.
+// Contents of columns that exchange no diffuse light, and the groups of equal ones.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct ColumnCells {
 
 ColumnCells column_cells(const OpticalGrid& grid);
 
-// The beam that crosses columns, where it does.
+// The beam, if it crosses columns.
 struct SlantedBeam {
   std::vector<float> irradiance;  // mean in each active cell of what scatters; `everywhere`: in each cell of the box
   bool everywhere;
@@ -38,7 +38,7 @@ struct SlantedBeam {
   }
 };
 
-/// Nothing without sun, or where the beam keeps to its column.
+/// Empty without sun, or if the beam stays in its column.
 std::optional<SlantedBeam> slanted_beam(const Problem& problem, const SolverOptions& options,
                                         const PolarStreams& streams);
 

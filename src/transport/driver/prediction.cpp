@@ -1,4 +1,4 @@
-// What a solve will cost, before anything is allocated.
+// Cost of a solve, computed before anything is allocated.
 #include <omp.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::size_t grid_bytes(const Problem& problem) {
   return problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
 }
 
-// The same views in smaller images, which tell what they see as well.
+// The same views in smaller images, which have the same contents.
 std::vector<Camera> coarser(std::vector<Camera> cameras, int enough) {
   for (Camera& camera : cameras) {
     const double scale = std::min(1., static_cast<double>(enough) / std::max(camera.width, camera.height));
@@ -158,8 +158,8 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t system = real * (1 + phases) + 8;
   const bool packed = options.half_precision_radiance && real == sizeof(float);
   const std::size_t stored = packed ? sizeof(std::uint16_t) : real;
-  // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients, a
-  // direction's work arrays on each thread; the low-order problem has a sixth of the cells where they are many.
+  // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients; work
+  // arrays of a direction on each thread. The low-order problem has a sixth of the cells if they are many.
   const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
   const bool many = active >= 2000 && box.columns() > 1 && !options.independent_columns;
   const std::size_t iteration = stored * ordinates + real * (4 * 9 + 8 * 4 + 7 + (packed ? 5 : 4) * threads) +
@@ -177,8 +177,8 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   for (const View& view : options.views) {
     pixels += view.width > 0 ? static_cast<std::size_t>(view.width) * view.height : box.columns();
   }
-  // Their source is made beside the radiance at the ordinates and a second array, and stays for images, which follow
-  // gradients and a copy of what lines read.
+  // Memory then holds their source, the radiance at the ordinates and a second array. The source stays for images,
+  // which add gradients and a copy of the data that lines read.
   const std::size_t seen = directions_seen(options, active);
   const std::size_t making_seen = seen > 0 ? stored * ordinates + real * (2 * seen + 2) : 0;
   const std::size_t showing = seen > 0 ? real * (seen + 12) : 0;

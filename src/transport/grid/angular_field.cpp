@@ -11,7 +11,7 @@ namespace cloudbow {
 namespace {
 
 constexpr float largest_half = 65504;
-// Of a float's bits that a half has no room for, the part that is rounded up is spread evenly over the places.
+// Bits of a float that float16 lacks. They give the fraction of values rounded up, spread evenly over the indices.
 constexpr int dropped = 13;
 constexpr std::uint32_t dropped_bits = (1U << dropped) - 1;
 constexpr std::uint32_t golden = 0x9E3779B9;  // 2^32 times the golden section

@@ -26,7 +26,7 @@ struct FieldRow {
   const std::uint16_t* packed = nullptr;  ///< instead
   Real unit = 1;
 
-  /// The values [first, first + n), copied to `room` [n] where they are packed.
+  /// The values [first, first + n), copied to `room` [n] if they are packed.
   const Real* read(std::size_t first, std::size_t n, Real* room) const {
     if (packed == nullptr) return plain + first;
     if constexpr (sizeof(Real) == sizeof(float)) load_float16(packed + first, n, unit, room);
@@ -34,15 +34,15 @@ struct FieldRow {
   }
 };
 
-/// D values a cell, one row an ordinate. Holds source or voxel-mean radiance, each in the other's place. Plain rows,
-/// value(d, c) at row(d)[c], can be read and written lane_padding beyond their end, and to the end of a tile of cells.
+/// D values per cell, one row per ordinate. Holds source or voxel-mean radiance; each overwrites the other. Plain rows,
+/// value(d, c) at row(d)[c], can be read and written beyond their end: by lane_padding, and to the end of a tile.
 template <class Real>
 struct AngularField {
   int rows = 0;
   std::size_t cells = 0;
   std::vector<std::vector<Real>> data;              ///< [rows][at least cells + lane_padding], or empty and
   std::vector<std::vector<std::uint16_t>> float16;  ///< [rows][as above], numbers of units; never with Real = double
-  Real unit = 1;                                    ///< that of the halves, a power of two
+  Real unit = 1;                                    ///< that of the float16 values, a power of two
 
   AngularField() = default;
   AngularField(int row_count, std::size_t cell_count, std::optional<Real> float16_unit = std::nullopt)

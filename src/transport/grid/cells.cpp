@@ -86,7 +86,7 @@ namespace {
 
 constexpr std::uint32_t no_cell = 0xFFFFFFFF;
 
-// Index of the active cell at each place of the box, no_cell where there is none.
+// Index of the active cell at each location of the box, no_cell if there is none.
 std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
   std::vector<std::uint32_t> cell(static_cast<std::size_t>(rows.nx) * rows.ny * rows.nz, no_cell);
   const auto dense = dense_indices(rows);
