@@ -92,7 +92,7 @@ struct DiffusionOperator::Level {
     for (int k = 0; k < nz; ++k) {
       const std::size_t c = at(i, j, k);
       double right = b[c];
-      // A periodic axis of one cell couples a cell to itself; its couplings are zero.
+      // On a periodic axis of one cell, the cell would be its own neighbour; its couplings are zero.
       right += east[c] * x[at(east_i, j, k)] + east[at(west_i, j, k)] * x[at(west_i, j, k)];
       right += north[c] * x[at(i, north_j, k)] + north[at(i, south_j, k)] * x[at(i, south_j, k)];
       const double below = k > 0 ? up[at(i, j, k - 1)] : 0;

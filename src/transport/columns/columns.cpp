@@ -225,7 +225,7 @@ void ColumnSolver<Real>::fill_lane(std::size_t column, int lane, std::vector<Cel
     cell.used[lane] = 1;
     cell.thickness[lane] = static_cast<Real>(sigma * dz);
     cell.absorbed[lane] = static_cast<Real>(grid_.absorption[c] / sigma);
-    double irradiance = 0;  // meaning of sources: value at the top of the cell, or its mean
+    double irradiance = 0;  // to which sources refer: at the top of the cell, or its mean
     if (beam_) {
       irradiance = beam_->at(c, level * columns_ + column);
     } else if (problem_.sun) {

@@ -113,7 +113,7 @@ class Likeness {
         return true;
       };
       if (!take_levels(beam_->carried) || !take_levels(beam_->direct)) return;
-      // A shadow may pass a column between two levels.
+      // A shadow may miss a column between two levels.
       if (beam_->everywhere && !take_levels(beam_->irradiance)) return;
     }
     std::size_t level = 0;

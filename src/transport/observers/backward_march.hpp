@@ -16,7 +16,7 @@ struct Band {
   bool empty;         ///< no active cell in it
 };
 
-/// What is added up for rays that leave a plane, one a column.
+/// Sums for rays that leave a plane, one per column.
 template <class Real>
 struct Gathered {
   std::vector<std::vector<Real>> of_band;  ///< [bands][columns + lane_padding] what the cells send
@@ -34,8 +34,9 @@ struct GatherWorkspace {
   std::vector<Real> source, transmitted, ground;
 };
 
-/// `count` <= lanes rays, going back from the plane, meet as many cells: `sum` takes what these send there, and what is
-/// transmitted fades (docs/theory.md, Eq. 20). Light leaves a cell by the end of the segment that is nearest the plane.
+/// `count` <= lanes rays, going back from the plane, meet as many cells. The light of these cells is added to `sum`,
+/// and the transmission decreases (docs/theory.md, Eq. 20). Light leaves through the end of the segment that is nearest
+/// the plane.
 /// @param sent the cells' source; @param transmitted of each ray, from the plane to here, weighted.
 template <bool linear, class Real>
 [[gnu::always_inline]] inline void meet_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
@@ -82,7 +83,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       const double chord = pattern.chord_m[step];
       const auto leave = [&](const Segment& segment, double at) {
         if (box.periodic) return;
-        const int lower = pattern.upward ? level : level + 1;  // interface where this step begins
+        const int lower = pattern.upward ? level : level + 1;  // interface at which this step begins
         const int upper = pattern.upward ? level + 1 : level;
         const Real outside = side.empty() ? Real(0) : static_cast<Real>((1 - at) * side[lower] + at * side[upper]);
         for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {

@@ -1,4 +1,4 @@
-// What the converged radiance says of the cells themselves: absorbed power, actinic flux, radiance by direction.
+// Fields of the cells from the converged radiance: absorbed power, actinic flux, radiance by direction.
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"

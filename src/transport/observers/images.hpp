@@ -1,4 +1,4 @@
-// What instruments see: parallel views and cameras, from the converged radiance to their images.
+// Images of instruments: parallel views and cameras, from the converged radiance.
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"
@@ -16,12 +16,12 @@ class Images {
   /// @param field its radiance at the ordinates is still there.
   explicit Images(const ConvergedField<Real>& field);
 
-  /// Fills the images of the solution, whose fluxes at the ground, where it has them, light the surface.
+  /// Fills the images of the solution, whose fluxes at the ground, if it has them, light the surface.
   void fill(Solution& solution) const;
 
  private:
   const ConvergedField<Real>& field_;
-  std::optional<SightPoints> sight_;  // of the cameras, where there are any
+  std::optional<SightPoints> sight_;  // of the cameras, if there are any
   std::vector<ViewingBeam<Real>> beams_;
   AngularField<Real> source_;  // views, all orders of scattering; cameras' points, orders >= 2
 };

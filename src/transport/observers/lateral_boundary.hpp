@@ -1,4 +1,4 @@
-// What an open side shows: the layers by themselves over a black surface, solved as one column.
+// Radiance at an open side: that of the layers alone over a black surface, solved as one column.
 #pragma once
 
 #include <optional>

@@ -26,14 +26,14 @@ constexpr std::size_t worth_a_gradient = 64;  // directions for which the source
 constexpr double blur_per_spread = .2;
 constexpr int boundary_slot = 0;  // what comes from beyond the box
 
-// What the rays of every direction carry and book in one level of the march. A slot is an array of rays.
+// State and sums of the rays of every direction in one level of the march. A slot is an array of rays.
 struct LevelPlan {
   int fresh = -1;                           // slot of what the level's cells send; -1: it has none
   std::vector<int> carried;                 // slots whose light crosses the level
   std::vector<std::pair<int, int>> merges;  // {from, into} slots, after the level
   struct Booking {
     int slot;
-    double distance_m;  // of height, from where the light was sent
+    double distance_m;  // of height, from the origin of the light
   };
   int level = -1;                 // index among the wanted interfaces; -1: that after this level is not wanted
   std::vector<Booking> bookings;  // for each slot but that of the boundary
@@ -52,7 +52,7 @@ MarchPlan march_plan(const BoxGrid& box, std::span<const std::uint32_t> level_ce
                      std::span<const int> edges) {
   struct Carried {
     int slot;
-    double begin_m, end_m;  // height marched where its first and after its last level
+    double begin_m, end_m;  // height marched at its first and after its last level
   };
   MarchPlan plan;
   std::vector<Carried> bands;  // the most distant first
@@ -176,7 +176,7 @@ template <bool linear, class Real>
   }
 }
 
-// What one group of directions works with, and its sums.
+// Work arrays of one group of directions, and its sums.
 template <class Real>
 struct Workspace {
   std::vector<std::vector<Real>> rays;  // [slots][columns + lane_padding]
@@ -325,8 +325,8 @@ class LevelGather {
     return std::any_of(rays.begin(), rays.end(), [](Real radiance) { return radiance != 0; });
   }
 
-  // All rays cross one level: what they carry fades as exp(-t) = 1 - t phi1, what the cells send (docs/theory.md,
-  // "March along a ray") is added to `fresh`.
+  // All rays cross one level: their light is attenuated by exp(-t) = 1 - t phi1. The light of the cells
+  // (docs/theory.md, "March along a ray") is added to `fresh`.
   template <class Outside>
   void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, const Real* sent,
              std::span<Real* const> carried, Real* fresh, Real* from_beyond, const Outside& outside) const {

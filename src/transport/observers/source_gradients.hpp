@@ -40,7 +40,7 @@ class SourceGradients {
     }
   }
 
-  /// @param own holds the gradient where it is the direction's own.
+  /// @param own holds the gradient if it is the direction's own.
   CellView<Real> along(const Direction& travel, LinearSource<Real>& own) const {
     const Cells<Real>& cells = scene_.cells;
     if (!scene_.linear_source) return {scene_.extinction(), {}};

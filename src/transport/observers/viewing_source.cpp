@@ -19,7 +19,7 @@ std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field) 
   const TransportSystem<Real>& system = field.system;
   std::vector<ViewingBeam<Real>> beams;
   if (!problem.sun) return beams;
-  // What the iteration's beam has beyond unscattered light went through the peak.
+  // The light of the iteration's beam beyond unscattered light has scattered into the peak.
   const DirectBeam<Real> unscattered =
       beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
   std::vector<float> place(system.beam.irradiance.size());

@@ -130,7 +130,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
           }
           record(step + 1);
         }
-        if (!box.periodic) {  // rays that stand across a side let in and out what lands beyond what they carry
+        if (!box.periodic) {  // rays that overlap a side let in or out: landed minus carried light
           for (const Real rest : light) landed -= static_cast<double>(rest);
           (landed > 0 ? sum.gain : sum.loss) += std::abs(landed);
         }

@@ -1,5 +1,5 @@
-// The direct beam: sunlight that has not scattered, marched along the sun's direction with several rays a column and no
-// source.
+// The direct beam: sunlight that has not scattered. It is marched along the sun's direction with several rays per
+// column and no source.
 #pragma once
 
 #include <span>

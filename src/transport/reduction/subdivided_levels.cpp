@@ -18,7 +18,7 @@ constexpr double least_share_of_beam = .01;
 constexpr int most_parts = 6;
 constexpr double parts_of_most = 63;  // 1 + 2 + 4 + ... + 32
 
-// What the beam leaves in a level.
+// Power that the beam loses in a level.
 struct BeamInLevel {
   double share = 0;  // of the incident power
   double depth = 0;  // slant optical depth of the cells, mean by the power

@@ -30,7 +30,7 @@ struct SourceAlong {
     FieldRow<Real> at_cells;
   };
   bool any_points = false;
-  std::array<PointTerm, 3> points;  ///< where there are any
+  std::array<PointTerm, 3> points;  ///< if there are any
   std::vector<Term> first_order;
 
   /// Source of the cells [first, first + n).

@@ -39,8 +39,7 @@ void multiply(const std::vector<Real>& matrix, int size, const Real* from, int n
   for (; r < size; ++r) multiply_rows<Real, 1>(matrix.data() + r, size, from, n, product + r * tile);
 }
 
-// Ordinates by octant; in each the same directions but for signs, in the same order. Empty where there is no such
-// order.
+// Ordinates by octant; in each the same directions but for signs, in the same order. Empty if there is no such order.
 std::vector<int> order_by_octant(const OrdinateSet& ordinates) {
   const int size = ordinates.size() / 8;
   if (size == 0 || ordinates.size() % 8 != 0) return {};

@@ -8,8 +8,8 @@
 namespace cloudbow {
 namespace {
 
-// Cells a tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on the
-// number of threads.
+// Cells per tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on
+// the number of threads.
 constexpr std::size_t tile_cells = 128;
 
 template <class Real>

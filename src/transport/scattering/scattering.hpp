@@ -16,8 +16,8 @@ inline constexpr int low_moments = 9;
 template <class Real>
 using DenseMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rounds a scattering matrix to Real so that every column keeps its integral: sum_i weight_i m(i, j) differs from the
-/// double's by less than a unit in the last place of one element.
+/// Rounds a scattering matrix to Real so that every column keeps its integral. The sum_i weight_i m(i, j) differs from
+/// the double's by less than a unit in the last place of one element.
 template <class Real>
 DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::span<const double> weight);
 
@@ -28,7 +28,7 @@ struct BeamSource {
   std::vector<Real> intensity;                       ///< [n]
 };
 
-/// What a scattering adds beside the radiance it is given.
+/// Light that a scattering adds to the given radiance.
 template <class Real>
 struct ScatteringTerms {
   std::span<const BeamSource<Real>> beam;

@@ -17,10 +17,10 @@ struct GroundRadiance {
   std::optional<ControlPoints> points;      ///< without: the same in all directions
   AngularField<Real> at_points;             ///< one row a control point, or a single row; [columns]
   std::vector<double> flux;                 ///< [columns] upward
-  std::optional<BeamReflection> beam = {};  ///< where direct light is not in at_points: reflected exactly
+  std::optional<BeamReflection> beam = {};  ///< if direct light is not in at_points: reflected exactly
   std::vector<Real> direct_flux = {};       ///< [columns] of it, through the horizontal
 
-  /// Radiance [columns] along a direction of travel. @param scratch holds it where it has to be worked out.
+  /// Radiance [columns] along a direction of travel. @param scratch holds it if it must be computed.
   const Real* along(const Direction& travel, std::vector<Real>& scratch) const;
   /// The same for one column.
   Real at(const Direction& travel, std::size_t column) const;
@@ -32,7 +32,7 @@ class Ground {
   Ground() = default;  ///< black
   Ground(const Surface& surface, const OrdinateSet& ordinates, const std::optional<Direction>& sun_travel);
 
-  /// What one sweep's arriving light does.
+  /// Effect of the light that arrives in one sweep.
   struct Reflection {
     std::vector<double> flux;    ///< [columns] that arrived, direct and diffuse
     AngularField<Real> leaving;  ///< radiance: one row an upward ordinate, or a single row for all; [columns]
@@ -59,7 +59,7 @@ class Ground {
   double mean_albedo() const;
   double largest_albedo() const;  ///< over directions and columns
   const std::optional<ReflectionTable>& table() const { return table_; }
-  /// What its reflections depend on.
+  /// Input of its reflections.
   void add_to(Digest& digest) const;
 
  private:

@@ -45,10 +45,9 @@ template <class Real>
 void set_first_order_beside_peak(const Problem& problem, const Discretisation& discretisation,
                                  const TransportSystem<Real>& system, DirectionalSource<Real>& source);
 
-/// The first order of scattering for radiance, in the place of what the source has of it. The beam that lights it is
-/// the one truncated at the gather's order; light that the iteration's beam (order N_b) calls unscattered but that one
-/// does not is added with the phase function of that order.
-/// @param gather_beam needed where the problem has a sun.
+/// The first order of scattering for radiance, which replaces that of the source. Its incident beam is the one
+/// truncated at the gather's order. The iteration's beam (order N_b) counts more light as unscattered. The difference
+/// is added with the phase function of order N_b. @param gather_beam needed if the problem has a sun.
 template <class Real>
 void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
                      const DirectBeam<Real>* gather_beam, DirectionalSource<Real>& source);
