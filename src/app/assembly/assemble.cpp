@@ -22,7 +22,7 @@
 namespace cloudbow {
 namespace {
 
-// Corners of the domain are taken to be meant where they stand this close to a voxel face, in voxels.
+// Corners of the domain this close to a voxel face are taken to lie on it, in voxels.
 constexpr double face_tolerance = 1e-3;
 constexpr double max_columns_per_axis = 1e6;
 

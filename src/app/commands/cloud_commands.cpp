@@ -63,7 +63,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
   });
 }
 
-/// What CLI11 fills; optional triples and pairs as lists.
+/// Variables that CLI11 fills; optional triples and pairs as lists.
 struct ImportCommand {
   CloudImportOptions import;
   std::vector<double> voxel_size_m;

@@ -190,7 +190,7 @@ void check_files(const RunOptions& options, std::size_t solves, const std::files
     const std::filesystem::path kept = checkpoint_file(options.checkpoint, of, solves);
     const std::filesystem::path resumed = checkpoint_file(options.resume, of, solves);
     outputs.push_back({kept, "the checkpoint", OutputKind::checkpoint});
-    // A solve may keep its state in the file that it goes on from, but in that of no other solve.
+    // A solve may keep its state in the file from which it continues, but in that of no other solve.
     if (!same_file(kept, resumed)) files.push_back(resumed);
   }
   std::vector<std::filesystem::path> all = files;

@@ -22,7 +22,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double slow_seconds = 10;  // checks take less than this in all; beyond it the user is told what is going on
+constexpr double slow_seconds = 10;  // checks take less than this in all; beyond it, progress is printed
 
 using Clock = std::chrono::steady_clock;
 

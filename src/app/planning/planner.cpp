@@ -12,7 +12,7 @@
 namespace cloudbow {
 namespace {
 
-/// Up to the next number of two digits: what is told as possible must be.
+/// Rounds up to the next number of two digits: an error printed as possible must be possible.
 double rounded_up(double value) {
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::ceil(value / unit * (1 - 1e-9)) * unit;

@@ -6,7 +6,7 @@
 
 namespace cloudbow {
 
-/// Thrown where a run gives way to a signal. The program exits with 128 + signal.
+/// Thrown when a signal ends a run. The program exits with 128 + signal.
 struct Interrupted {
   int signal;
 };
@@ -21,7 +21,7 @@ class InterruptGuard {
 
   /// Whether a signal has come.
   static bool noted();
-  /// @throws Interrupted where one has.
+  /// @throws Interrupted if one has.
   static void check();
 
  private:

@@ -26,7 +26,7 @@ namespace {
 constexpr std::uintmax_t max_bytes = 4u << 20;
 constexpr std::size_t longest_place = 200;  // bytes of a --set in a message
 
-/// Files that are given in the place of a scene, by their first bytes.
+/// A kind of file that users pass instead of a scene by mistake: its first bytes, its name and the remedy.
 struct OtherFile {
   std::string_view begin, found, way_out;
 };

@@ -146,7 +146,7 @@ std::vector<PhysicalCheck> column_checks() {
       // Optics are kept in float: a relative 6e-8 of the optical depth.
       {"beer-law", "direct light falls off as exp(-tau/mu0), and is all there is where nothing scatters", "of incident",
        1e-6, beers_law},
-      // What is scattered twice, some tau ln(1/tau), and differences of fluxes in float optics.
+      // Light that is scattered twice, some tau ln(1/tau), and differences of fluxes in float optics.
       {"thin-layer", "of an optical depth of 1e-6 the fluxes are single scattering", "of it", 1e-4, thin_layer},
       // Light scattered twice: some tau. The rest is the delta-M correction of the first order.
       {"azimuth", "a sensor at the sun's azimuth sees light scattered back, one opposite light scattered forward",
