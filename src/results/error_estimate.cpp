@@ -148,8 +148,8 @@ ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coars
   ErrorEstimate estimate;
   estimate.angular_distance = flux_distance(solution, coarse_solves.linear);
   estimate.spatial_distance = flux_distance(coarse_solves.linear, coarse_solves.constant);
-  // Companions on the same cells do not know what thick cells cost, nor, with few directions, what thin air under a low
-  // sun does.
+  // Coarse solves on the same cells do not include the error of thick cells. With few directions they miss that of thin
+  // air under a low sun.
   if (const auto& probe = coarse_solves.probe)
     estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
   const auto parts = [&](double ByFlux::*flux, const ByFlux& angular, const ByFlux& spatial, const ByFlux& probe) {

@@ -52,7 +52,7 @@ std::string fit_line(const PhaseFit& fit, double asymmetry) {
                      fit.seconds);
 }
 
-/// Where fewer moments could be held than were asked for.
+/// Message if fewer moments could be preserved than were requested.
 std::string shortfall(const FittedFunction& fitted, int asked) {
   std::string text;
   for (const PhaseFit& fit : fitted.fits) {
