@@ -46,7 +46,7 @@ struct CameraPlacement {
 
 /// Fills in the frame. A panorama keeps `up` as its axis and looks at the horizon below or above `look_at_m`; the
 /// others keep the direction to `look_at_m`, and `up` becomes the nearest possible one.
-/// @throws InputError "PROBLEM (found X, allowed Y)" if look_at_m is the position, or if up has no length or is
+/// @throws InputError "PROBLEM (found X, allowed Y)" if look_at_m is the position; also if up has no length or is
 /// parallel to the line of sight.
 Camera make_camera(const std::string& name, Camera::Projection projection, const CameraPlacement& placement,
                    double field_of_view, int width, int height, int rays = 2);

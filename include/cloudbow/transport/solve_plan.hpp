@@ -1,5 +1,5 @@
-// Properties of a problem before it is solved. They are computed once, and read by the solve, by predictions of its
-// cost, and by other solves of the problem.
+// Properties of a problem before it is solved. They are computed once. The solve, predictions of its cost and other
+// solves of the problem read them.
 #pragma once
 
 #include <memory>

@@ -47,8 +47,8 @@ struct Sums {
 };
 
 // A symmetric, orthogonal matrix that turns sqrt(w mu), which is isotropic light, to the first axis. In this basis the
-// first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d, so the
-// small flux through a very thick layer is added to no larger number.
+// first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d,
+// separate from larger numbers even if a thick layer makes it small.
 std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
   const int n = streams.size();
   std::vector<double> v;

@@ -21,7 +21,7 @@ namespace {
 constexpr int anderson_depth = 3;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
-// Float16 does not resolve changes smaller than its steps, so the last of the slow modes of thick clouds stay (Landsat:
+// Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
 

@@ -107,7 +107,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
   const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
 
-  // Downward, a few directions near the sun's carry too much of the light for rays to start anywhere but at the centre.
+  // Downward, a few directions near the sun's carry much of the light, so their rays start at the centre.
   const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);
 
   std::vector<double> flux(columns, 0.);

@@ -27,8 +27,8 @@ struct LaunchPlace {
   double y;
 };
 
-/// The centre, from which each direction is accurate to second order. With `filling`, a different point for each
-/// direction, for light that changes within the columns (additive recurrence of the plastic number, Roberts 2018).
+/// The centre, from which each direction is accurate to second order. With `filling`, a different point per direction,
+/// for light that changes within columns (additive recurrence of the plastic number, Roberts 2018).
 LaunchPlace launch_place(std::size_t direction, bool filling);
 
 }  // namespace cloudbow

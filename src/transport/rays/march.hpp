@@ -1,6 +1,6 @@
-// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). A ray is identified
-// by its launch column; in a segment of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo the
-// box. Rays never move in memory.
+// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). Rays are identified
+// by their launch columns; in a segment of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo
+// the box. Rays never move in memory.
 #pragma once
 
 #include <algorithm>
@@ -198,7 +198,7 @@ struct SegmentGeometry {
         to_y(static_cast<Real>(segment.to[1])),
         to_z(static_cast<Real>(segment.to[2])) {}
 
-  /// Source relative to the cell's mean at the segment's two ends, for a relative gradient (x, y, z) (docs/theory.md,
+  /// Source relative to the cell's mean at both ends of the segment, for a relative gradient (x, y, z) (docs/theory.md,
   /// Eq. 20a).
   template <class Value>
   [[gnu::always_inline]] Value at_entry(const Value& x, const Value& y, const Value& z) const {

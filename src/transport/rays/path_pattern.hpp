@@ -1,5 +1,5 @@
 // The path of one direction through the levels of a box, shared by all its rays. Rays start at the same fraction of
-// every column, so each crosses the same short list of segments in a level. The list is made once per direction
+// every column. In a level, each thus crosses the same short list of segments. The list is made once per direction
 // (docs/theory.md, "Shared pattern").
 #pragma once
 

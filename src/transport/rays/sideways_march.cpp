@@ -106,7 +106,7 @@ class SidewaysMarch {
 
   double sum(const Real* row) const { return plane_sum(row, static_cast<std::size_t>(columns_)); }
 
-  // The row that has not entered when the last sheet is done, but part of which crosses the plane at the seam.
+  // The row outside when the last sheet is done, part of which crosses the plane at the seam.
   void fill_outermost_row() {
     come_in(ray_row(first_row_), sheets_.count, std::max(path_.rest, 1e-9) / path_.rise, path_.across);
     if (!planes_.at_level.empty()) planes_.at_level[interface(0)] += path_.rest / path_.rise * sum(ray_row(first_row_));

@@ -1,9 +1,9 @@
 // Marching the rays of a slanted direction along x or y, sheet by sheet. A ray then crosses two or three segments per
 // cell; in a march along z their number grows with the slant (docs/theory.md, "March along the dominant axis").
 //
-// In a sheet, rays form rows by height, one per cell. A row is identified by its launch level q, counted in the
-// direction of vertical travel from the level that light enters first; it is in level q + s after s crossings of
-// levels. Rows q < 0 begin outside and enter later. After the last sheet the rays are back at the first, rise levels
+// In a sheet, rays form rows by height, one per cell. A row is identified by its launch level q. It is counted in the
+// direction of vertical travel, from the level that light enters first. After s crossings of levels the row is in level
+// q + s. Rows q < 0 begin outside and enter later. After the last sheet the rays are back at the first, rise levels
 // further. They continue from the launch points by linear interpolation between rows and columns, which conserves their
 // power. A block has as many rows as lie between a row and its successor, so that its input is complete before it.
 #pragma once
@@ -31,8 +31,8 @@ struct SidewaysPath {
   bool ascending_across = true;
 };
 
-/// @param levels of one thickness. @returns nothing if rays do not go along the axis, or would not cross a level before
-/// they are back.
+/// @param levels of one thickness. @returns nothing if rays do not move along the axis, or return before they cross a
+/// level.
 std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
                                                LevelRange levels);
 
