@@ -1,5 +1,5 @@
-// What a child process may do to itself, the program survives with one message. Truth: the requirement, each fault made
-// on purpose.
+// The program survives any fault of a child process, with one message. Truth: the requirement, each fault made on
+// purpose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

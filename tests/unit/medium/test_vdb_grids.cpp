@@ -1,4 +1,5 @@
-// Grids as other programs write them: axes, backgrounds, rounding, names. Each is read right or refused with a way out.
+// Grids as other programs write them: axes, backgrounds, rounding, names. Each is read correctly or refused with a
+// remedy.
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 
 using VdbGrids = VdbFile;
 
-// Truth: a row of the matrix times an index is where the index leads in the world; two voxels tell the axes apart.
+// Truth: a row of the matrix times an index is the world position of the index; two voxels distinguish the axes.
 TEST_F(VdbGrids, AxesExchangedAndMirroredByTheMatrixAreReadExactly) {
   // i runs along x, j along z, k against y, as programs with y up write it; voxel centres at multiples of 10 m.
   const auto transposed = openvdb::math::Transform::createLinearTransform(

@@ -44,8 +44,8 @@ TEST(BeamPhase, AsideDepthIsNothing) {
 }
 
 TEST(BeamPhase, StraightOnItAddsUpToSmallAngleTransfer) {
-  // What all depths up to lambda send straight on, over (2l+1): exp(-lambda (1 - r)) - exp(-lambda) for each l >= N,
-  // and lambda times what is below.
+  // Light that all depths up to lambda scatter straight forward, over (2l+1): exp(-lambda (1 - r)) - exp(-lambda) for
+  // each l >= N. Below N: lambda times the moment.
   const double g = .85, lambda = 3;
   const PhaseFunction phase = PhaseFunction::henyey_greenstein(g);
   const double f = std::pow(g, order);

@@ -127,7 +127,7 @@ TEST_F(SphereFitTest, NoChangeImprovesAConstrainedFit) {
       if (changed.minCoeff() < of.lower) continue;
       if (largest_error(changed) > bound) continue;
       ++tried;
-      EXPECT_GE(objective(of, changed), objective(of, *x) * (1 - 1e-6));  // where the solver stops
+      EXPECT_GE(objective(of, changed), objective(of, *x) * (1 - 1e-6));  // tolerance at which the solver stops
     }
     EXPECT_GT(tried, 20);
   };
@@ -305,7 +305,7 @@ TEST(PhaseFit, MorePointsFollowASmoothFunctionMoreClosely) {
         .errors.max_error_between;
   };
   for (const Method method : every_method()) {
-    if (method == Method::minimax_relative) continue;  // free to err where the function is large
+    if (method == Method::minimax_relative) continue;  // larger errors allowed for large values of the function
     EXPECT_LT(error(162, "double-gauss-8x16", method), error(42, "double-gauss-6x8", method)) << name_of(method);
   }
 }

@@ -19,8 +19,8 @@ using std::numbers::pi;
 
 double degrees(double cosine) { return std::acos(cosine) * 180 / pi; }
 
-/// A slab of 500 m in layers of different height, as 4 x 3 columns. The extinction of one cell is off by nothing that
-/// matters, so that photons walk through cells instead of through one uniform layer.
+/// A slab of 500 m in layers of different height, as 4 x 3 columns. The extinction of one cell differs negligibly, so
+/// that photons cross cells instead of one uniform layer.
 MonteCarloScene slab(double optical_depth, double ssa, const Scatterer& scatterer, double mu0) {
   MonteCarloScene scene;
   scene.columns = {4, 3};

@@ -20,8 +20,8 @@ double least_side(const ControlPoints& points, const std::array<int, 3>& triangl
   return std::min({side(triangle[0], triangle[1]), side(triangle[1], triangle[2]), side(triangle[2], triangle[0])});
 }
 
-/// Poles, axes, vertices, points on edges, each also a hair (1e-15 to 1e-7) to the side: where point location goes
-/// wrong if it does.
+/// Poles, axes, vertices, points on edges, each also displaced by 1e-15 to 1e-7: faults of point location appear at
+/// these.
 std::vector<Direction> awkward_directions(const ControlPoints& points) {
   std::vector<Direction> exact = {{0, 0, 1},
                                   {0, 0, -1},

@@ -88,7 +88,7 @@ TEST(Toml, DotsAndBracketsInTextAreNoLevels) {
   }
 }
 
-// What new users write.
+// Typical mistakes of new users.
 TEST(Toml, FaultsComeWithAWayOut) {
   const std::vector<std::pair<std::string, std::string>> lines{
       {"file = cloud.vdb", "text stands in quotes: file = \"cloud.vdb\""},

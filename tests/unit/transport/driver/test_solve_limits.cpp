@@ -1,4 +1,4 @@
-// What a solve refuses, and what it leaves as it was.
+// Input that a solve refuses, and state that it leaves as it was.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <omp.h>

@@ -16,8 +16,8 @@ std::vector<double> optical_paths(double first, double last) {
   return paths;
 }
 
-// Truth: phi_k(t) = sum_n (-t)^n / (n + k)! where that converges fast, the closed forms where they do not cancel, both
-// in long double.
+// Truth: phi_k(t) = sum_n (-t)^n / (n + k)! if that converges fast, the closed forms if they do not cancel, both in
+// long double.
 ExponentialFunctions<long double> exact(long double t) {
   if (t < 1) {
     const auto series = [t](int k) {
@@ -38,7 +38,7 @@ ExponentialFunctions<long double> exact(long double t) {
 }
 
 TEST(ExponentialFunctions, DoubleIsExactToRounding) {
-  // The closed forms lose a factor 1/(1 - phi1) and 1/(1/2 - phi2) of digits: ten at t = .7, where they begin.
+  // The closed forms lose a factor 1/(1 - phi1) and 1/(1/2 - phi2) of digits: ten at t = .7, from which they are used.
   constexpr double tolerance = 20 * std::numeric_limits<double>::epsilon();
   for (const double t : optical_paths(1e-9, 2e4)) {
     const auto phi = exponential_functions(t);
@@ -95,7 +95,7 @@ TYPED_TEST(ExponentialFunctionsOf, ConserveLightWhateverTheErrorOfTheFit) {
 }
 
 TYPED_TEST(ExponentialFunctionsOf, KeepRadiancesPositive) {
-  // The weights of light that enters, of the source where the ray enters and of that where it leaves.
+  // The weights of light that enters, of the source at the ray's entry and of that at its exit.
   for (const double path : optical_paths(1e-9, 1e6)) {
     const auto t = static_cast<TypeParam>(path);
     const auto phi = exponential_functions(t);
