@@ -1,4 +1,4 @@
-// Course of a solve, and the budget of its light.
+// Course of a solve, and its energy ledger.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Energy of light: energy budgets, furnaces, proportion.
+// Energy of light: energy ledgers, furnaces, proportion.
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -27,7 +27,7 @@ double mean_of_level(const std::vector<float>& flux, std::size_t level, std::siz
   return std::accumulate(first, first + static_cast<std::ptrdiff_t>(columns), 0.) / static_cast<double>(columns);
 }
 
-// Without absorption in the medium, light leaves through the top or is absorbed by the ground: by the energy budget and
+// Without absorption in the medium, light leaves through the top or is absorbed by the ground: by the energy ledger and
 // by the fluxes.
 double conservation(const Solution& solution, double surface_albedo) {
   const EnergyLedger& ledger = solution.ledger;

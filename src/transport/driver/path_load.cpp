@@ -19,7 +19,7 @@ namespace {
 constexpr double most_segments = 5e6;
 // Of the power through the top; energy ledgers are in terms of that.
 constexpr double most_through_sides = 1000;
-// In float the optical path of a beam gains a relative error of up to 6e-8 per segment. The energy budget gains 1e-7 of
+// In float the optical path of a beam gains a relative error of up to 6e-8 per segment. The energy ledger gains 1e-7 of
 // the power that comes through the sides.
 constexpr double longest_beam_in_float = 2e5;
 constexpr double most_through_sides_in_float = 100;

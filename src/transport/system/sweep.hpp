@@ -55,7 +55,8 @@ struct TransportSystem {
   void moments(const AngularField<Real>& radiance, std::span<Real> of) const { scattering.moments_of(radiance, of); }
 };
 
-/// Budget of the light, in W m-2 of the top, by the ordinates alone. Direct light is that of the solver's own beam.
+/// Powers of the energy ledger, in W m-2 of the top, by the ordinates alone. Direct light is that of the solver's own
+/// beam.
 template <class Real>
 struct SweepFluxes {
   double up_top = 0;
