@@ -11,8 +11,8 @@
 namespace cloudbow {
 namespace {
 
-// Between the ends columns are off by up to 2.1 times what the ends' weights make of the distances there: measured on
-// four fields of thick voxels (docs/error-estimates.md).
+// Between the ends the error of columns is up to 2.1 times the distances there with the ends' weights: measured on four
+// fields of thick voxels (docs/error-estimates.md).
 constexpr double between_ends_factor = 2.5;
 
 // Of incident: errors of columns whose mean is less are not in terms of it.
@@ -65,7 +65,7 @@ double largest_difference(const std::vector<double>& one, const std::vector<doub
   return largest;
 }
 
-/// Means over the square of columns next to each: what one column's difference happens to be says little.
+/// Means over the square of columns next to each: the difference of one column alone is mostly chance.
 std::vector<double> smoothed(const std::vector<double>& square, const BoxGrid& box) {
   const auto pass = [&](const std::vector<double>& from, std::ptrdiff_t stride, int length) {
     if (length < 3) return from;

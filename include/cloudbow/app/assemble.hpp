@@ -1,4 +1,4 @@
-// From a scene to what the solver takes: opens the cloud, joins it with the layers, fills in the ladder.
+// From a scene to the input of the solver: opens the cloud, joins it with the layers, applies the level of accuracy.
 #pragma once
 
 #include <array>

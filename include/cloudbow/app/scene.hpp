@@ -1,4 +1,4 @@
-// A scene file, read and checked: what stands in it, with its defaults, before any cloud is opened.
+// A scene file, read and checked: its content, with defaults, before any cloud is opened.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ struct ScenePhaseSet {
 struct SceneCloud {
   std::filesystem::path file;
   VdbReadOptions read;
-  std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: what the grid's metadata says
+  std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: as in the grid's metadata
   std::optional<double> effective_radius_um;
   std::string effective_radius_grid;  ///< empty: none
   /// As given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.

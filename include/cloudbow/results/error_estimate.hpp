@@ -59,14 +59,14 @@ struct ErrorEstimate {
 struct CoarseSolves {
   Solution linear;    ///< fewer directions
   Solution constant;  ///< the same with SolverOptions::linear_source = false
-  /// Some columns by themselves (probe_columns.hpp), as the solve would have them and as they are.
+  /// Some independent columns (probe_columns.hpp): in the approximation of the solve, and exact.
   struct Probe {
     Solution by_ordinates, exact;
   };
   std::optional<Probe> probe{};
 };
 
-/// @param fields whether the errors of single columns are asked for.
+/// @param fields whether the errors of single columns are requested.
 ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coarse_solves, const ErrorWeights& weights,
                              bool fields);
 

@@ -1,4 +1,4 @@
-// Cameras: which way each point of an image looks from a place in or above the scene.
+// Cameras: the line of sight of each point of an image, from a position in or above the scene.
 #pragma once
 
 #include <optional>

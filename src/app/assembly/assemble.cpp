@@ -180,9 +180,9 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   return options;
 }
 
-// Layers alone are a column of their own, and have their fluxes without iteration, more exactly and sooner. Who sets
-// what the iteration alone has means the iteration. Voxels that do not vary agree with those that do a little, so they
-// are solved as these are.
+// Layers alone are one column. Their fluxes are computed without iteration, more exactly and faster. Settings that only
+// the iteration has request the iteration. Uniform voxels must agree with slightly varying ones, so they are solved in
+// the same way.
 void solve_layers_without_iteration(const Scene& scene, const Problem& problem, SolverOptions& options) {
   const SceneSolver& solver = scene.solver;
   if (scene.cloud || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 || solver.control_points ||

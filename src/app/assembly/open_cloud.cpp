@@ -16,7 +16,7 @@
 namespace cloudbow {
 namespace {
 
-/// Takes few phase functions for those of the voxels, weighted by what each voxel scatters.
+/// Replaces the phase functions of the voxels by few, weighted by the scattering of each voxel.
 void take_classes(const PhaseFamily& family, double tolerance, OpenedCloud& cloud) {
   const std::vector<double>& albedo = cloud.optics.voxel_single_scattering_albedo;
   std::vector<double> scattering;

@@ -1,4 +1,4 @@
-// `cloudbow phase`: a phase function by itself.
+// `cloudbow phase`: a single phase function.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -168,7 +168,7 @@ int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
   return exit_not_converged;
 }
 
-/// Tables of the cache are written without being asked for.
+/// Tables of the cache are written without a request.
 void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
   const std::filesystem::path cache = cache_directory();
   for (const std::filesystem::path& file : files) {
@@ -181,7 +181,7 @@ void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
   }
 }
 
-/// Nothing that a run writes may land on what it reads or on something else that it writes.
+/// No output of a run may overwrite its inputs or another output.
 void check_files(const RunOptions& options, std::size_t solves, const std::filesystem::path& output,
                  const Scene& scene) {
   std::vector<OutputFile> outputs{{output, "the result", OutputKind::hdf5}};

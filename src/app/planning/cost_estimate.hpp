@@ -44,7 +44,7 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
-/// Options for the same scene as independent columns, of which fluxes alone are asked.
+/// Options for the same scene as independent columns, of which only fluxes are requested.
 SolverOptions by_columns(SolverOptions options);
 
 }  // namespace cloudbow

@@ -14,7 +14,7 @@ inline constexpr const char* machine_speed_header = "cloudbow machine 2";
 /// The solve that is measured.
 std::pair<Problem, SolverOptions> calibration_solve();
 
-/// Factor on predicted seconds: what `cloudbow verify --calibrate` has stored beside the table cache, else 1.
+/// Factor on predicted seconds: that stored by `cloudbow verify --calibrate` beside the table cache, else 1.
 double machine_slowness();
 
 /// Measures it by a fixed solve of a second or so, on all processors, and stores it. @returns the factor.

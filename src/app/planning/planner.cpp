@@ -42,7 +42,7 @@ bool fits(const LevelCost& level, const Target& target, const Resources& resourc
                   cheapest.level, seconds(*target.budget_seconds), seconds(rounded_up(needed))));
 }
 
-/// Number at the beginning of a text, and what follows it without blanks.
+/// Number at the beginning of a text, and the rest without blanks.
 std::pair<std::optional<double>, std::string> number_and_unit(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -16,7 +16,7 @@ struct TradeoffOptions {
   std::filesystem::path csv, plot;     ///< empty: none
   int threads = 0;                     ///< 0: all
   bool quiet = false;                  ///< no progress
-  std::uint64_t memory_bytes = 0;      ///< levels that need more are left out; 0: what the machine has
+  std::uint64_t memory_bytes = 0;      ///< levels that need more are left out; 0: the memory available
 };
 
 /// "independent-columns" and "independent-diffuse" (at draft), then the levels of accuracy from the coarsest on.

@@ -1,4 +1,4 @@
-// The ladder of accuracies: what each level sets in the solver.
+// Levels of accuracy: the solver settings of each.
 #pragma once
 
 #include <string>

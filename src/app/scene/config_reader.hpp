@@ -74,7 +74,7 @@ class ConfigReader {
   [[noreturn]] void fail(const std::string& key, std::string_view problem, std::string_view found,
                          std::string_view allowed) const;
   [[noreturn]] void fail_missing(const std::string& key, std::string_view allowed) const;
-  /// Runs `action`, whose InputError gets the key's place in front.
+  /// Runs `action` and puts the key's location in front of its InputError.
   void with_place(const std::string& key, const std::function<void()>& action) const;
 
   std::string full_name(const std::string& key) const { return (path_.empty() ? "" : path_ + ".") + describe_key(key); }

@@ -1,4 +1,4 @@
-// How deeply a TOML text nests, before a parser that recurses sees it.
+// Depth of nesting of a TOML text, found before a recursive parser reads it.
 #pragma once
 
 #include <optional>

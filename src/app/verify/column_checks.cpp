@@ -53,8 +53,8 @@ double thin_layer() {
 double henyey_greenstein(double g, double cosine) { return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5); }
 
 // Radiance of a thin layer, up: I = P F0 mu0/(mu + mu0) [1 - exp(-tau (1/mu + 1/mu0))] / (4 pi) (Chandrasekhar 1960,
-// III, Eq. 93), by the scene's own way from azimuths to directions. A sensor at the sun's azimuth sees light scattered
-// straight back, one opposite light scattered forward by 60 degrees: 27 times as much.
+// III, Eq. 93), with the scene's own conversion of azimuths to directions. A sensor at the sun's azimuth sees light
+// scattered straight back, one opposite light scattered forward by 60 degrees: 27 times as much.
 double azimuths_of_thin_air() {
   constexpr double tau = 1e-5, mu = .5, g = .8, sun_azimuth = 20;
   Scene scene;

@@ -12,7 +12,7 @@ namespace {
 constexpr int width = 9;  // columns along x and y
 constexpr std::array<double, 3> cell{1, .8, .75};
 const double cosine = std::sqrt(.5);              // of the zenith angle
-constexpr double sight_distance = 3.5 * cell[2];  // what is so high is seen so far off
+constexpr double sight_distance = 3.5 * cell[2];  // horizontal offset: equal to the height
 
 // One voxel in an empty box of four levels.
 ExtinctionField one_voxel(int k, float extinction) {

@@ -171,7 +171,7 @@ double no_matter() {
     for (const float flux : solution.direct_flux) worst.meet(static_cast<double>(flux) / mu0, 1);
     for (const float flux : solution.downwelling_diffuse_flux) worst.meet(static_cast<double>(flux) / mu0);
     worst.meet(solution.ledger.residual);
-    if (!periodic) continue;  // what the ground sends up leaves through the sides
+    if (!periodic) continue;  // light reflected by the ground leaves through the sides
     for (const float flux : solution.upwelling_flux) worst.meet(static_cast<double>(flux) / mu0, .25);
     worst.meet(solution.ledger.reflectance, .25);
   }
@@ -215,7 +215,7 @@ std::vector<PhysicalCheck> energy_checks() {
        ground_reflection},
       // Gathered fluxes are scaled to the means of the iteration, which that of a map need not match.
       {"ground-map", "and does so column by column where albedos differ", "of the flux", .02, ground_map},
-      // Isotropic scattering is reciprocal on any points: what is left is the iteration's tolerance of 1e-5, as
+      // Isotropic scattering is reciprocal on any points: the remainder is the iteration's tolerance of 1e-5, as
       // estimated.
       {"furnace-radiance", "under a uniform sky where nothing absorbs, radiance is the sky's everywhere",
        "of the sky's", 1e-4, furnace_radiance},

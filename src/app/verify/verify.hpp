@@ -11,7 +11,7 @@ namespace cloudbow {
 /// One property, as a single number >= 0: its deviation.
 struct PhysicalCheck {
   std::string name;       ///< small letters, words joined by hyphens
-  std::string statement;  ///< what must hold
+  std::string statement;  ///< the property that must hold
   std::string unit;       ///< of the deviation and the tolerance
   double tolerance = 0;
   std::function<double()> deviation;
@@ -30,7 +30,7 @@ struct VerifyOptions {
   bool list = false;              ///< name and statement of the checks; nothing is checked
 };
 
-/// All checks, in the order in which they are run: what others rest on comes first.
+/// All checks, in the order of execution: prerequisites of others come first.
 std::vector<PhysicalCheck> physical_checks();
 
 /// Passed if the deviation is within the tolerance. A deviation that is not a number, and an error, are failures.

@@ -22,7 +22,7 @@ struct DiffusionOperator::Level {
   int next(int i, int n) const { return i + 1 < n ? i + 1 : 0; }
   int before(int i, int n) const { return i > 0 ? i - 1 : n - 1; }
 
-  // diagonal = leakage + what the couplings take out of each cell.
+  // diagonal = leakage + losses of each cell through its couplings.
   void close(std::vector<double> leakage) {
     diagonal = std::move(leakage);
     for (int k = 0; k < nz; ++k) {

@@ -77,7 +77,7 @@ class LowOrderCorrection<Real>::Diffusion {
     for (auto& flow : flow_) flow.resize(places);
   }
 
-  // moments += what diffuses from the change of scalar flux and current in one sweep.
+  // moments += diffusive response to the change of scalar flux and current in one sweep.
   void correct(std::span<const Real> change, std::span<Real> moments) {
     const std::size_t n = dense_.size();
     std::fill(source_.begin(), source_.end(), 0.);

@@ -273,9 +273,9 @@ struct Passage {
   Lanes<Real>* kept;  ///< 1 if load is H, else 0
 };
 
-/// Puts the layer on top of what is below (Eq. 40).
+/// Adds the layer on top of the layers below (Eq. 40).
 /// @param flux [n] downward flux from d
-/// @param used lanes that have the layer; others keep what they have
+/// @param used lanes that have the layer; others stay unchanged
 template <class Real, class Mask>
 inline void stack(int n, const Layer<Real>& layer, const Lanes<Real>* flux, const Mask& used, Below<Real>& below,
                   const Passage<Real>& passage) {

@@ -159,12 +159,12 @@ class ColumnSolver {
   struct Cells {
     V used;                    // 1 or 0
     V thickness;               // optical, forward peaks truncated
-    V absorbed;                // share of what is taken out
+    V absorbed;                // share of the extinction
     V decay;                   // kappa
-    std::vector<V> scattered;  // [p] share of what is taken out
-    std::vector<V> beam;       // [p] what of the beam scatters, by 4 pi
+    std::vector<V> scattered;  // [p] share of the extinction
+    std::vector<V> beam;       // [p] scattered share of the beam, over 4 pi
   };
-  // Results.
+  // Fluxes and mean radiances of a cell.
   struct Faces {
     V mean;                  // 4 pi times mean diffuse radiance in the cell
     V below_mean, net, sum;  // at the face below it: 4 pi times mean radiance, fluxes from d and s
@@ -201,7 +201,7 @@ class ColumnSolver {
   std::vector<Shape> shapes_;
 };
 
-// Optical path of a cell with the fraction f of what each phase function scatters left out.
+// Optical path of a cell without the fraction f of the scattering by each phase function.
 double extinction(const OpticalGrid& grid, std::size_t cell, const PolarStreams& streams,
                   double PolarStreams::Scattering::*fraction) {
   double sum = grid.absorption[cell];
@@ -271,7 +271,7 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
       matter.source_of_difference[i] += cell.beam[p] * shape.from_beam_odd[i];
     }
   }
-  // B: its first row is what isotropic light loses to absorption alone (Eq. 36), to the last digit.
+  // B: its first row is the loss of isotropic light by absorption alone (Eq. 36), to the last digit.
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j <= i; ++j) {
       V& loss = matter.loss[columns::place(i, j)];
@@ -289,7 +289,7 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
   columns::gram<Real>(n, n, odd, root, matter.length);
   matter.decay = cell.decay;
 
-  // Thin: half of it below what the most grazing stream, and the sun, go through without much loss.
+  // Thin: half of it is crossed by the most grazing stream, and by the sun, without much loss.
   constexpr double thin = .7;
   Real steps = 0;
   for (int lane = 0; lane < lanes; ++lane) {
@@ -348,7 +348,7 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
     columns::stack<Real>(n, layer, flux_, cells[r].used > Real(0), below, passage(r));
   }
 
-  // At the top (1 + G) s + c is twice what comes in.
+  // At the top (1 + G) s + c is twice the incident light.
   columns::Triangle<Real> factors;
   for (int e = 0; e < columns::entries(n); ++e) factors[e] = below.conductance[e];
   columns::Vector<Real> s;

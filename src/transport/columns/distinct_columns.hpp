@@ -26,7 +26,7 @@ ColumnCells column_cells(const OpticalGrid& grid);
 
 // The beam, if it crosses columns.
 struct SlantedBeam {
-  std::vector<float> irradiance;  // mean in each active cell of what scatters; `everywhere`: in each cell of the box
+  std::vector<float> irradiance;  // mean in each active cell, for scattering; `everywhere`: in each cell of the box
   bool everywhere;
   std::vector<double> carried;  // [nz+1][columns] flux that the streams count as unscattered
   std::vector<double> direct;   // [nz+1][columns] by the true extinction

@@ -42,7 +42,7 @@ std::size_t directions_seen(const SolverOptions& options, std::size_t cells) {
 
 // Of the direct beams: each of its rays crosses every row of its level in each segment.
 double beam_seconds(const Problem& problem, const SolverOptions& options, double cells) {
-  constexpr int beams = 4;  // the iteration's, the true one, and what the gather has between
+  constexpr int beams = 4;  // the iteration's, the true one, and those of the gather between
   constexpr double seconds_a_run = 30e-9;
   constexpr double seconds_to_make_a_segment = 30e-9;
   const BoxGrid& box = problem.grid.box;
@@ -58,8 +58,7 @@ double mean_extinction(const OpticalGrid& grid) {
   return sum / (static_cast<double>(grid.box.columns()) * grid.box.nz());
 }
 
-// Cells along a line of sight until it leaves or sees no further; in clouds with gaps it sees farther than by their
-// mean.
+// Cells along a line of sight until it leaves or is opaque; in clouds with gaps it is longer than by their mean.
 double cells_crossed(const BoxGrid& box, double extinction, const Eigen::Vector3d& eye, const Direction& line) {
   constexpr double deepest = 20;
   double enter = 0, leave = std::numeric_limits<double>::infinity();
@@ -182,8 +181,8 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t seen = directions_seen(options, active);
   const std::size_t making_seen = seen > 0 ? stored * ordinates + real * (2 * seen + 2) : 0;
   const std::size_t showing = seen > 0 ? real * (seen + 12) : 0;
-  // Radiance of the ground at the control points of its reflection, as the gather and as images see it; what arrives
-  // there along the ordinates, and what leaves.
+  // Radiance of the ground at the control points of its reflection, for the gather and for images. Also the light that
+  // arrives there along the ordinates, and the light that leaves.
   constexpr std::size_t points_of_surface = 642;
   const std::size_t surface = problem.surface.brdf ? real * (2 * points_of_surface + 2 * ordinates) : 0;
   // The table of reflection is made, and let go, before the iteration.

@@ -12,7 +12,7 @@
 
 namespace cloudbow {
 
-/// Up to `lanes` neighbouring cells of one row: what a kernel crosses at a time.
+/// Up to `lanes` neighbouring cells of one row, which a kernel crosses at a time.
 struct Chunk {
   std::uint32_t cell;   ///< index of the first
   std::int32_t column;  ///< of the first
@@ -88,7 +88,7 @@ struct Cells {
   std::array<TransposedCells<Real>, 2> transposed;
   std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   std::vector<std::vector<Real>>
-      scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
+      scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': share of the extinction scattered by p
   /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. If the
   /// neighbour above or below is missing, the cell itself replaces it and the difference is one-sided. If a horizontal
   /// neighbour is missing, the slope is zero.

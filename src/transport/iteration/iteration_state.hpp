@@ -15,7 +15,7 @@ struct IterationState {
 
   IterationResult<Real> result;
   std::vector<Real> x;        ///< [low_moments][n] moments that scatter in the next sweep
-  std::vector<Real> change;   ///< [low_moments][n] what is added to the radiance's own moments for that; empty: nothing
+  std::vector<Real> change;   ///< [low_moments][n] added to the radiance's own moments for that; empty: nothing
   std::vector<double> steps;  ///< relative size of each accelerated change so far
   AndersonMixer<Real> mixer;
   bool dark = true;          ///< there is no radiance yet

@@ -81,8 +81,7 @@ double relative_size(std::span<const Real> change, std::span<const Real> of) {
   return size == 0 ? 0 : std::sqrt(ordered_dot<Real>(change, change)) / size;
 }
 
-// The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
-// rho/(1 - rho).
+// The accelerated change is close to the error itself; the rest shrinks by rho per sweep and sums to rho/(1 - rho).
 double estimated_error(const std::vector<double>& steps) {
   double rho = .5;
   if (steps.size() >= 3 && steps[steps.size() - 3] > 0)

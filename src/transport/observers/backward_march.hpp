@@ -1,4 +1,4 @@
-// One direction's light, marched backwards from a plane: what its cells send there, and what comes from beyond.
+// One direction's light, marched backwards from a plane: the light that its cells send there, and that from beyond.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@ struct Band {
 /// Sums for rays that leave a plane, one per column.
 template <class Real>
 struct Gathered {
-  std::vector<std::vector<Real>> of_band;  ///< [bands][columns + lane_padding] what the cells send
-  std::vector<Real> beyond;                ///< [columns] what comes from beyond the last level or the sides
+  std::vector<std::vector<Real>> of_band;  ///< [bands][columns + lane_padding] light of the cells
+  std::vector<Real> beyond;                ///< [columns] light from beyond the last level or the sides
 
   void clear(std::size_t bands, std::size_t columns) {
     of_band.resize(bands);
@@ -53,12 +53,12 @@ template <bool linear, class Real>
     if constexpr (linear) emitted = crossing.emitted(g.at_exit(x[i], y[i], z[i]), g.at_entry(x[i], y[i], z[i]));
     const Real seen = active ? crossing.t * transmitted[i] : Real(0);
     sum[i] += seen * sent[i] * emitted;
-    transmitted[i] -= seen * crossing.phi.phi1;  // what the cell absorbs: Crossing::absorbed()
+    transmitted[i] -= seen * crossing.phi.phi1;  // absorption in the cell: Crossing::absorbed()
   });
 }
 
-/// Rays leave the plane against the light's travel, as `pattern` says; what they meet, times `weight`, is added to
-/// `gathered`.
+/// Rays leave the plane against the light's travel, along `pattern`; the light on their way, times `weight`, is added
+/// to `gathered`.
 /// @param source along `travel`.
 template <class Real>
 void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,

@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-// Values of the source at the points: about what 160 directions of a million cells take.
+// Values of the source at the points: about those of 160 directions of a million cells.
 constexpr std::size_t most_values = 160'000'000;
 
 // BeamPhase on a grid of angles that is fine about the forward direction, linear between.

@@ -7,7 +7,7 @@
 
 namespace cloudbow {
 
-/// Fills absorbed_power and actinic_flux if options ask for them.
+/// Fills absorbed_power and actinic_flux if options request them.
 template <class Real>
 void fill_cell_fields(const ConvergedField<Real>& field, Solution& solution);
 

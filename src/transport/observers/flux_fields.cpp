@@ -20,8 +20,8 @@ double mean(const std::vector<double>& field) {
 // Fluxes of one interface, column by column.
 struct LevelFlux {
   std::vector<double> up;
-  std::vector<double> down;     // diffuse beside what the iteration's direct beam carries
-  std::vector<double> carried;  // of that, what is not direct
+  std::vector<double> down;     // diffuse apart from the light of the iteration's direct beam
+  std::vector<double> carried;  // of that, the part that is not direct
 };
 
 template <class Real>
@@ -278,12 +278,12 @@ class FluxFields {
   DirectionalSource<Real>* source_;
   std::size_t columns_;
   SideRadiance side_radiance_;
-  std::optional<DirectBeam<Real>> true_beam_;     // true extinction: what is reported as direct
-  std::optional<DirectBeam<Real>> carried_beam_;  // what the iteration counts as direct
+  std::optional<DirectBeam<Real>> true_beam_;     // true extinction: light reported as direct
+  std::optional<DirectBeam<Real>> carried_beam_;  // light that the iteration counts as direct
   std::vector<Real> carried_extinction_;          // of that
   std::optional<DirectionalSource<Real>> peak_source_;
   std::vector<GatherDirection> peak_directions_;  // none: no peak
-  std::optional<DirectBeam<Real>> sharp_beam_;    // what still counts as direct beside these
+  std::optional<DirectBeam<Real>> sharp_beam_;    // light that still counts as direct beside these
   std::vector<double> bottom_carried_;
   std::optional<GroundRadiance<Real>> ground_;
   std::vector<double> bottom_down_;

@@ -22,7 +22,7 @@ constexpr double band_growth = 1.6;     // each distance band ends this many tim
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
 // Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
 constexpr std::size_t groups = 8;
-constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is computed anew
 
 double fraction(double x) { return x - std::floor(x); }
 

@@ -30,7 +30,7 @@ struct SightScene {
   const BoxGrid& box;
   const GroundRadiance<Real>& ground;
   double sky_radiance = 0;
-  SideRadiance side_radiance;             ///< what open sides show, by interface; may be empty
+  SideRadiance side_radiance;             ///< radiance at open sides, by interface; may be empty
   std::vector<Cell> linear_cells;         ///< [n]; empty: the source is constant in each cell,
   std::vector<Real> constant_extinction;  ///< [n] whose extinction, 1/m, is this
   std::vector<std::uint32_t> cell_at;
@@ -81,7 +81,7 @@ struct SightScene {
 
 namespace sight {
 
-constexpr double seen_through = 1e-4;  // what is transmitted after this is taken to be as bright as what is before it
+constexpr double seen_through = 1e-4;  // beyond this transmission, brightness is taken to be that before it
 
 /// Radiance at an open side at the height z, for light that travels along `travel`.
 template <class Real>

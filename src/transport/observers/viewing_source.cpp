@@ -87,7 +87,7 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
     resolved.push_back(discretisation.gather[p].truncated);
     share.push_back((1 - discretisation.gather[p].forward_fraction) / (1 - discretisation.diffuse[p].forward_fraction));
   }
-  // The radiance along the directions, as the iteration has it: from the source that transport sees.
+  // The radiance along the directions in the approximation of the iteration: from the source of transport.
   AngularField<Real> radiance = scattered_by(truncated, whole, ordinates, cells, solved.radiance, travel);
   std::vector<SingleScattering<Real>> first_order;
   for (std::size_t p = 0; p < phases && problem.sun; ++p) {

@@ -31,7 +31,7 @@ inline void clip(double from, double along, double low, double high, double& ent
 
 }  // namespace sight
 
-/// Distances are in m from the eye. Walls belong to the cell that the line goes into.
+/// Distances are in m from the eye. Walls belong to the cell that the line enters.
 class CellWalk {
  public:
   /// Position of the walk. If it is not inside, it has ended or has not met the box at all. `endless`:

@@ -1,4 +1,4 @@
-// Light crosses one cell: what leaves it and its mean along the chord (docs/theory.md, Eqs. 18 to 20).
+// Light crosses one cell: the radiance at the exit and its mean along the chord (docs/theory.md, Eqs. 18 to 20).
 #pragma once
 
 #include <algorithm>

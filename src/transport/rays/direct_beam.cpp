@@ -10,8 +10,8 @@ namespace {
 // Rays are shared out over this many accumulators whatever the number of threads, so that sums have one order.
 constexpr int groups = 4;
 
-// (1 - e^-t)/t: mean over the path of what enters as 1. Below one half (1 - e)/t loses digits in float; the series to
-// t^7 does not.
+// (1 - e^-t)/t: mean over the path of light that enters as 1. Below one half (1 - e)/t loses digits in float; the
+// series to t^7 does not.
 template <class Real>
 [[gnu::always_inline]] inline Real mean_transmission(Real t) {
   Real series = Real(1) - t * Real(1. / 8);

@@ -261,8 +261,7 @@ template <class Real, bool keep_mean, bool linear>
   }
 }
 
-/// Asks in time for what a chunk some way on in a list will take: short runs of cells are no streams that the processor
-/// follows by itself.
+/// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
 template <bool linear, class Real>
 [[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
                                            const Real* mean) {
@@ -281,9 +280,9 @@ struct MarchTotals {
   double left_sides = 0;
 };
 
-/// One direction through the levels of its pattern. `source` [n] is what the cells send, `rays` [nx*ny] hold the
-/// radiance at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called
-/// before the first level and after each.
+/// One direction through the levels of its pattern. `source` [n] is that of the cells, `rays` [nx*ny] hold the radiance
+/// at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called before
+/// the first level and after each.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
 /// @param mean [n] voxel-mean radiance is added to it if keep_mean.

@@ -72,7 +72,7 @@ class SidewaysMarch {
     if (first > 0) use(columns_ - first, 0, first);
   }
 
-  // Rays of a row take the mean of what comes in over the part of the plane that is theirs: `width` sheets about `at`.
+  // Rays of a row take the mean of the incident light over their part of the plane: `width` sheets about `at`.
   void come_in(Real* row, double at, double width, int shift) {
     if (planes_.entering.empty()) {
       std::fill_n(row, columns_, planes_.everywhere);

@@ -24,7 +24,7 @@ struct BeamInLevel {
   double depth = 0;  // slant optical depth of the cells, mean by the power
 };
 
-// Columns by themselves, which is close enough to choose levels by.
+// Independent columns, accurate enough for the choice of levels.
 std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOptions& options) {
   std::vector<double> forward_fraction;
   for (const PhaseFunction& phase : problem.phase)

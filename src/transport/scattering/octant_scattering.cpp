@@ -16,7 +16,7 @@ bool odd(unsigned bits) { return (std::popcount(bits) & 1) != 0; }
 // product[r] = sum_k matrix(r, k) * from[k] for `rows` rows and n cells of a tile; matrix by columns of `size`.
 template <class Real, int rows>
 [[gnu::always_inline]] inline void multiply_rows(const Real* matrix, int size, const Real* from, int n, Real* product) {
-  constexpr int vectors = sizeof(Real) == sizeof(float) ? 2 : 1;  // what the registers hold
+  constexpr int vectors = sizeof(Real) == sizeof(float) ? 2 : 1;  // limit of the registers
   for (int c = 0; c < n; c += vectors * lanes) {
     Lanes<Real> sum[rows][vectors] = {};
     for (int k = 0; k < size; ++k) {
@@ -139,7 +139,7 @@ template <bool prefetch, class Real>
   for (int c = 0; c < tile; c += lanes) {
     Lanes<Real> x[8];
     for (int o = 0; o < 8; ++o) load_lanes(from[o] + c, x[o]);
-    // More streams than the processor follows by itself: the next tile's are asked for in time.
+    // More streams than the processor prefetches by itself: the next tile's are prefetched here.
     if (prefetch && c * sizeof(Real) % 64 == 0) {
       for (int o = 0; o < 8; ++o) __builtin_prefetch(from[o] + tile + c);
     }

@@ -39,7 +39,7 @@ struct ScatteringTerms {
 
 /// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + emission + sum
 /// of beam sources.
-/// @param shape D x low_moments: what a unit of each moment adds to J_d or S_d.
+/// @param shape D x low_moments: addition to J_d or S_d per unit of each moment.
 template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                       const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape);

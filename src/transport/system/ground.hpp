@@ -1,4 +1,4 @@
-// Light at the ground: what arrives along the ordinates becomes what leaves (docs/theory.md, "Surfaces").
+// Light at the ground: from light that arrives along the ordinates to light that leaves (docs/theory.md, "Surfaces").
 #pragma once
 
 #include <optional>
@@ -45,8 +45,8 @@ class Ground {
   /// Row of Reflection::leaving for an ordinate.
   int leaving_row(int ordinate) const { return row_.empty() ? 0 : row_[ordinate]; }
 
-  /// The same in all directions, for other fluxes than the ordinates': what arrived keeps its distribution over the
-  /// ordinates, column by column, and takes the diffuse flux given.
+  /// The same in all directions, for other fluxes than the ordinates'. Light that arrived keeps its distribution over
+  /// the ordinates, column by column, and is scaled to the diffuse flux given.
   GroundRadiance<Real> radiance(const std::vector<std::vector<Real>>& arriving, std::span<const double> diffuse_flux,
                                 std::span<const double> direct_flux, const OrdinateSet& ordinates) const;
   /// With direct light reflected by the surface's own function instead of its control points.
