@@ -37,8 +37,8 @@ struct AssembledScene {
 };
 
 /// @param memory_limit_bytes of the optical grid; checked before it is allocated. @throws InputError if the cloud
-/// cannot be read or does not fit the scene (domain off the voxel faces or too small, quantity or effective radius
-/// missing, a camera below the ground).
+/// cannot be read or does not fit the scene: domain off the voxel faces or too small; quantity or effective radius
+/// missing; a camera below the ground.
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes);
 
 /// The same for one wavelength of several.

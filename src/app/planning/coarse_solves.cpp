@@ -30,8 +30,9 @@ struct Directions {
 
 // For fields: as few as still show if more would matter.
 constexpr Directions field_directions{42, "double-gauss-4x8", 4, 2, 2};
-// A single column costs next to nothing, and its errors are so small that few directions say little about them. The
-// draft is compared with a better solution, other levels with one that is nearly as good, on the same control points.
+// A single column costs next to nothing, and its errors are so small that few directions do not show them. The draft is
+// compared with a better solution. Other levels are compared with one that is nearly as good, on the same control
+// points.
 constexpr Directions column_directions_of_draft{162, "reduced-double-gauss-12x20", 12, 3, 3};
 constexpr Directions column_directions_of_balanced{162, "reduced-double-gauss-10x16", 10, 3, 3};
 constexpr Directions column_directions{642, "double-gauss-14x20", 12, 3, 3};

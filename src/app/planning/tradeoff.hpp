@@ -23,9 +23,9 @@ struct TradeoffOptions {
 std::vector<std::string> tradeoff_levels();
 
 /// Solves each level by `cloudbow run` in a separate process, which isolates its time and memory; prints the table.
-/// Without `levels`, a mode of columns that cannot give an output of the scene is omitted and named below the table.
-/// @returns exit_done, or exit_not_converged if a level did not converge. @throws InputError for any error in the scene
-/// or the options, or if no level fits into memory; Interrupted.
+/// Without `levels`, modes of columns that lack an output of the scene are omitted and named below the table.
+/// @returns exit_done, or exit_not_converged if a level did not converge. @throws InputError for errors in the scene or
+/// the options, or if no level fits into memory; Interrupted.
 int tradeoff(const TradeoffOptions& options);
 
 }  // namespace cloudbow

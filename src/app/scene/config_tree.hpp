@@ -1,4 +1,4 @@
-// A TOML file as a tree, each node with the line it came from, with values replaced from the command line.
+// A TOML file as a tree, each node with its line in the file. The command line can replace values.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ struct ConfigTree {
 };
 
 /// @param overrides "KEY=VALUE" with a dotted key ("sun.zenith_deg=30", "layer.0.optical_depth=2"); the value is TOML,
-/// or a string if it is not. Missing tables of the key are created; entries of arrays must exist. @throws InputError if
-/// the file cannot be read, is not TOML (with line and column), or an override cannot be applied.
+/// else a string. Missing tables of the key are created; entries of arrays must exist. @throws InputError if the file
+/// cannot be read, is not TOML (with line and column), or an override cannot be applied.
 ConfigTree read_config(const std::filesystem::path& path, std::span<const std::string> overrides);
 
 /// A node as messages show it: a number, a string in quotes, "a table", "an array of 3".

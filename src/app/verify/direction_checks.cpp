@@ -76,7 +76,7 @@ double parallax() {
 
 constexpr int side = 6;
 
-// x' = xx x + xy y, y' = yx x + yy y about the field's centre, then a shift by columns, round the periodic box.
+// x' = xx x + xy y, y' = yx x + yy y about the field's centre, then a periodic shift by columns.
 struct Map {
   int xx, xy, yx, yy, shift_x, shift_y;
 

@@ -62,8 +62,7 @@ double field_energy() {
 
 double open_energy() { return std::abs(solve(uneven_problem(1, .3, false), field_options()).ledger.residual); }
 
-// The beam comes in through the sunlit sides, 5 m and 6 m wide and 4 m high, with their areas projected towards the
-// sun.
+// The beam comes in through the sunlit sides, 5 m and 6 m wide and 4 m high. Their areas are projected towards the sun.
 double beam_through_sides() {
   const Direction sun = beam_travel(mu0, 37);
   const double through_sides = 4 * (5 * std::abs(sun.x()) + 6 * std::abs(sun.y())) / (30 * mu0);
@@ -86,7 +85,7 @@ double absorbed_power() {
   return worst.value();
 }
 
-// The ground reflects its albedo's share of the incident flux, in the field and below the same medium as one layer.
+// The ground reflects its albedo's share of the incident flux: in the field, and below the same medium as one layer.
 double ground_reflection() {
   constexpr double albedo = .3;
   const Solution field = solve(uneven_problem(.9, albedo), field_options());

@@ -36,7 +36,7 @@ std::vector<PhysicalCheck> physical_checks();
 /// Passed if the deviation is within the tolerance. A deviation that is not a number, and an error, are failures.
 CheckOutcome carry_out(const PhysicalCheck& check);
 
-/// Carries out the checks and prints a line for each to stdout.
+/// Carries out the checks and prints one line per check to stdout.
 /// @returns exit_done, or exit_does_not_hold if any has failed.
 /// @throws InputError for a name that no check has.
 int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& options);

@@ -249,7 +249,8 @@ struct Below {
 };
 
 /// Data of a layer for the pass downwards, H = G + Z. s2 = s1 - (N + H)^-1 (H s1 + r), or (N + H)^-1 (N s1 - r) in
-/// lanes in which this is the smaller. Neither is then a difference of nearly equal numbers. Lies in an array of lanes.
+/// lanes in which this is the smaller. Neither is then a difference of nearly equal numbers. The data lie in an array
+/// of lanes.
 template <class Real>
 struct Passage {
   Passage(int n, Lanes<Real>* at)

@@ -46,8 +46,8 @@ struct Sums {
   double squared_imbalance = 0;
 };
 
-// A symmetric, orthogonal matrix that turns sqrt(w mu), which is isotropic light, to the first axis. In this basis the
-// first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d,
+// A symmetric, orthogonal matrix that rotates sqrt(w mu), which is isotropic light, to the first axis. In this basis
+// the first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d,
 // separate from larger numbers even if a thick layer makes it small.
 std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
   const int n = streams.size();

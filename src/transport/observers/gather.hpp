@@ -48,8 +48,8 @@ struct GatherScene {
   const Real* extinction() const { return own_extinction.empty() ? cells.extinction.data() : own_extinction.data(); }
 };
 
-/// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from
-/// the plane. Light of distant cells is smoothed over the spread of the beams that represent it (distance bands).
+/// Diffuse flux [columns] through the plane at z_edge[edge], of light that travels up or down. It is marched backwards.
+/// Light of distant cells is smoothed over the spread of the beams that represent it (distance bands).
 template <class Real>
 std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
                                 const std::vector<GatherDirection>& directions);

@@ -30,7 +30,7 @@ std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 ///
 /// The radiance I_d at the ordinates scatters by the phase function itself. Its truncated form has large errors at the
 /// angles of little light. The forward peak, too narrow for the ordinates, is subtracted: with I_v the radiance along
-/// the direction itself (marched once) and f what transport counts as unscattered,
+/// the direction itself (marched once) and f the fraction that transport counts as unscattered,
 ///     S = w/(4 pi) (sum_d w_d P(v . d) (I_d - I_v) + 4 pi (1 - f) I_v) / (1 - w f).
 /// @param field whose radiance is that at the ordinates, orders of scattering >= 1.
 template <class Real>

@@ -1,4 +1,4 @@
-// The functions that carry light through a cell of optical path t (docs/theory.md, "March along a ray"):
+// The functions of transport through a cell of optical path t (docs/theory.md, "March along a ray"):
 //   phi1 = (1 - e^-t)/t,  phi_{k+1} = (1/k! - phi_k)/t.
 // Float: one rational approximation for all three, phi1 = N/Q, phi2 = B/Q, phi3 = C/Q with Q = N + t B. Energy is then
 // conserved to the last digit, whatever the error of the fit (2e-6 of phi1, 3e-6 in t phi2 and t phi3). All

@@ -37,9 +37,9 @@ template <class Cross>
   }
 }
 
-/// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` that lie in n cells from index
-/// `cell`. Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each.
-/// Calls `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
+/// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` in n cells from index `cell`.
+/// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. Calls
+/// `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
 template <class Begin, class Enter>
 inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Begin& begin,
                         const Enter& enter) {

@@ -54,8 +54,8 @@ class SidewaysMarch {
   // Interface, by height above the first level, that light crosses on its way into a level.
   int interface(int along) const { return path_.upward ? along : levels_ - along; }
 
-  // Calls visit(sheet, share) for the sheets that an interval of the march overlaps, in marching order and around the
-  // seam.
+  // Calls visit(sheet, share) for the sheets that an interval of the march overlaps. Their order is that of the march,
+  // around the seam.
   template <class Visit>
   void for_sheets_between(double from, double to, const Visit& visit) const {
     for (int s = static_cast<int>(std::floor(from)); s < to; ++s) {

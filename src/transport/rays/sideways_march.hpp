@@ -1,5 +1,6 @@
 // Marching the rays of a slanted direction along x or y, sheet by sheet. A ray then crosses two or three segments per
-// cell; in a march along z their number grows with the slant (docs/theory.md, "March along the dominant axis").
+// cell. A march along z crosses as many columns as the slant requires (docs/theory.md, "March along the dominant
+// axis").
 //
 // In a sheet, rays form rows by height, one per cell. A row is identified by its launch level q. It is counted in the
 // direction of vertical travel, from the level that light enters first. After s crossings of levels the row is in level
