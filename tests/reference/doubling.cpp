@@ -33,8 +33,9 @@ Matrix<Real> exponential(const Matrix<Real>& a) {
   return sum;
 }
 
-/// Of a slab so thin that light of every direction gets through: solved as an initial value problem from top to bottom,
-/// then sorted by what goes in and what comes out. `change` is d/dtau of all states, the `down` ones first.
+/// Response of a slab so thin that light of every direction is transmitted. It is solved as an initial value problem
+/// from top to bottom, then sorted by incident and outgoing light. `change` is d/dtau of all states, the `down` ones
+/// first.
 template <class Real>
 ResponseOf<Real> thin_slab(const Matrix<Real>& change, Index down, Real optical_depth) {
   const Index up = change.rows() - down;
@@ -60,8 +61,8 @@ ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab) {
   const Index diffuse_down = count_downward(slab.mu), ordinates = slab.mu.size(), up = ordinates - diffuse_down;
   const Index beams = slab.beam_mu.size(), down = diffuse_down + beams, all = down + up;
 
-  // mu dI/dtau = -extinction I + scatter I, downwards, with the beams as states that are sources of the others and have
-  // no source.
+  // mu dI/dtau = -extinction I + scatter I, downwards, with the beams as states: they are sources of the others and
+  // have no source.
   const auto row_of = [&](Index ordinate) { return ordinate < diffuse_down ? ordinate : ordinate + beams; };
   Matrix<Real> change = -Matrix<Real>::Identity(all, all);
   Vector<Real> cosine(all);

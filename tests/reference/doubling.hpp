@@ -20,8 +20,8 @@ struct SlabFluxes {
   double transmittance;
 };
 
-/// A homogeneous slab of unit extinction over a Lambertian surface, lit from above by parallel beams, each solved by
-/// itself.
+/// A homogeneous slab of unit extinction over a Lambertian surface, lit from above by parallel beams, each solved
+/// independently.
 template <class Real>
 struct SlabOf {
   Vector<Real> mu;           ///< D: z component of the direction of travel, not 0; those downward first

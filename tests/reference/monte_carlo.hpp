@@ -80,7 +80,7 @@ struct Plane {
 struct MonteCarloResult {
   std::vector<Plane> up, down;  ///< for each of `levels`: flux through the level, down with the direct beam
   std::vector<Plane>
-      absorbed;  ///< for each layer of cells, the lowest first, if asked for: power by area of the column
+      absorbed;  ///< for each layer of cells, the lowest first, if requested: power by area of the column
   std::vector<Plane> radiance;  ///< for each of `views` [1/sr]: mean over a column of the top (or bottom) plane
 };
 

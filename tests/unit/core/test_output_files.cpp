@@ -1,4 +1,4 @@
-// Truth: the file system, which identifies a file by device and number.
+// Truth: the file system, which identifies files by device and number.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

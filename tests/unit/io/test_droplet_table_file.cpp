@@ -1,4 +1,4 @@
-// Tables of droplets as files. Truth: what was written; tables of other programs' forms, made here value by value.
+// Tables of droplets as files. Truth: the data written; tables of other programs' forms, made here value by value.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

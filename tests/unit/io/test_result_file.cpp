@@ -292,7 +292,7 @@ TEST_F(ResultFile, HoldsFieldsOfManyChunks) {
   }
 }
 
-/// In a process of its own, because HDF5 keeps what it could not close.
+/// In a separate process, because HDF5 keeps objects that it could not close.
 [[noreturn]] void write_on_full_disk(const fs::path& file, const Solution& solution, rlim_t limit) {
   std::string message;
   {

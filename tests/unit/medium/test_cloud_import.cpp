@@ -1,5 +1,5 @@
-// Clouds of others. Truths: sums over the levels as they are written here (columns keep their mass), closed forms of
-// the effective radius, and the fields of tests' reference folder if it exists.
+// Clouds of others. Truths: sums over the levels as they are written here (columns keep their mass); closed forms of
+// the effective radius; and the fields of tests' reference folder if it exists.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netcdf.h>

@@ -272,7 +272,7 @@ TEST(CloudMakers, EmptyCloudsAreToldAsSuch) {
   hidden.cover = 0.001;  // less than one of 256 columns
   EXPECT_THAT(message_of([&] { make_cloud(hidden); }), HasSubstr("the cumulus is empty"));
   auto thin = options("slab", {4, 4, 4});
-  thin.optical_depth = 1e-300;  // below what 32 bits hold
+  thin.optical_depth = 1e-300;  // below the range of 32 bits
   EXPECT_THAT(message_of([&] { make_cloud(thin); }), HasSubstr("the slab is empty"));
   EXPECT_THAT(message_of([&] {
                 make_cloud(options("sphere", {16, 16, 8}, {1e-6, 100, 100}));

@@ -93,7 +93,7 @@ TEST_F(VdbGrids, TheBackgroundFillsTheDomainOfTheMetadata) {
   set_domain(*grid, {-0.5, -0.5, -0.5}, {2.5, 0.5, 1.5});
   const CloudField field = read_cloud_vdb(write_seekable({grid}), {.scale = 2});
   EXPECT_THAT(to_dense(field), ElementsAre(0.5F, 2, 0.5F, 0.5F, 0, 0.5F));
-  // The scene's domain does not widen what the grid says of itself.
+  // The scene's domain does not widen the extent in the grid's metadata.
   EXPECT_EQ(read_cloud_vdb(file(), {.domain_m = VdbDomain{{-9.5, -9.5, -9.5}, {9.5, 9.5, 9.5}}}).active_voxels(), 5U);
   // (x, y, z) becomes (x, -z, y): the rows along x change places.
   EXPECT_THAT(to_dense(read_cloud_vdb(file(), {.up_axis = "y"})), ElementsAre(0.25F, 0, 0.25F, 0.25F, 1, 0.25F));
@@ -142,7 +142,7 @@ TEST_F(VdbGrids, InactiveValuesBesideTheBackgroundAreNoted) {
   EXPECT_THAT(field.notes, ElementsAre(AllOf(HasSubstr("1 voxels that are not active"), HasSubstr("0.5"))));
 }
 
-// 1e-5 of the largest: what the difference of two numbers of 32 bits leaves behind.
+// 1e-5 of the largest: the rounding of the difference of two numbers of 32 bits.
 TEST_F(VdbGrids, NegativeRoundingCountsAsZeroAndIsSaid) {
   const VdbCloud field = read_cloud_vdb(
       write_seekable({density_grid({{Coord(0, 0, 0), 1.0F}, {Coord(1, 0, 0), -9e-6F}, {Coord(2, 0, 0), -1e-9F}})}));

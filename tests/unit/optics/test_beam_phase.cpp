@@ -1,5 +1,5 @@
 // The beam's first scattering as it is seen. Truth: its definition at depth 0, the Poisson series of peaks scattered
-// one by one, and what truncation leaves alone.
+// one by one, and the range that truncation leaves unchanged.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Tables of droplets: mixtures between rows, and what a table must obey. Truth: the closed form of mixing.
+// Tables of droplets: mixtures between rows, and the conditions on a table. Truth: the closed form of mixing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Few phase functions for many. Truths: mixtures that are exact by construction, and what the class promises (asymmetry
-// kept, tolerance kept, error 0 with every function).
+// Few phase functions for many. Truths: mixtures that are exact by construction, and the guarantees of the class
+// (asymmetry kept, tolerance kept, error 0 with every function).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(EveryPolyhedron, CoversTheSphereOnce) {
   ASSERT_EQ(points_.size(), GetParam().vertices);
   EXPECT_EQ(static_cast<int>(points_.triangles().size()), 2 * points_.size() - 4);  // Euler
-  // Summed by Neumaier's method: what is left is the rounding of the areas themselves.
+  // Summed by Neumaier's method: the rest is the rounding of the areas themselves.
   double area = 0, lost = 0;
   for (const auto& [a, b, c] : points_.triangles()) {
     const auto v = points_.directions();

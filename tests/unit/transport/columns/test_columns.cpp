@@ -244,7 +244,7 @@ TEST(Columns, HaveTheFluxesOfOrdinates) {
   Problem problem = random_columns(true, 2, .99, .3);
   SolverOptions options = by_columns(16);
   const Solution columns = solve(problem, options);
-  options.views = {{"up", Direction::UnitZ(), 0, 0}};  // asks for azimuths
+  options.views = {{"up", Direction::UnitZ(), 0, 0}};  // requests azimuths
   options.directions = "double-gauss-12x24";
   options.fit.delta_m_order = 10;
   options.fit.beam_delta_m_order = 14;

@@ -37,7 +37,7 @@ class FitCache {
   std::filesystem::path directory_;
 };
 
-// Coarse, so that dozens of problems take seconds: what is tested here holds at any accuracy.
+// Coarse, so that dozens of problems take seconds: the properties tested here hold at any accuracy.
 SolverOptions coarse() {
   static const FitCache cache;
   SolverOptions options = coarse_options();
@@ -102,7 +102,7 @@ struct SlabCase {
 
 TEST(Solve, SlabsHaveTheFluxesOfDiscreteOrdinates) {
   // cdisort 2.1.3, 64 and more streams, estimated error below 1e-9; F0 = 1, black surface. The first is also van de
-  // Hulst's (1980, table 9) reflection .4984 of what enters.
+  // Hulst's (1980, table 9) reflection .4984 of the incident light.
   const std::vector<SlabCase> cases{
       {"isotropic", PhaseFunction::isotropic(), 1, 1, .5, .2491877643, .1831445939},
       {"isotropic overhead", PhaseFunction::isotropic(), 1, 1, 1, .3413287597, .290791799},
@@ -427,7 +427,7 @@ TEST(Solve, EnergyClosesOverEverySurface) {
       SCOPED_TRACE(name);
       expect_finite_and_closed(solution, 1e-5);
       EXPECT_GT(mean_of_level(solution.upwelling_flux, solution.box, 0), 0);
-      if (periodic) {  // what the surface keeps is the difference of the fluxes through it, which the gather shares out
+      if (periodic) {  // absorption by the surface: the difference of the fluxes, as the gather has them
         const double down = mean_of_level(solution.downwelling_diffuse_flux, solution.box, 0) +
                             mean_of_level(solution.direct_flux, solution.box, 0);
         const double kept = down - mean_of_level(solution.upwelling_flux, solution.box, 0);
@@ -477,7 +477,7 @@ TEST(Solve, ViewsThroughAbsorbersFollowBeer) {
   const Solution solution = solve(problem, options);
   ASSERT_EQ(solution.images.size(), 2U);
   const double ground = solution.upwelling_flux[0] / pi;
-  EXPECT_GT(ground, albedo / pi * mu0 * std::exp(-tau / mu0));  // and what the sky adds
+  EXPECT_GT(ground, albedo / pi * mu0 * std::exp(-tau / mu0));  // and the light of the sky
   EXPECT_NEAR(solution.images[0].radiance[0], ground * std::exp(-tau / mu), 2e-6 * ground);
   EXPECT_NEAR(solution.images[1].radiance[0], sky * std::exp(-tau / mu), 1e-5);
 }

@@ -65,7 +65,8 @@ class DirectBeamOf : public testing::Test {
  public:
   // Mean transmissions of thin cells are a series to t^7, off by t^8/9! < 1.1e-8 at t = 1/2; float adds its rounding.
   static constexpr double tolerance = std::is_same_v<Real, float> ? 1e-6 : 2e-8;
-  // In float an optical path of up to ten, summed over some fifty cells, is good to 2e-6; what is left of light is too.
+  // In float an optical path of up to ten, summed over some fifty cells, is accurate to 2e-6; so is the transmitted
+  // light.
   static constexpr double closed_form_tolerance = std::is_same_v<Real, float> ? 3e-6 : 2e-8;
 };
 using Precisions = testing::Types<float, double>;
@@ -132,7 +133,7 @@ TYPED_TEST(DirectBeamOf, LosesWhatTheCellsTake) {
 }
 
 TEST(DirectBeam, OpenSidesLetInWhatTheGeometrySays) {
-  // An empty box: of each metre of height, the sunlit sides of dy x depth and dx x depth receive F0 |Ox| and F0 |Oy|.
+  // An empty box: per metre of height, the sunlit sides of dy x depth and dx x depth receive F0 |Ox| and F0 |Oy|.
   const BoxGrid box = unequal_box(false);
   const OpticalGrid grid = make_grid(box, std::vector<float>(cells_of(box), 0.F), 1.);
   for (const Sun& sun : suns()) {

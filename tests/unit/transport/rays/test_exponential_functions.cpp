@@ -81,8 +81,8 @@ using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(ExponentialFunctionsOf, Precisions);
 
 TYPED_TEST(ExponentialFunctionsOf, ConserveLightWhateverTheErrorOfTheFit) {
-  // phi1 + t phi2 = 1: what enters stays or leaves. 1/2 - t phi3 = phi2: what is emitted does. Both hold in the
-  // coefficients themselves, so what is left is a handful of roundings.
+  // phi1 + t phi2 = 1: incident light stays or leaves. 1/2 - t phi3 = phi2: so does emitted light. Both hold in the
+  // coefficients themselves, so the rest is a few roundings.
   constexpr double tolerance = 6 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
   for (const double path : optical_paths(1e-9, 2e4)) {
     const auto t = static_cast<TypeParam>(path);
@@ -114,7 +114,7 @@ TYPED_TEST(ExponentialFunctionsOf, StartAtTheirLimits) {
 }
 
 TEST(Transmission, FloatFollowsTheExponential) {
-  // Degree 7 on +-ln 2 / 2 leaves 5e-9; two roundings of the last steps of the polynomial are what is seen.
+  // Degree 7 on +-ln 2 / 2 leaves 5e-9; the difference is two roundings of the last steps of the polynomial.
   double worst = 0;
   const auto check = [&worst](float x) {
     worst = std::max(worst, std::abs(static_cast<double>(transmission(x)) / std::exp(-static_cast<double>(x)) - 1));
