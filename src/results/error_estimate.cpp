@@ -15,7 +15,7 @@ namespace {
 // fields of thick voxels (docs/error-estimates.md).
 constexpr double between_ends_factor = 2.5;
 
-// Of incident: errors of columns whose mean is less are not in terms of it.
+// Fraction of the incident flux. Errors of columns whose mean is less are not relative to that mean.
 constexpr double least_mean = 1e-6;
 
 /// W m-2 through the horizontal top.
@@ -87,7 +87,7 @@ struct Planes {
   std::vector<double> solution, linear, constant;
 };
 
-/// Of each column, with the RMS that the parts have.
+/// Error of each column, with the RMS of the parts.
 std::vector<float> error_field(const Planes& planes, const ErrorParts& parts, const BoxGrid& box) {
   const double of = mean(planes.solution);
   const auto shares = [&](const std::vector<double>& one, const std::vector<double>& other) {

@@ -31,7 +31,7 @@ struct SceneCloud {
   std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: as in the grid's metadata
   std::optional<double> effective_radius_um;
   std::string effective_radius_grid;  ///< empty: none
-  /// As given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.
+  /// Given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.
   std::optional<double> single_scattering_albedo;
   std::string single_scattering_albedo_grid;  ///< empty: none
   int phase_function = 0;  ///< index into Scene::phase_functions; unused if droplets or phase_set are used

@@ -27,7 +27,7 @@ class SolvePlan {
   UniformAxes collapsed_axes() const { return collapsed_axes_; }         ///< of the whole; none unless requested
   /// Without these axes.
   const Problem& collapsed() const { return collapsed_ ? *collapsed_ : *whole_; }
-  /// Of the collapsed problem.
+  /// Subdivided levels of the collapsed problem.
   const SubdividedLevels& levels() const { return levels_; }
   int added_levels() const { return levels_.added(collapsed().grid.box); }
 

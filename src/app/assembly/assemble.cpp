@@ -53,7 +53,7 @@ class DomainChecker {
 
   Domain check() {
     for (int axis = 0; axis < 3; ++axis) {
-      if (field_ == nullptr && axis != 2) continue;  // a single column, as wide as one likes
+      if (field_ == nullptr && axis != 2) continue;  // a single column of any width
       if (scene_.domain.min_m) domain_.min_m[axis] = corner("domain.min_m", axis, (*scene_.domain.min_m)[axis]);
       if (scene_.domain.max_m) domain_.max_m[axis] = corner("domain.max_m", axis, (*scene_.domain.max_m)[axis]);
       check_order(axis);

@@ -271,7 +271,8 @@ int parse_and_act(int argc, const char* const* argv) {
 
 /// Sets process state that a parent may have left different from the usual one.
 void settle_process() {
-  // Else the next file that is opened becomes a standard stream, and messages are written into it.
+  // Opens missing standard streams. Otherwise the next file that is opened becomes one, and messages are written into
+  // it.
   while (true) {
     const int descriptor = open("/dev/null", O_RDWR);
     if (descriptor <= STDERR_FILENO && descriptor >= 0) continue;

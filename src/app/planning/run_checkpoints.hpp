@@ -25,7 +25,7 @@ class RunCheckpoints : public Checkpoints {
   /// A file that cannot be written is reported and does not end the run. @throws Interrupted after it is written, if a
   /// signal has arrived.
   void save(const StateKey& key, std::span<const StateArray> state) override;
-  /// Whether the solve had a state to go on from or to keep: columns that are solved without iteration have none.
+  /// Whether the solve had a state to resume from or to keep: columns that are solved without iteration have none.
   bool used() const { return used_; }
 
  private:

@@ -27,7 +27,7 @@ std::vector<Scene> scenes_at(const RunOptions& options, const std::string& level
   return scenes;
 }
 
-/// Of the fluxes that the goal names; of a spectrum the largest.
+/// Error of the fluxes that the target names; of a spectrum the largest.
 double error_of(const std::vector<ErrorEstimate>& errors, ErrorOf of) {
   double largest = 0;
   for (const ErrorEstimate& error : errors)

@@ -11,7 +11,7 @@ struct Interrupted {
   int signal;
 };
 
-/// While one lives, the first SIGINT or SIGTERM is only noted; a second one ends the process at once.
+/// While an object exists, the first SIGINT or SIGTERM is only noted; a second one ends the process at once.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -19,7 +19,7 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// Whether a signal has come.
+  /// Whether a signal has arrived.
   static bool noted();
   /// @throws Interrupted if one has.
   static void check();

@@ -193,7 +193,7 @@ std::string toml_text(const ConfigNode& root) {
   return text.str();
 }
 
-/// "VALUE" as TOML if it is one value, else as the string that stands there.
+/// "VALUE" as TOML if it is one value, else as a string.
 ConfigNode parse_override_value(const std::string& value, const std::string& place) {
   try {
     const toml::table parsed = toml::parse(fmt::format("value = {}", value), place);

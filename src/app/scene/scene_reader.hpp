@@ -66,7 +66,7 @@ class SceneReader {
   void read_layer_optics(const ConfigReader& reader, Layer& layer);
   void read_cloud(const ConfigReader& reader);
   void read_layer(const ConfigReader& reader);
-  /// Of the optical depths at this wavelength and at that for which the layer gives one.
+  /// Ratio of the optical depth at this wavelength to that at the wavelength for which the layer gives one.
   double rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const;
 
   void read_domain(const ConfigReader& reader);

@@ -34,8 +34,8 @@ double beers_law() {
   return worst.value();
 }
 
-// Of so little matter every photon scatters at most once: F0 tau of light, the half of it up. Both phase functions are
-// the same forward and backward.
+// In such a thin layer every photon scatters at most once: F0 tau of light, half of it up. Both phase functions are the
+// same forward and backward.
 double thin_layer() {
   constexpr double optical_depth = 1e-6;
   Worst worst;
@@ -151,7 +151,7 @@ std::vector<PhysicalCheck> column_checks() {
       // Light scattered twice: some tau. The rest is the delta-M correction of the first order.
       {"azimuth", "a sensor at the sun's azimuth sees light scattered back, one opposite light scattered forward",
        "of radiance", 1e-3, azimuths_of_thin_air},
-      // Of these eight .006 %; of all such cases .07 % (docs/validation.md).
+      // Largest error of these eight .006 %; of all such cases .07 % (docs/validation.md).
       {"plane-parallel", "fluxes of layers are those that discrete ordinates find", "of incident", 3e-4,
        plane_parallel_table},
       // 400 levels, the thickest of an optical depth of 200; .13 % as measured.

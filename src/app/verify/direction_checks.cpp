@@ -154,7 +154,7 @@ MapDeviation transposed() {
 
 std::vector<PhysicalCheck> direction_checks() {
   return {
-      // Rays stand an eighth of a column (1 m) apart and are shared out over whole columns: a fraction of an eighth.
+      // Rays are an eighth of a column (1 m) apart and are shared out over whole columns: a fraction of an eighth.
       {"shadow", "a shadow lies on the side away from the sun, as far off as what casts it is high", "m", .03, shadow},
       // The same; light that the voxel scatters twice, some 1 %, comes from its own location too.
       {"parallax", "a slanted sensor sees what is low through the top nearer to itself", "m", .01, parallax},

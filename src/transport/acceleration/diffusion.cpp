@@ -64,8 +64,8 @@ struct DiffusionOperator::Level {
   void smooth(std::span<double> x, std::span<const double> b, bool reversed) const {
     for (int half = 0; half < 2; ++half) {
       const int colour = reversed ? 1 - half : half;
-      // Odd periodic sizes put two columns of one colour side by side at the seam; there the order of rows matters, so
-      // it stays serial.
+      // With odd periodic sizes two columns of one colour are neighbours at the seam. The order of rows matters there,
+      // so it stays serial.
       const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0) && size() > worth_threads;
       ParallelErrors errors;
 #pragma omp parallel if (independent)

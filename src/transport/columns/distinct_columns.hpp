@@ -42,13 +42,13 @@ struct SlantedBeam {
 std::optional<SlantedBeam> slanted_beam(const Problem& problem, const SolverOptions& options,
                                         const PolarStreams& streams);
 
-// Which columns are alike: `first` are those that are solved.
+// Groups of equal columns: `first` are those that are solved.
 struct DistinctColumns {
   std::vector<std::uint32_t> first;
-  std::vector<std::uint32_t> next;  // [columns] the next one like it; itself: none
+  std::vector<std::uint32_t> next;  // [columns] the next equal one; itself: none
 };
 
-/// Columns whose fluxes depend on the same numbers are alike.
+/// Columns whose fluxes depend on the same numbers are equal.
 DistinctColumns distinct_columns(const Problem& problem, const ColumnCells& cells,
                                  const std::optional<SlantedBeam>& beam);
 

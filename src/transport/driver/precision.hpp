@@ -1,4 +1,4 @@
-// Whether float is enough.
+// Choice between float and double.
 #pragma once
 
 #include "cloudbow/medium/optical_grid.hpp"

@@ -40,7 +40,7 @@ std::size_t directions_seen(const SolverOptions& options, std::size_t cells) {
   return options.views.size() + of_cameras;
 }
 
-// Of the direct beams: each of its rays crosses every row of its level in each segment.
+// Time of the direct beams: each of their rays crosses every row of its level in each segment.
 double beam_seconds(const Problem& problem, const SolverOptions& options, double cells) {
   constexpr int beams = 4;  // the iteration's, the true one, and those of the gather between
   constexpr double seconds_a_run = 30e-9;
@@ -74,7 +74,7 @@ double cells_crossed(const BoxGrid& box, double extinction, const Eigen::Vector3
   return std::max(0., length) * (across + std::abs(line.z()) * box.nz() / height);
 }
 
-// Of lines of sight through pixels.
+// Time of lines of sight through pixels.
 double pixel_seconds(const Problem& problem, const SolverOptions& options) {
   constexpr double seconds_a_line = .4e-6;
   constexpr double seconds_a_cell = 8e-9;
@@ -108,7 +108,7 @@ double pixel_seconds(const Problem& problem, const SolverOptions& options) {
   return seconds;
 }
 
-// Of the source towards the eyes: scattered twice from all ordinates, and marched.
+// Time of the source along lines of sight: scattered twice from all ordinates, and marched.
 double seen_seconds(const SolverOptions& options, double cells, int ordinates) {
   constexpr double seconds_a_product = .1e-9;
   constexpr double seconds_to_march = 12e-9;
@@ -116,7 +116,7 @@ double seen_seconds(const SolverOptions& options, double cells, int ordinates) {
          (2 * ordinates * seconds_a_product + seconds_to_march);
 }
 
-// Of a table of reflection, from functions of two directions.
+// Time of a table of reflection, from functions of two directions.
 double surface_seconds(const Problem& problem, int ordinates) {
   constexpr double seconds_to_sample = .04;
   constexpr double seconds_an_ordinate = .35e-3;

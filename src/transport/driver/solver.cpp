@@ -40,7 +40,7 @@ double cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Of this program alone: getrusage also counts the process that started it.
+// Memory of this program alone: getrusage also counts the process that started it.
 std::size_t peak_memory_bytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {

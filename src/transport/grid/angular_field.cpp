@@ -44,7 +44,7 @@ void store_float16(const float* from, std::size_t n, float unit, std::uint32_t p
   const __m256i spread = _mm256_set1_epi32(static_cast<int>(golden));
   __m256i at = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(place)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
   for (; i + width <= n; i += width) {
-    // Of two numbers, one of them NaN, the instruction takes the second.
+    // If one of two numbers is NaN, the instruction takes the second.
     const __m256 value = _mm256_min_ps(most, _mm256_mul_ps(scale, _mm256_loadu_ps(from + i)));
     const __m256i part = _mm256_srli_epi32(_mm256_mullo_epi32(at, spread), 32 - dropped);
     const __m256i rounded = _mm256_and_si256(_mm256_add_epi32(_mm256_castps_si256(value), part), kept);

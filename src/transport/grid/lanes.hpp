@@ -14,7 +14,7 @@
 
 namespace cloudbow {
 
-/// Number of values that a kernel takes at a time, and that it may read behind the end of its arrays.
+/// Numbers of values: those that a kernel takes at a time, and those readable behind the end of its arrays.
 inline constexpr int lanes = 8;
 inline constexpr std::size_t lane_padding = 8;
 

@@ -42,7 +42,7 @@ class AngleTable {
   std::vector<double> value_;
 };
 
-// The mean over the directions that are looked along: its relative gradient serves them all.
+// The mean over the directions of view: its relative gradient is used for all of them.
 template <class Real>
 LinearSource<Real> mean_source(const Problem& problem, const Cells<Real>& cells, const SightPoints& sight,
                                const AngularField<Real>& source, int first_row,

@@ -11,7 +11,7 @@ namespace cloudbow {
 /// Weight of a direction's radiance in a flux: solid angle [sr] times |cosine|.
 inline double power(const GatherDirection& direction) { return direction.weight * std::abs(direction.travel.z()); }
 
-/// Directions that are blurred alike: [first, last) of those in order of their beams' spread.
+/// Directions with the same blur: [first, last) of those in order of their beams' spread.
 struct SpreadClass {
   std::size_t first;
   std::size_t last;

@@ -8,8 +8,8 @@
 
 namespace cloudbow {
 
-/// Source towards all directions that are looked along, made while the radiance at the ordinates is there; then, once
-/// the fluxes that light the ground are known, the images.
+/// The source towards all directions of view is computed while the radiance at the ordinates is in memory. The images
+/// follow after the fluxes that light the ground.
 template <class Real>
 class Images {
  public:

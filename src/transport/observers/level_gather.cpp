@@ -117,7 +117,7 @@ class SumPlanes {
   std::size_t size() const { return level_.size(); }
   int level(std::size_t plane) const { return level_[plane]; }
   double width_m(std::size_t plane) const { return width_[plane] == 0 ? 0 : std::ldexp(least_m_, width_[plane] - 1); }
-  /// Of light in a direction of this spread.
+  /// Plane for light in a direction of this spread.
   int plane(int level, double spread, double distance_m) const {
     return plane_[static_cast<std::size_t>(level)][static_cast<std::size_t>(rounded(spread, distance_m))];
   }

@@ -104,7 +104,7 @@ double beyond(const SightScene<Real>& scene, const CellWalk& walk, const Directi
       return static_cast<double>(scene.ground.at(travel, walk.column()));
     case CellWalk::Place::beside:
       return beside(scene, walk.point(walk.entry()).z(), travel);
-    // Past the domain: between it and the eye nothing is seen.
+    // The line misses the domain.
     case CellWalk::Place::missed:
       return scene.box.periodic || travel.z() <= 0 ? scene.sky_radiance : beside(scene, lowest, travel);
     default:
@@ -114,7 +114,7 @@ double beyond(const SightScene<Real>& scene, const CellWalk& walk, const Directi
 
 }  // namespace sight
 
-/// Radiance seen from `eye` looking along the unit vector `sight`, W m-2 sr-1 (docs/theory.md, Eq. 30).
+/// Radiance at `eye` along the unit vector `sight` of view, W m-2 sr-1 (docs/theory.md, Eq. 30).
 /// @param source (cell) -> source of that cell towards the eye.
 template <class Real, class Source>
 double radiance_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, const Direction& sight,

@@ -60,7 +60,7 @@ AngularField<Real> scattered_by(const std::vector<PhaseFunction>& phase, const s
   return scatter_towards<Real>(radiance, towards, cells);
 }
 
-// A line along the horizon never ends; the radiance just above or below it stands for it.
+// A line along the horizon never ends; the radiance just above or below replaces it.
 Direction off_the_horizon(const Direction& travel) {
   constexpr double least = .02;
   if (std::abs(travel.z()) >= least) return travel;

@@ -22,7 +22,7 @@ struct ViewingBeam {
   std::vector<float> place;     ///< [n] BeamPhase::place of the peak's optical depth
 };
 
-/// Of a problem without sun: empty.
+/// Empty for a problem without sun.
 template <class Real>
 std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 

@@ -1,4 +1,4 @@
-// Whether a solution is made of numbers.
+// Check that the values of a solution are finite.
 #pragma once
 
 #include "cloudbow/transport/solution.hpp"

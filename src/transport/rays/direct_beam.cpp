@@ -65,7 +65,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
       std::vector<Real> path(columns + lane_padding);
       std::vector<Real> light(columns);
       for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
-        // The nudge keeps rays off the faces when the sun stands on an axis.
+        // The offset keeps rays off the faces if the sun's azimuth is along an axis.
         const PathPattern pattern =
             make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
                               options.independent_columns, {0, box.nz()});

@@ -150,7 +150,7 @@ template <class Real>
 void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* gradient_x,
                      Real* gradient_y, Real* gradient_z);
 
-/// Sum in one order, whatever the compiler makes of it.
+/// Sum in a fixed order, whatever the compiler.
 template <class Real>
 inline double plane_sum(const Real* values, std::size_t n) {
   constexpr std::size_t parts = 8;

@@ -76,7 +76,7 @@ void keep_edges(const SubdividedLevels& cut, std::vector<Value>& of_edges) {
   of_edges = std::move(kept);
 }
 
-// Of the fluxes those at levels of the whole, by its indices.
+// Keeps the fluxes at levels of the whole, by its indices.
 void keep_planes(const Problem& whole, const SubdividedLevels& cut, Solution& solution) {
   const std::size_t columns = whole.grid.box.columns();
   const std::vector<int> solved = std::move(solution.flux_level);

@@ -82,7 +82,7 @@ std::optional<OctantScattering<Real>> OctantScattering<Real>::make(const Ordinat
   constexpr double asymmetry = 1e-4;
   for (const DenseMatrix<Real>& full : matrix) {
     const double largest = static_cast<double>(full.cwiseAbs().maxCoeff());
-    std::array<Eigen::MatrixXd, octants> between;  // from octant 0 to octant g, mean over the pairs alike
+    std::array<Eigen::MatrixXd, octants> between;  // from octant 0 to octant g, mean over the equivalent pairs
     for (auto& m : between) m = Eigen::MatrixXd::Zero(size, size);
     for (unsigned to = 0; to < octants; ++to) {
       for (unsigned from = 0; from < octants; ++from) {

@@ -23,7 +23,7 @@ class OctantScattering {
                                               const DenseMatrix<Real>& moment_weights,
                                               const DenseMatrix<Real>& correction_shape);
 
-  /// As the function of this name, to rounding.
+  /// The same as the free function of this name, to rounding.
   void scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells, const ScatteringTerms<Real>& terms) const;
   void moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const;
 

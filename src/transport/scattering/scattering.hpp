@@ -28,7 +28,7 @@ struct BeamSource {
   std::vector<Real> intensity;                       ///< [n]
 };
 
-/// Light that a scattering adds to the given radiance.
+/// Terms of a scattering apart from the given radiance.
 template <class Real>
 struct ScatteringTerms {
   std::span<const BeamSource<Real>> beam;

@@ -38,7 +38,7 @@ class Ground {
     AngularField<Real> leaving;  ///< radiance: one row an upward ordinate, or a single row for all; [columns]
     double absorbed = 0;         ///< W m-2, mean over the columns
   };
-  /// @param arriving [D][columns] radiance along the ordinates; those that travel up are not looked at.
+  /// @param arriving [D][columns] radiance along the ordinates; those that travel up are not used.
   /// @param direct_flux [columns] through the horizontal; empty: none.
   Reflection reflect(const std::vector<std::vector<Real>>& arriving, std::span<const double> direct_flux,
                      const OrdinateSet& ordinates, std::size_t columns) const;
