@@ -50,7 +50,7 @@ using Response = ResponseOf<double>;
 template <class Real>
 ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab);
 
-/// Of the slab over its surface, for each beam.
+/// Fluxes of the slab over its surface, for each beam.
 template <class Real>
 std::vector<SlabFluxes> solve_by_doubling(const SlabOf<Real>& slab);
 

@@ -50,7 +50,7 @@ class ConfigReader {
   /// Location of the key, or that of the table if the key is absent.
   const std::string& place_of(const std::string& key) const;
 
-  /// Functions find_... return nothing if the key is absent; the others then throw that it is missing.
+  /// Functions find_... return nothing if the key is absent; the others then throw InputError.
   std::optional<double> find_number(const std::string& key, const NumberRange& range) const;
   double number(const std::string& key, const NumberRange& range) const;
   bool flag(const std::string& key, bool otherwise) const;

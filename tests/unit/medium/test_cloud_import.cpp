@@ -429,7 +429,7 @@ TEST_F(CloudImport, SizesThatTheUserGivesHoldOverTheFilesLevels) {
 }
 
 TEST_F(CloudImport, ArraysOfNumpy) {
-  // As numpy.save writes them: the header is padded so that numbers begin at a multiple of 64 bytes.
+  // Files as numpy.save writes them: the header is padded so that numbers begin at a multiple of 64 bytes.
   const auto array = [&](const std::string& type, const std::string& order, const std::string& shape,
                          const std::string& numbers) {
     std::string head = "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': (" + shape + "), }";

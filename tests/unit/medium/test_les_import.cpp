@@ -268,8 +268,7 @@ TEST_F(LesImport, HeightsOfIndexedLevelsComeFromTheFieldOfHeights) {
   expect_truth(cloud);
   EXPECT_NEAR(cloud.field.min_m[2], 400, 1e-9);
   options.voxel_size_m = {100, 100, 40};
-  options.levels_by_voxel_size =
-      true;  // the user's value takes precedence, and the levels' order is that of the heights
+  options.levels_by_voxel_size = true;  // the user's value is used, and the levels' order is that of the heights
   const ImportedCloud as_said = import_cloud(options);
   expect_truth(as_said);
   EXPECT_EQ(as_said.field.min_m[2], 0);

@@ -159,7 +159,7 @@ TEST_F(VdbGrids, StrayVoxelsAreNoted) {
   EXPECT_THAT(field.cells, ElementsAre(4001, 3001, 101));
   EXPECT_THAT(field.notes,
               ElementsAre(AllOf(HasSubstr("10 x 10 x 10 cells"), HasSubstr("(4000, 3000, 100)"), HasSubstr("clip"))));
-  // Of two clouds far from each other both are meant.
+  // Two clouds far from each other are both intended.
   voxels.front() = {Coord(0, 0, 0), 0.01F};
   for (int n = 0; n < 1000; ++n) voxels.push_back({Coord(4000 + n % 10, 3000 + n / 10 % 10, n / 100), 0.01F});
   EXPECT_THAT(read_cloud_vdb(write_seekable({density_grid(voxels)})).notes, testing::IsEmpty());

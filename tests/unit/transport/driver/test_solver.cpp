@@ -241,7 +241,7 @@ TEST(Solve, ExtremeOpticalDepthsAreFiniteAndClosed) {
       if (optical_depth < 1) {
         EXPECT_NEAR(solution.ledger.transmittance, 1, 2e-6);
       }
-      // Of a thick cloud that absorbs nothing 1 - R = (4/3) u(mu0) / ((1 - g) tau + 1.42), u about .8: below 1e-3.
+      // A thick cloud without absorption has 1 - R = (4/3) u(mu0) / ((1 - g) tau + 1.42), u about .8: below 1e-3.
       if (optical_depth > 1 && albedo == 1) {
         EXPECT_GT(solution.ledger.reflectance, .998);
       }
@@ -715,7 +715,7 @@ TEST(Solve, UniformCloudInThreeDimensionsIsTheSlab) {
   EXPECT_EQ(slab3d.report.mode, "3d");
   for (std::size_t e = 0; e <= 12; ++e)
     EXPECT_NEAR(slab3d.profile_upwelling_flux[e], slab1d.profile_upwelling_flux[e], 2e-6);
-  // Column by column the gather reproduces itself: all columns alike.
+  // Column by column the gather reproduces itself: all columns are equal.
   for (std::size_t c = 0; c < wide.columns(); ++c)
     EXPECT_NEAR(slab3d.upwelling_flux[wide.columns() + c] / slab3d.ledger.reflectance / .6, 1, 1e-5);
 }
