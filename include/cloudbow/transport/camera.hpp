@@ -33,8 +33,7 @@ struct Camera {
 
 struct CameraImage {
   Camera camera;
-  std::vector<float>
-      radiance;  ///< [height][width], row 0 on top, W m-2 sr-1, diffuse; NaN in pixels without a line of sight
+  std::vector<float> radiance;  ///< [height][width], row 0 on top, W m-2 sr-1, diffuse; NaN without a line of sight
 };
 
 /// Position of a camera and the point at which it looks.

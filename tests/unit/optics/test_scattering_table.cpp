@@ -202,8 +202,7 @@ TEST(ScatteringTable, BackwardPeakKeepsItsMomentsAndConservesLight) {
                                                       sun_at(0.2, 1), FitOptions{});
   EXPECT_EQ(table.forward_fraction, 0);
   EXPECT_EQ(table.beam_forward_fraction, 0);
-  EXPECT_GE(table.report.least_value,
-            0);  // if the rows have no positive solution, the rows are relaxed and not the sign
+  EXPECT_GE(table.report.least_value, 0);  // without positive solution the rows are relaxed, not the sign
   EXPECT_LE(table.report.closure, 1e-13);
   for (int d = 0; d < set.size(); ++d) {
     EXPECT_NEAR(moment_about(set.direction[d], 1, table.ordinates_from_ordinates.col(d), set) / set.weight[d], -0.95,
