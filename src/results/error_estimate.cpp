@@ -11,11 +11,11 @@
 namespace cloudbow {
 namespace {
 
-// Between the ends columns are off by up to 2.1 times what the ends' weights make of the distances there: measured on
-// four fields of thick voxels (docs/error-estimates.md).
+// Between the ends the error of columns is up to 2.1 times the distances there with the ends' weights: measured on four
+// fields of thick voxels (docs/error-estimates.md).
 constexpr double between_ends_factor = 2.5;
 
-// Of incident: errors of columns whose mean is less are not in terms of it.
+// Fraction of the incident flux. Errors of columns whose mean is less are not relative to that mean.
 constexpr double least_mean = 1e-6;
 
 /// W m-2 through the horizontal top.
@@ -65,7 +65,7 @@ double largest_difference(const std::vector<double>& one, const std::vector<doub
   return largest;
 }
 
-/// Means over the square of columns next to each: what one column's difference happens to be says little.
+/// Means over the square of columns next to each: the difference of one column alone is mostly chance.
 std::vector<double> smoothed(const std::vector<double>& square, const BoxGrid& box) {
   const auto pass = [&](const std::vector<double>& from, std::ptrdiff_t stride, int length) {
     if (length < 3) return from;
@@ -87,7 +87,7 @@ struct Planes {
   std::vector<double> solution, linear, constant;
 };
 
-/// Of each column, with the RMS that the parts have.
+/// Error of each column, with the RMS of the parts.
 std::vector<float> error_field(const Planes& planes, const ErrorParts& parts, const BoxGrid& box) {
   const double of = mean(planes.solution);
   const auto shares = [&](const std::vector<double>& one, const std::vector<double>& other) {
@@ -148,8 +148,8 @@ ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coars
   ErrorEstimate estimate;
   estimate.angular_distance = flux_distance(solution, coarse_solves.linear);
   estimate.spatial_distance = flux_distance(coarse_solves.linear, coarse_solves.constant);
-  // Companions on the same cells do not know what thick cells cost, nor, with few directions, what thin air under a low
-  // sun does.
+  // Coarse solves on the same cells do not include the error of thick cells. With few directions they miss that of thin
+  // air under a low sun.
   if (const auto& probe = coarse_solves.probe)
     estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
   const auto parts = [&](double ByFlux::*flux, const ByFlux& angular, const ByFlux& spatial, const ByFlux& probe) {

@@ -36,7 +36,7 @@ std::string function_lines(const FittedFunction& fitted) {
   return text + "\n";
 }
 
-/// A difference from what is exact: rounding shown as such.
+/// A difference from the exact value: rounding is shown as such.
 std::string deviation(double value) {
   return std::abs(value) < 1e-4 ? fmt::format("{:.1e}", value) : fmt::format("{:.5f}", value);
 }
@@ -52,7 +52,7 @@ std::string fit_line(const PhaseFit& fit, double asymmetry) {
                      fit.seconds);
 }
 
-/// Where fewer moments could be held than were asked for.
+/// Message if fewer moments could be preserved than were requested.
 std::string shortfall(const FittedFunction& fitted, int asked) {
   std::string text;
   for (const PhaseFit& fit : fitted.fits) {

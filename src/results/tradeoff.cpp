@@ -14,7 +14,7 @@ namespace cloudbow {
 namespace {
 
 bool same_places(const std::vector<double>& a, const std::vector<double>& b) {
-  // Of the extent: rounding of a transform, not another grid.
+  // Tolerance relative to the extent: rounding of a transform, not another grid.
   const double slack = a.empty() ? 0 : 1e-6 * (std::abs(a.back() - a.front()) + std::abs(a.front()));
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [slack](double x, double y) { return std::abs(x - y) <= slack; });

@@ -1,5 +1,5 @@
-// cloud_cells CLOUD.vdb: a cloud as text, for programs that do not read VDB: a line "NX NY NZ DX DY DZ BOTTOM" and the
-// value of every cell, x fastest, the lowest layer first.
+// cloud_cells CLOUD.vdb: a cloud as text, for programs that do not read VDB. The first line is "NX NY NZ DX DY DZ
+// BOTTOM". The value of every cell follows, x fastest, the lowest layer first.
 #include <exception>
 #include <iomanip>
 #include <iostream>

@@ -14,7 +14,7 @@ using Eigen::Index;
 template <class Real>
 ResponseOf<Real> doubled(const ResponseOf<Real>& r) {
   const Index down = r.transmit_down.rows(), up = r.transmit_up.rows();
-  // Light to and fro between the two halves: a geometric series, summed by solving.
+  // Multiple reflections between the two equal parts: a geometric series, summed by solving.
   const Matrix<Real> between_down =
       (Matrix<Real>::Identity(down, down) - r.reflect_up * r.reflect_down).lu().solve(r.transmit_down);
   const Matrix<Real> between_up =
@@ -33,8 +33,9 @@ Matrix<Real> exponential(const Matrix<Real>& a) {
   return sum;
 }
 
-/// Of a slab so thin that light of every direction gets through: solved as an initial value problem from top to bottom,
-/// then sorted by what goes in and what comes out. `change` is d/dtau of all states, the `down` ones first.
+/// Response of a slab so thin that light of every direction is transmitted. It is solved as an initial value problem
+/// from top to bottom, then sorted by incident and outgoing light. `change` is d/dtau of all states, the `down` ones
+/// first.
 template <class Real>
 ResponseOf<Real> thin_slab(const Matrix<Real>& change, Index down, Real optical_depth) {
   const Index up = change.rows() - down;
@@ -60,8 +61,8 @@ ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab) {
   const Index diffuse_down = count_downward(slab.mu), ordinates = slab.mu.size(), up = ordinates - diffuse_down;
   const Index beams = slab.beam_mu.size(), down = diffuse_down + beams, all = down + up;
 
-  // mu dI/dtau = -extinction I + scatter I, downwards, with the beams as states that feed the others and are fed by
-  // none.
+  // mu dI/dtau = -extinction I + scatter I, downwards, with the beams as states: they are sources of the others and
+  // have no source.
   const auto row_of = [&](Index ordinate) { return ordinate < diffuse_down ? ordinate : ordinate + beams; };
   Matrix<Real> change = -Matrix<Real>::Identity(all, all);
   Vector<Real> cosine(all);
@@ -92,7 +93,7 @@ std::vector<SlabFluxes> solve_by_doubling(const SlabOf<Real>& slab) {
   const Vector<Real> flux_up = flux.tail(up);
   Vector<Real> flux_down = Vector<Real>::Zero(diffuse_down + beams);
   flux_down.head(diffuse_down) = flux.head(diffuse_down);
-  // What becomes of light that the surface reflects: isotropic from below.
+  // Response to light that the surface reflects: isotropic from below.
   const Real from_below = flux_up.sum(), albedo = slab.surface_albedo;
   const Real comes_back = (flux_down.transpose() * response.reflect_up).sum() / from_below;
   const Real gets_out = (flux_up.transpose() * response.transmit_up).sum() / from_below;

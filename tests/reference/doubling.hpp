@@ -1,6 +1,6 @@
-// Light in a homogeneous slab by doubling: an independent check of whatever scatters light among directions. It knows
-// nothing of rays, voxels or sweeps; a thin slab's response, exact but for rounding, is doubled until the slab is as
-// thick as wanted (van de Hulst 1963; Hansen & Travis 1974).
+// Light in a homogeneous slab by doubling: an independent check of whatever scatters light among directions. It has no
+// rays, voxels or sweeps. A thin slab's response, exact but for rounding, is doubled until the slab has the wanted
+// thickness (van de Hulst 1963; Hansen & Travis 1974).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,15 +13,15 @@ using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 template <class Real>
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
-/// Fractions of the power that enters through the top: what leaves upwards, and what arrives at the bottom with the
-/// direct beam (over a bright surface, light that it has reflected before counts again).
+/// Fractions of the power that enters through the top: reflected upwards, and arriving at the bottom with the direct
+/// beam. Over a bright surface, light that it has reflected before counts again.
 struct SlabFluxes {
   double reflectance;
   double transmittance;
 };
 
-/// A homogeneous slab of unit extinction over a Lambertian surface, lit from above by parallel beams, each solved by
-/// itself.
+/// A homogeneous slab of unit extinction over a Lambertian surface, lit from above by parallel beams, each solved
+/// independently.
 template <class Real>
 struct SlabOf {
   Vector<Real> mu;           ///< D: z component of the direction of travel, not 0; those downward first
@@ -35,9 +35,9 @@ struct SlabOf {
 };
 using Slab = SlabOf<double>;
 
-/// What leaves a slab below and above for what enters above (down) and below (up), without its surface. States of the
-/// downward light are radiances at the downward ordinates, then normal irradiances of the beams; of the upward light,
-/// radiances.
+/// Light leaving a slab below and above, for light entering above (down) and below (up), without its surface. States of
+/// the downward light are radiances at the downward ordinates, then normal irradiances of the beams; of the upward
+/// light, radiances.
 template <class Real>
 struct ResponseOf {
   Matrix<Real> transmit_down, reflect_up;  ///< leaves below: of light that enters above, of light that enters below
@@ -50,7 +50,7 @@ using Response = ResponseOf<double>;
 template <class Real>
 ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab);
 
-/// Of the slab over its surface, for each beam.
+/// Fluxes of the slab over its surface, for each beam.
 template <class Real>
 std::vector<SlabFluxes> solve_by_doubling(const SlabOf<Real>& slab);
 

@@ -122,8 +122,8 @@ class Box {
     p.j = index[1];
   }
 
-  /// Flies until `depth` is used up or the photon leaves; what is left of `depth` stays in it. `crossed(edge)` is told
-  /// of the horizontal faces on the way, the last included.
+  /// Moves the photon until `depth` is used up or the photon leaves; the remainder stays in `depth`. Calls
+  /// `crossed(edge)` for the horizontal faces on the way, the last included.
   template <class Crossed>
   Event fly(Photon& p, double& depth, const Crossed& crossed) const {
     Vector& x = p.position;
@@ -178,7 +178,7 @@ class Box {
   }
 
  private:
-  /// Into the next column; false where the photon has left through an open side.
+  /// Into the next column; false if the photon has left through an open side.
   bool step_sideways(Photon& p, int axis, int forth, double face) const {
     int& index = axis == 0 ? p.i : p.j;
     p.position[axis] = face;
@@ -195,7 +195,7 @@ class Box {
   int nx_, ny_, nz_;
   std::array<double, 2> width_;
   std::vector<double> extinction_;  // of all media
-  std::vector<char> uniform_;       // layers where all columns are alike
+  std::vector<char> uniform_;       // layers in which all columns are equal
 };
 
 /// One batch: its photons and their tallies, plane after plane as in MonteCarloResult.
@@ -229,8 +229,9 @@ class Batch {
   }
 
  private:
-  /// Places where the sun comes in follow an additive sequence in the plane (Roberts' R2, powers of the root of
-  /// x^3 = x + 1), shifted at random in each batch: evenly spread over the columns, which plain random places are not.
+  /// Entry points of sunlight follow an additive sequence in the plane (Roberts' R2, powers of the root of
+  /// x^3 = x + 1). It is shifted at random in each batch. The points are evenly spread over the columns, unlike plain
+  /// random points.
   Photon start(std::int64_t n) {
     constexpr double step[2] = {0.7548776662466927, 0.5698402909980532};
     double u[2];
@@ -316,9 +317,9 @@ class Batch {
     count(p, 0);
   }
 
-  /// Adds what this event sends to a sensor: `strength` is 4 pi times the power a steradian, before the way out.
-  /// A contribution that falls below the least lives on at the least with its share as probability; one draw fixes
-  /// beforehand at what depth it dies.
+  /// Adds the contribution of this event to a sensor: `strength` is 4 pi times the power per steradian, before
+  /// attenuation on the way to it. A contribution below the least continues at the least, with their ratio as
+  /// probability. One draw determines beforehand the depth at which it ends.
   void estimate(const Photon& p, std::size_t view, double strength) {
     const double deepest = std::log(strength / (least_contribution * random_.uniform()));
     if (!(deepest > 0)) return;

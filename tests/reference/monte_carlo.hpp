@@ -1,8 +1,9 @@
 // Photon-by-photon Monte Carlo on cells of constant extinction: an independent check of everything that solves for
 // light in three dimensions. It shares no code with the program: no rays on a fixed pattern, no directions, no fits.
-// Free flights are analytic (the optical depth drawn is used up cell by cell), absorption is taken from the photon's
-// weight, Russian roulette ends light ones. Radiances are by local estimation (Marchuk et al. 1980; Marshak & Davis
-// 2005, ch. 12.2), roulette of small contributions after Barker et al. (2003, doi 10.1029/2003JD003580).
+// Free flights are analytic (the optical depth drawn is used up cell by cell). Absorption is subtracted from the
+// photon's weight; Russian roulette ends photons of small weight. Radiances are by local estimation (Marchuk et al.
+// 1980; Marshak & Davis 2005, ch. 12.2), roulette of small contributions after Barker et al. (2003, doi
+// 10.1029/2003JD003580).
 #pragma once
 
 #include <array>
@@ -41,13 +42,13 @@ struct Medium {
   std::vector<double> extinction;  ///< [1/m], [k][j][i] with i fastest
 };
 
-/// Where a sensor stands, seen from the scene: zenith above 90 looks up from below.
+/// Position of a sensor, seen from the scene: zenith above 90 looks up from below.
 struct View {
   double zenith_deg = 0, azimuth_deg = 0;
 };
 
 /// A box of cells over a Lambertian surface, lit by the sun alone. Angles as in docs/conventions.md: azimuth
-/// counter-clockwise from +x, of where the sun or sensor stands.
+/// counter-clockwise from +x, of the position of the sun or sensor.
 struct MonteCarloScene {
   std::array<int, 2> columns = {1, 1};           ///< nx, ny
   std::array<double, 2> column_size_m = {1, 1};  ///< dx, dy
@@ -57,7 +58,7 @@ struct MonteCarloScene {
   std::vector<Medium> media;
   double surface_albedo = 0;
   double sun_zenith_deg = 0, sun_azimuth_deg = 0;
-  std::vector<int> levels;  ///< indices into z_edge_m: where fluxes are counted
+  std::vector<int> levels;  ///< indices into z_edge_m: levels of the fluxes
   bool absorption = false;  ///< whether absorbed power is counted
   std::vector<View> views;
 };
@@ -79,7 +80,7 @@ struct Plane {
 struct MonteCarloResult {
   std::vector<Plane> up, down;  ///< for each of `levels`: flux through the level, down with the direct beam
   std::vector<Plane>
-      absorbed;  ///< for each layer of cells, the lowest first, if asked for: power by area of the column
+      absorbed;  ///< for each layer of cells, the lowest first, if requested: power by area of the column
   std::vector<Plane> radiance;  ///< for each of `views` [1/sr]: mean over a column of the top (or bottom) plane
 };
 

@@ -106,7 +106,7 @@ struct Light {
   std::vector<VectorXd> down, up;
 };
 
-/// Adding: what lies below a plane reflects as a whole, plane by plane from the ground up; then light comes down.
+/// Adding: the layers below a plane reflect as a whole, plane by plane from the ground up; then light comes down.
 Light add(const std::vector<Response>& responses, int slices, const MatrixXd& ground, const VectorXd& incident) {
   const std::size_t planes = responses.size() * slices;
   const auto response = [&](std::size_t plane) -> const Response& { return responses[plane / slices]; };

@@ -32,10 +32,10 @@ struct PlaneParallelScene {
 };
 
 struct PlaneParallelEffort {
-  int angles = 48;  ///< Gauss angles a hemisphere; delta-M at twice as many moments
+  int angles = 48;  ///< Gauss angles per hemisphere; delta-M at twice as many moments
   int slices = 1;   ///< of each layer, equally thick: at the planes between them there are fluxes too
-  /// Where radiances are wanted: cosines (0 to 1] and azimuths of travel against that of the sunlight. Each azimuth
-  /// mode costs as much as all fluxes.
+  /// Directions of radiances: cosines (0 to 1] and azimuths of travel against that of the sunlight. Each azimuth mode
+  /// costs as much as all fluxes.
   std::vector<double> view_mu, view_azimuth_deg;
 };
 
@@ -51,7 +51,7 @@ struct PlaneParallelSolution {
 PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, const PlaneParallelEffort& effort);
 
 /// Fluxes of one layer over a Lambertian surface for several suns, solved to about 1e-6 with 48 angles. Thick layers
-/// that hardly absorb are solved in 80 bits, so that a conservative one of optical depth 1e5 still loses nothing.
+/// that hardly absorb are solved in 80 bits: a conservative one of optical depth 1e5 then still loses nothing.
 std::vector<SlabFluxes> plane_parallel_fluxes(const Moments& moments, std::span<const double> beam_mu,
                                               double optical_depth, double single_scattering_albedo,
                                               double surface_albedo = 0, int angles = 48);

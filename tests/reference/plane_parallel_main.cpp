@@ -3,7 +3,7 @@
 //   id NAME
 //   layer TAU SSA isotropic | rayleigh | henyey-greenstein G | legendre FILE     top first, repeatable; FILE: l chi_l
 //   sun MU0    irradiance F0    sky RADIANCE    surface_albedo A
-//   angles N (a hemisphere)    slices N (of each layer, with fluxes between)    radiances 0|1
+//   angles N (per hemisphere)    slices N (of each layer, with fluxes between)    radiances 0|1
 // "est" in the case is the difference to a solution with two thirds of the angles: an upper estimate of its own error.
 #include <algorithm>
 #include <cmath>

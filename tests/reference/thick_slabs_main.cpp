@@ -1,7 +1,7 @@
 // thick_slabs: the solver of plane_parallel.hpp on Henyey-Greenstein slabs. Each line of stdin is a slab:
 //   G OPTICAL_DEPTH SSA ALBEDO MU0 ...    asymmetry, of the slab; albedo of the Lambertian surface; cosines of suns
-// and is answered by one line with two numbers a sun: reflectance, and the fraction of the incident flux that arrives
-// at the bottom. The only argument, if there is one, is the number of angles a hemisphere.
+// and is answered by one line with two numbers per sun: reflectance, and the fraction of the incident flux that arrives
+// at the bottom. The only argument, if there is one, is the number of angles per hemisphere.
 #include <cmath>
 #include <iomanip>
 #include <iostream>

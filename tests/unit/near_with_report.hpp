@@ -1,6 +1,6 @@
-// Makes EXPECT_NEAR tell the report of the test (--gtest_output) how near it was: of all comparisons of a test the one
-// that came closest to its tolerance, as the properties "deviation" and "tolerance". tests/validation/report.py makes
-// its table of unit tests from them. To be included after gtest.h.
+// Makes EXPECT_NEAR write to the report of the test (--gtest_output) how near it was. Of all comparisons of a test it
+// writes the one closest to its tolerance, as the properties "deviation" and "tolerance". tests/validation/report.py
+// makes its table of unit tests from them. To be included after gtest.h.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// From a scene to what the solver takes: opens the cloud, joins it with the layers, fills in the ladder.
+// From a scene to the input of the solver: opens the cloud, joins it with the layers, applies the level of accuracy.
 #pragma once
 
 #include <array>
@@ -13,32 +13,32 @@
 
 namespace cloudbow {
 
-/// How many phase functions of a droplet table or a set the scene's voxels use, and how many are solved with.
+/// Numbers of phase functions of a droplet table or a set: those that the scene's voxels use, and those in the solve.
 struct PhaseClassReport {
   int functions = 0;
   int classes = 0;
   double estimated_error = 0;  ///< of the classes, fraction of the incident light
 };
 
-/// What a cloud amounts to, for the user to see a wrong unit by.
+/// Summary of a cloud, in which the user can notice a wrong unit.
 struct CloudFigures {
   ColumnFigures optical_depth;
-  std::optional<ColumnFigures> water_path_g_m2;  ///< where the grid holds liquid water
+  std::optional<ColumnFigures> water_path_g_m2;  ///< if the grid holds liquid water
   double largest_water_content_g_m3 = 0;
-  std::optional<std::array<double, 2>> effective_radius_um;  ///< smallest and largest, where the scene names one
+  std::optional<std::array<double, 2>> effective_radius_um;  ///< smallest and largest, if the scene names one
 };
 
 struct AssembledScene {
   Problem problem;
   SolverOptions options;
   bool one_column = false;                        ///< as accuracy_options() takes it
-  std::optional<PhaseClassReport> phase_classes;  ///< where droplets vary from voxel to voxel
+  std::optional<PhaseClassReport> phase_classes;  ///< if droplets vary from voxel to voxel
   std::optional<CloudFigures> cloud;
 };
 
-/// @param memory_limit_bytes of the optical grid; told before it is taken.
-/// @throws InputError where the cloud cannot be read or does not fit the scene (domain off the voxel faces or too
-/// small, quantity or effective radius missing, a camera below the ground).
+/// @param memory_limit_bytes of the optical grid; checked before it is allocated. @throws InputError if the cloud
+/// cannot be read or does not fit the scene: domain off the voxel faces or too small; quantity or effective radius
+/// missing; a camera below the ground.
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes);
 
 /// The same for one wavelength of several.

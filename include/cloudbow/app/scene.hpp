@@ -1,4 +1,4 @@
-// A scene file, read and checked: what stands in it, with its defaults, before any cloud is opened.
+// A scene file, read and checked: its content, with defaults, before any cloud is opened.
 #pragma once
 
 #include <array>
@@ -28,13 +28,13 @@ struct ScenePhaseSet {
 struct SceneCloud {
   std::filesystem::path file;
   VdbReadOptions read;
-  std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: what the grid's metadata says
+  std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: as in the grid's metadata
   std::optional<double> effective_radius_um;
   std::string effective_radius_grid;  ///< empty: none
-  /// As given or from a mie table; absent where single_scattering_albedo_grid or the voxels' droplets say it.
+  /// Given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.
   std::optional<double> single_scattering_albedo;
   std::string single_scattering_albedo_grid;  ///< empty: none
-  int phase_function = 0;  ///< index into Scene::phase_functions; unused where droplets or phase_set are
+  int phase_function = 0;  ///< index into Scene::phase_functions; unused if droplets or phase_set are used
   std::optional<double> extinction_m2_per_g;  ///< by a mie table at the one effective radius
   /// A mie table whose effective radius varies from voxel to voxel (effective_radius_grid).
   std::shared_ptr<const DropletTable> droplets;
@@ -55,22 +55,22 @@ struct SceneDomain {
 };
 
 struct SceneSun {
-  double zenith_deg = 0;   ///< where the sun stands
+  double zenith_deg = 0;   ///< position of the sun
   double azimuth_deg = 0;  ///< counter-clockwise from +x
   double irradiance_w_m2 = 1;
 };
 
 struct SceneRadiance {
   std::string name;        ///< letters, digits and _
-  double zenith_deg = 0;   ///< where the sensor stands, seen from the scene; above 90 below it
+  double zenith_deg = 0;   ///< position of the sensor, seen from the scene; above 90 below it
   double azimuth_deg = 0;  ///< counter-clockwise from +x
-  int width = 0;           ///< pixels along x and y; 0: one a column
+  int width = 0;           ///< pixels along x and y; 0: one per column
   int height = 0;
 };
 
 enum class SolveMode { automatic, three_dimensional, independent_columns, independent_diffuse };
 
-/// What the scene sets by itself; the rest comes from `accuracy`.
+/// Settings of the scene itself; the rest comes from `accuracy`.
 struct SceneSolver {
   SolveMode mode = SolveMode::automatic;
   std::string accuracy = "balanced";
@@ -101,8 +101,8 @@ struct Scene {
   std::vector<std::filesystem::path> inputs;  ///< the scene file and every file that it names as one to read
   std::string text;                           ///< the TOML as run
   std::string title;
-  std::vector<std::string> notes;       ///< what was guessed or made good in reading: the user must be told
-  std::optional<double> wavelength_um;  ///< where the scene has a spectrum: the one that all numbers below are for
+  std::vector<std::string> notes;       ///< values guessed or corrected in reading, to be reported to the user
+  std::optional<double> wavelength_um;  ///< if the scene has a spectrum: the wavelength of all numbers below
   std::optional<SceneCloud> cloud;
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once
   std::vector<Layer> layers;
@@ -116,9 +116,9 @@ struct Scene {
   std::vector<Camera> cameras;  ///< named as radiances are, none twice
   SceneOutput output;
   std::map<std::string, std::string>
-      place;  ///< "domain.min_m" to "FILE:LINE", for messages about what only the cloud can tell
+      place;  ///< "domain.min_m" to "FILE:LINE", for messages about errors that need the cloud to be found
 
-  /// "FILE:LINE: KEY", or "FILE: KEY" where the key is not given.
+  /// "FILE:LINE: KEY", or "FILE: KEY" if the key is not given.
   std::string where(const std::string& key) const;
 };
 

@@ -9,7 +9,7 @@
 
 namespace cloudbow {
 
-/// One number for each flux that errors are told of.
+/// One number for each flux whose errors are reported.
 struct ByFlux {
   double domain = 0;  ///< reflectance and transmittance: the larger, fraction of incident
   double up = 0;      ///< columns, up at the top: RMS over the columns / mean
@@ -25,7 +25,7 @@ ByFlux flux_distance(const Solution& solution, const Solution& other);
 /// hold, down above the lowest. The domain is left 0. Both solutions hold the same levels.
 ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other);
 
-/// What one unit of distance between solutions counts as an error.
+/// Error per unit of distance between solutions.
 struct ErrorWeights {
   ByFlux angular;  ///< of that between the solution and its coarse solve with fewer directions
   ByFlux spatial;  ///< of that between the coarse solve and the same with a source that is constant in each cell
@@ -48,8 +48,8 @@ struct ErrorEstimate {
   double cpu_seconds = 0;                     ///< of the coarse solves
   double table_seconds = 0;                   ///< wall seconds of theirs that went into scattering tables
   std::string calibrated_for;                 ///< a level of accuracy
-  /// [ny][nx] W m-2, where asked for: up at the highest level, down at the lowest. Their RMS is that of the estimate;
-  /// they are large if the coarse solves differ.
+  /// [ny][nx] W m-2, if requested: up at the highest level, down at the lowest. Their RMS is that of the estimate; they
+  /// are large if the coarse solves differ.
   std::vector<float> upwelling_flux_error, downwelling_flux_error;
 
   double columns() const;  ///< the larger of up and down
@@ -59,14 +59,14 @@ struct ErrorEstimate {
 struct CoarseSolves {
   Solution linear;    ///< fewer directions
   Solution constant;  ///< the same with SolverOptions::linear_source = false
-  /// Some columns by themselves (probe_columns.hpp), as the solve would have them and as they are.
+  /// Some independent columns (probe_columns.hpp): in the approximation of the solve, and exact.
   struct Probe {
     Solution by_ordinates, exact;
   };
   std::optional<Probe> probe{};
 };
 
-/// @param fields whether the errors of single columns are asked for.
+/// @param fields whether the errors of single columns are requested.
 ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coarse_solves, const ErrorWeights& weights,
                              bool fields);
 

@@ -1,5 +1,5 @@
-// What `cloudbow phase` tells of a phase function: its moments, its delta-M form, its fits to control points. As text,
-// as a file, as a picture.
+// The report of `cloudbow phase` on a phase function: its moments, its delta-M form, its fits to control points. As
+// text, as a file, as a picture.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct FittedFunction {
 struct PhaseReport {
   std::string title;  ///< type and parameters
   int delta_m_order;
-  double forward_fraction;  ///< f, 0 where the function has no forward peak
+  double forward_fraction;  ///< f, 0 if the function has no forward peak
   ControlPoints points;
   std::string ordinates;  ///< name of the quadrature
   PhaseFitOptions options;

@@ -7,8 +7,8 @@
 
 namespace cloudbow {
 
-/// The energy ledger, how the solve went and what it cost; the last line says "converged" or "NOT CONVERGED". Ends with
-/// a newline.
+/// The energy ledger, the course of the solve and its cost; the last line says "converged" or "NOT CONVERGED". Ends
+/// with a newline.
 std::string summary_table(const Solution& solution);
 
 }  // namespace cloudbow

@@ -16,7 +16,7 @@ struct BoundaryFluxes {
   std::vector<double> down_at_bottom;  ///< [y][x] W m-2, direct and diffuse
 };
 
-/// What a solve took; of a spectrum, all wavelengths together.
+/// Cost of a solve; of a spectrum, all wavelengths together.
 struct SolveCost {
   double cpu_seconds = 0;
   double wall_seconds = 0;
@@ -43,7 +43,7 @@ struct FluxErrors {
   double down = 0;    ///< the same: down at the bottom
 };
 
-/// @throws InputError where the two have other columns or wavelengths.
+/// @throws InputError if the two have other columns or wavelengths.
 FluxErrors flux_errors(const BoundaryResult& result, const BoundaryResult& truth);
 
 /// Points that no other beats: none has less of one and no more of the other. Equal points: the first alone. Points

@@ -1,4 +1,4 @@
-// Cameras: which way each point of an image looks from a place in or above the scene.
+// Cameras: the line of sight of each point of an image, from a position in or above the scene.
 #pragma once
 
 #include <optional>
@@ -33,10 +33,10 @@ struct Camera {
 
 struct CameraImage {
   Camera camera;
-  std::vector<float> radiance;  ///< [height][width], row 0 on top, W m-2 sr-1, diffuse; NaN where nothing is looked at
+  std::vector<float> radiance;  ///< [height][width], row 0 on top, W m-2 sr-1, diffuse; NaN without a line of sight
 };
 
-/// Where a camera stands and what it looks at.
+/// Position of a camera and the point at which it looks.
 struct CameraPlacement {
   Eigen::Vector3d position_m;
   Eigen::Vector3d look_at_m;
@@ -44,8 +44,8 @@ struct CameraPlacement {
 };
 
 /// Fills in the frame. A panorama keeps `up` as its axis and looks at the horizon below or above `look_at_m`; the
-/// others keep the direction to `look_at_m`, and `up` is what is nearest to the given one.
-/// @throws InputError "PROBLEM (found X, allowed Y)" where look_at_m is the position, or up has no length or is
+/// others keep the direction to `look_at_m`, and `up` becomes the nearest possible one.
+/// @throws InputError "PROBLEM (found X, allowed Y)" if look_at_m is the position; also if up has no length or is
 /// parallel to the line of sight.
 Camera make_camera(const std::string& name, Camera::Projection projection, const CameraPlacement& placement,
                    double field_of_view, int width, int height, int rays = 2);

@@ -1,5 +1,5 @@
-// The state of an iteration outside of its process, so that another one can go on from there. Where it is kept is a
-// matter of who implements this.
+// The state of an iteration outside of its process, so that another one can go on from there. Implementations decide on
+// the storage.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct StateArray {
   std::vector<void*> rows;
 };
 
-/// What a state belongs to.
+/// Identifies the solve to which a state belongs.
 struct StateKey {
   std::uint64_t layout = 0;   ///< cells, ordinates and precision: arrays of another layout mean something else
   std::uint64_t problem = 0;  ///< all that the iteration depends on
@@ -31,11 +31,11 @@ class Checkpoints {
   virtual ~Checkpoints() = default;
 
   enum class Found { nothing, same_layout, same_problem };
-  /// Whether there is a state to begin with. @throws InputError where it is of another layout.
+  /// Whether there is a state to begin with. @throws InputError if it is of another layout.
   virtual Found find(const StateKey& key) = 0;
-  /// Fills an array of the state that was found. @throws InputError where it is not there, or has another shape.
+  /// Fills an array of the state that was found. @throws InputError if it is missing or has another shape.
   virtual void load(const StateArray& array) = 0;
-  /// What was loaded makes no sense. @throws InputError
+  /// Refuses a loaded state that makes no sense. @throws InputError
   [[noreturn]] virtual void refuse(const std::string& problem) = 0;
   /// How the iteration begins: after that many sweeps of the same one, or (0) with the light of another.
   virtual void loaded(int sweeps) = 0;

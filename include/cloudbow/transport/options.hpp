@@ -1,4 +1,4 @@
-// How a problem is solved, and what is asked for.
+// Settings of a solve, and the requested outputs.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace cloudbow {
 struct View {
   std::string name;
   Direction travel;  ///< of the light that is seen, z != 0
-  int width = 0;     ///< pixels along x and y over the domain's horizontal extent; 0: one a column
+  int width = 0;     ///< pixels along x and y over the domain's horizontal extent; 0: one per column
   int height = 0;
 };
 
@@ -37,14 +37,14 @@ struct SpatialOptions {
   bool beam_crosses_columns = false;  ///< with independent_columns: but the direct beam does
   /// Horizontal axes along which nothing varies are collapsed to one cell: the same answer for less.
   bool collapse_uniform_axes = false;
-  /// Whether the source is linear within a cell; false: constant, which shows what the size of cells matters.
+  /// Whether the source is linear within a cell; false: constant, which shows the effect of the size of cells.
   bool linear_source = true;
   /// Levels in which the direct beam fades are subdivided, the first part of this slant optical depth
   /// (SubdividedLevels); 0: as they are.
   double max_level_optical_depth = 0;
 };
 
-/// When the iteration is done, and what it stores.
+/// Convergence criteria of the iteration, and its storage.
 struct IterationOptions {
   double tolerance = 1e-4;  ///< estimated true relative error of the iteration
   double energy_tolerance = 1e-5;
@@ -53,7 +53,7 @@ struct IterationOptions {
   bool half_precision_radiance = false;
 };
 
-/// What a solution contains.
+/// Contents of a solution.
 struct OutputOptions {
   FluxLevels flux_levels = FluxLevels::all;
   std::vector<int> listed_levels;  ///< indices of z_edge, ascending, if flux_levels is listed
@@ -65,7 +65,7 @@ struct OutputOptions {
 };
 
 struct ExecutionOptions {
-  bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells take it by themselves
+  bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells always use it
   int threads = 0;                ///< 0: all that OpenMP gives
 };
 

@@ -1,4 +1,4 @@
-// The fields of a solution, once: what they are called, where their values lie, who asks for them.
+// The one list of a solution's fields: their names, the locations of their values, the options that request them.
 #pragma once
 
 #include <span>
@@ -28,7 +28,7 @@ struct OutputField {
 /// All fields of levels and cells, in the order of a result.
 std::span<const OutputField> output_fields();
 
-/// Leaves only what is always there: no fields of cells, images or radiance field.
+/// Leaves only the outputs that are always present: no fields of cells, images or radiance field.
 void ask_for_fluxes_alone(OutputOptions& options);
 
 /// How many values of the fields of cells a solution holds per cell.

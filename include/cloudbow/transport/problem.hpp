@@ -1,4 +1,5 @@
-// What is solved, in plain arrays. Conventions: z up, k and z_edge ascend; light is given by its direction of travel.
+// The input of a solve, in plain arrays. Conventions: z up, k and z_edge ascend; light is given by its direction of
+// travel.
 #pragma once
 
 #include <optional>
@@ -10,8 +11,8 @@
 
 namespace cloudbow {
 
-/// Irradiances and sky radiances, where they are not 0: float then holds every flux and radiance that is 1e-12 of them
-/// or more, and everything that a cloud or surface focuses.
+/// Range of irradiances and sky radiances, if they are not 0. Float then holds every flux and radiance that is 1e-12 of
+/// them or more. It also holds everything that a cloud or surface focuses.
 inline constexpr double least_light = 1e-25, most_light = 1e25;
 
 struct Sun {

@@ -1,4 +1,4 @@
-// What a problem is reduced to before it is solved.
+// Reductions of a problem before it is solved.
 #pragma once
 
 #include <vector>

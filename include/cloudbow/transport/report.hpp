@@ -1,4 +1,4 @@
-// How a solve went, and where its light went.
+// Course of a solve, and its energy ledger.
 #pragma once
 
 #include <cstddef>
@@ -50,7 +50,7 @@ struct SolverReport {
   double surface_largest_correction = 0;  ///< worst |factor - 1| that gave a column of its table that albedo
 };
 
-/// Told after each sweep and phase; may throw to stop the solve.
+/// Called after each sweep and phase; may throw to stop the solve.
 struct SolverProgress {
   std::string phase;  ///< "tables", "beam", "sweep", "gather"
   int sweep = 0;

@@ -1,5 +1,5 @@
-// What comes out of a solve, in plain arrays. Conventions: z up, k and z_edge ascend; light is given by its direction
-// of travel.
+// The output of a solve, in plain arrays. Conventions: z up, k and z_edge ascend; light is given by its direction of
+// travel.
 #pragma once
 
 #include <array>
@@ -16,11 +16,11 @@ namespace cloudbow {
 struct RadianceImage {
   View view;
   std::vector<float> radiance;  ///< [height][width] of the view, else [ny][nx]; y ascending; W m-2 sr-1, mean over the
-                                ///< pixel where the line of sight crosses that plane
+                                /// < pixel at which the line of sight crosses that plane
 };
 
 struct RadianceField {
-  std::vector<Direction> direction;                   ///< M control points: where light travels to
+  std::vector<Direction> direction;                   ///< M control points: directions of travel of light
   std::vector<std::array<std::int32_t, 3>> triangle;  ///< of control points, counter-clockwise seen from outside
   std::vector<std::array<std::int32_t, 3>> voxel;     ///< n active voxels: i, j, k
   std::vector<float> radiance;                        ///< n x M, W m-2 sr-1, voxel mean, diffuse
@@ -36,10 +36,10 @@ struct Solution {
   std::vector<double> profile_upwelling_flux;   ///< [nz+1] domain means
   std::vector<double> profile_downwelling_diffuse_flux;
   std::vector<double> profile_direct_flux;
-  std::vector<float> absorbed_power;  ///< [nz][ny][nx] W m-3, empty unless asked
-  std::vector<float>
-      actinic_flux;  ///< [nz][ny][nx] W m-2, empty unless asked; NaN where no light was computed (empty cells)
-  std::vector<RadianceImage> images;       ///< one for each of SolverOptions::views
+  std::vector<float> absorbed_power;  ///< [nz][ny][nx] W m-3, empty unless requested
+  std::vector<float> actinic_flux;    ///< [nz][ny][nx] W m-2, empty unless requested; NaN in empty cells, for which no
+                                      ///< light was computed
+  std::vector<RadianceImage> images;  ///< one for each of SolverOptions::views
   std::vector<CameraImage> camera_images;  ///< one for each of SolverOptions::cameras
   std::optional<RadianceField> radiance_field;
   EnergyLedger ledger;

@@ -1,5 +1,5 @@
-// What is known about a problem before it is solved: found out once, read by the solve, by predictions of its cost, and
-// by other solves of the same problem.
+// Properties of a problem before it is solved. They are computed once. The solve, predictions of its cost and other
+// solves of the problem read them.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 namespace cloudbow {
 
 /// Whether columns are solved by polar streams, without azimuths and without iteration: independent columns over a
-/// Lambertian ground, if no radiance is asked for.
+/// Lambertian ground, if no radiance is requested.
 bool solved_by_polar_streams(const Problem& problem, const SolverOptions& options);
 
 class SolvePlan {
@@ -19,20 +19,20 @@ class SolvePlan {
   /// @param problem must last as long as the plan.
   SolvePlan(const Problem& problem, const SolverOptions& options);
 
-  /// The same problem with other options. What does not depend on them is not found out again.
+  /// The same problem with other options. Properties that do not depend on them are not computed again.
   SolvePlan with(const SolverOptions& options) const;
 
   const Problem& whole() const { return *whole_; }                       ///< as given
   const SolverOptions& whole_options() const { return whole_options_; }  ///< as given
-  UniformAxes collapsed_axes() const { return collapsed_axes_; }         ///< of the whole; none unless asked for
+  UniformAxes collapsed_axes() const { return collapsed_axes_; }         ///< of the whole; none unless requested
   /// Without these axes.
   const Problem& collapsed() const { return collapsed_ ? *collapsed_ : *whole_; }
-  /// Of the collapsed problem.
+  /// Subdivided levels of the collapsed problem.
   const SubdividedLevels& levels() const { return levels_; }
   int added_levels() const { return levels_.added(collapsed().grid.box); }
 
-  /// Without these axes and with these levels: what is solved, and how. If cells() is more than it has, the solve adds
-  /// its cells without matter.
+  /// The problem and options as solved, without these axes and with these levels. If cells() is more than it has, the
+  /// solve adds its cells without matter.
   const Problem& problem() const { return subdivided_ ? *subdivided_ : collapsed(); }
   const SolverOptions& options() const { return options_; }
 

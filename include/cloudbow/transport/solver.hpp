@@ -9,10 +9,11 @@
 
 namespace cloudbow {
 
-/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points),
-/// for light out of range and for cells too thick to be solved (thick_cells.hpp).
+/// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points);
+/// for light out of range; and for cells too thick to be solved (thick_cells.hpp).
 /// @throws std::runtime_error if a value of the solution is not finite.
-/// @param checkpoints where the iteration begins and leaves its state, or null; solves without iteration leave none.
+/// @param checkpoints from which the iteration begins and to which it writes its state, or null; solves without
+/// iteration leave none.
 Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, Checkpoints* checkpoints = nullptr);
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
                Checkpoints* checkpoints = nullptr);

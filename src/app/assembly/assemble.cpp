@@ -22,7 +22,7 @@
 namespace cloudbow {
 namespace {
 
-// Corners of the domain are taken to be meant where they stand this close to a voxel face, in voxels.
+// Corners of the domain this close to a voxel face are taken to lie on it, in voxels.
 constexpr double face_tolerance = 1e-3;
 constexpr double max_columns_per_axis = 1e6;
 
@@ -53,7 +53,7 @@ class DomainChecker {
 
   Domain check() {
     for (int axis = 0; axis < 3; ++axis) {
-      if (field_ == nullptr && axis != 2) continue;  // a single column, as wide as one likes
+      if (field_ == nullptr && axis != 2) continue;  // a single column of any width
       if (scene_.domain.min_m) domain_.min_m[axis] = corner("domain.min_m", axis, (*scene_.domain.min_m)[axis]);
       if (scene_.domain.max_m) domain_.max_m[axis] = corner("domain.max_m", axis, (*scene_.domain.max_m)[axis]);
       check_order(axis);
@@ -180,9 +180,9 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   return options;
 }
 
-// Layers alone are a column of their own, and have their fluxes without iteration, more exactly and sooner. Who sets
-// what the iteration alone has means the iteration. Voxels that do not vary agree with those that do a little, so they
-// are solved as these are.
+// Layers alone are one column. Their fluxes are computed without iteration, more exactly and faster. Settings that only
+// the iteration has request the iteration. Uniform voxels must agree with slightly varying ones, so they are solved in
+// the same way.
 void solve_layers_without_iteration(const Scene& scene, const Problem& problem, SolverOptions& options) {
   const SceneSolver& solver = scene.solver;
   if (scene.cloud || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 || solver.control_points ||

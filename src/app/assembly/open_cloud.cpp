@@ -16,7 +16,7 @@
 namespace cloudbow {
 namespace {
 
-/// Takes few phase functions for those of the voxels, weighted by what each voxel scatters.
+/// Replaces the phase functions of the voxels by few, weighted by the scattering of each voxel.
 void take_classes(const PhaseFamily& family, double tolerance, OpenedCloud& cloud) {
   const std::vector<double>& albedo = cloud.optics.voxel_single_scattering_albedo;
   std::vector<double> scattering;
@@ -40,7 +40,7 @@ void take_droplets(const DropletTable& table, const std::vector<float>& radius_u
 }
 
 /// @param number of its phase function for each voxel, from 1
-/// @param where the message about another number begins
+/// @param where begins the message about any other number
 void take_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, double tolerance,
                     const std::string& where, OpenedCloud& cloud) {
   std::vector<std::size_t> index;
@@ -57,7 +57,7 @@ void take_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, 
   take_classes(family_of_set(set.function, index), tolerance, cloud);
 }
 
-/// Where the message about a grid begins.
+/// Beginning of a message about a grid.
 std::string grid_place(const SceneCloud& cloud, const std::string& grid) {
   return fmt::format("{}: grid \"{}\"", cloud.file.string(), grid);
 }
@@ -80,8 +80,8 @@ std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, 
   return radius;
 }
 
-/// What the grid's numbers are, after the scale. A scale makes extinction of liquid water: it is then the extinction of
-/// 1 g/m3, which the radius of droplets bounds.
+/// Quantity of the grid's numbers, after the scale. A scale can convert liquid water to extinction: it is then the
+/// extinction of 1 g/m3, which the radius of droplets bounds.
 std::string quantity_of(const Scene& scene, const VdbCloud& field) {
   const SceneCloud& cloud = *scene.cloud;
   const std::string& stored = field.quantity;
@@ -113,7 +113,7 @@ std::string quantity_of(const Scene& scene, const VdbCloud& field) {
                   water_to_extinction ? "; cloud.effective_radius_um makes extinction of liquid water" : ""));
 }
 
-/// The corners of the scene's domain, where it has both.
+/// The corners of the scene's domain, if it has both.
 std::optional<VdbDomain> given_domain(const SceneDomain& domain) {
   if (!domain.min_m || !domain.max_m) return std::nullopt;
   return VdbDomain{*domain.min_m, *domain.max_m};

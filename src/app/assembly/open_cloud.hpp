@@ -19,7 +19,7 @@ struct OpenedCloud {
   CloudFigures figures;
 };
 
-/// @throws InputError where the files cannot be read, contradict the scene, or do not say enough.
+/// @throws InputError if the files cannot be read, contradict the scene, or lack data.
 OpenedCloud open_cloud(const Scene& scene, CloudFiles& files);
 
 }  // namespace cloudbow

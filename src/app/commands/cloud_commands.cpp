@@ -63,7 +63,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
   });
 }
 
-/// What CLI11 fills; optional triples and pairs as lists.
+/// Variables that CLI11 fills; optional triples and pairs as lists.
 struct ImportCommand {
   CloudImportOptions import;
   std::vector<double> voxel_size_m;
@@ -116,7 +116,7 @@ void check_options_of_format(const CLI::App& app, const CloudImportOptions& impo
 /// "cloud.vdb" has its phase functions in "cloud.phase.csv".
 std::filesystem::path phase_set_beside(std::filesystem::path output) { return output.replace_extension(".phase.csv"); }
 
-/// Of the file given, or those in the cloud's own file.
+/// Phase functions of the file given, or those in the cloud's own file.
 std::vector<std::vector<double>> phase_functions_of(const ImportCommand& command, ImportedCloud& cloud) {
   if (command.phase_functions.empty()) {
     for (std::size_t p = 0; p < cloud.moments.size(); ++p) {

@@ -6,7 +6,7 @@
 
 namespace cloudbow {
 
-/// Adds the subcommand; where the user named one of its own, `action` becomes what it does.
+/// Adds the subcommand; if the user named one of its own subcommands, `action` becomes the work of that.
 void add_cloud(CLI::App& app, std::function<int()>& action);
 
 }  // namespace cloudbow

@@ -1,4 +1,4 @@
-// What subcommands share: checks of numbers, lists of words.
+// Functions that subcommands share: checks of numbers, lists of words.
 #pragma once
 
 #include <fmt/format.h>

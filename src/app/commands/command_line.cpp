@@ -36,12 +36,12 @@
 namespace cloudbow {
 namespace {
 
-constexpr int exit_broken_pipe = 128 + SIGPIPE;  // as a shell tells it
+constexpr int exit_broken_pipe = 128 + SIGPIPE;  // as a shell reports it
 
-/// What a subcommand sets up and then does. Only the one that the user named is run.
+/// The work of a subcommand, with its options. Only that of the one that the user named is run.
 using Action = std::function<int()>;
 
-/// What --target-error, --of and --budget say.
+/// Values of --target-error, --of and --budget.
 struct TargetText {
   std::string error, of = "domain", budget;
 
@@ -219,14 +219,15 @@ std::string command_text(int argc, const char* const* argv) {
   return text;
 }
 
-/// What was printed may wait for room on a disk that has none. Whoever closes stdout wants nothing of it.
+/// Printed text may still be in the buffer when the disk is full. A closed stdout (EBADF) is no error: its owner wants
+/// no output.
 void check_printed() {
   if (std::fflush(stdout) == 0 || errno == EBADF) return;
   if (errno == EPIPE) throw std::system_error(errno, std::generic_category(), "stdout");
   throw InputError(fmt::format("stdout: can't be written ({})", std::generic_category().message(errno)));
 }
 
-/// An empty word is a variable of a script that was not set, and would be taken for an option not given.
+/// An empty word comes from a variable that a script did not set. It would be taken for an option not given.
 void check_no_empty_words(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& word : option->results()) {
@@ -268,9 +269,10 @@ int parse_and_act(int argc, const char* const* argv) {
   return code;
 }
 
-/// What a parent may have left in another state than programs expect.
+/// Sets process state that a parent may have left different from the usual one.
 void settle_process() {
-  // Else the next file that is opened becomes a standard stream, and messages are written into it.
+  // Opens missing standard streams. Otherwise the next file that is opened becomes one, and messages are written into
+  // it.
   while (true) {
     const int descriptor = open("/dev/null", O_RDWR);
     if (descriptor <= STDERR_FILENO && descriptor >= 0) continue;

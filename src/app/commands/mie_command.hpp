@@ -22,8 +22,8 @@ struct MieOptions {
   std::string command;  ///< as the user typed it, for the table's history
 };
 
-/// Numbers of "X" or "FROM:TO:STEP" (TO included where the steps meet it), all > 0. @throws InputError otherwise, or
-/// for more than 1000; its message begins with the option.
+/// Numbers of "X" or "FROM:TO:STEP" (TO included if the steps meet it), all > 0. @throws InputError otherwise, or for
+/// more than 1000; its message begins with the option.
 std::vector<double> parse_steps(const std::string& option, const std::string& text);
 
 /// @returns exit_done. @throws InputError for anything wrong with the options or the output.

@@ -1,4 +1,4 @@
-// `cloudbow phase`: a phase function by itself.
+// `cloudbow phase`: a single phase function.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,7 +7,7 @@
 
 namespace cloudbow {
 
-/// Adds the subcommand; where the user named it, `action` becomes what it does.
+/// Adds the subcommand; if the user named it, `action` becomes its work.
 /// @param command as the user typed it, for the history of the file it writes
 void add_phase(CLI::App& app, std::function<int()>& action, const std::string& command);
 

@@ -168,7 +168,7 @@ int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
   return exit_not_converged;
 }
 
-/// Tables of the cache are written without being asked for.
+/// Tables of the cache are written without a request.
 void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
   const std::filesystem::path cache = cache_directory();
   for (const std::filesystem::path& file : files) {
@@ -181,7 +181,7 @@ void check_not_of_cache(const std::vector<std::filesystem::path>& files) {
   }
 }
 
-/// Nothing that a run writes may land on what it reads or on something else that it writes.
+/// No output of a run may overwrite its inputs or another output.
 void check_files(const RunOptions& options, std::size_t solves, const std::filesystem::path& output,
                  const Scene& scene) {
   std::vector<OutputFile> outputs{{output, "the result", OutputKind::hdf5}};
@@ -190,7 +190,7 @@ void check_files(const RunOptions& options, std::size_t solves, const std::files
     const std::filesystem::path kept = checkpoint_file(options.checkpoint, of, solves);
     const std::filesystem::path resumed = checkpoint_file(options.resume, of, solves);
     outputs.push_back({kept, "the checkpoint", OutputKind::checkpoint});
-    // A solve may keep its state in the file that it goes on from, but in that of no other solve.
+    // A solve may keep its state in the file from which it continues, but in that of no other solve.
     if (!same_file(kept, resumed)) files.push_back(resumed);
   }
   std::vector<std::filesystem::path> all = files;

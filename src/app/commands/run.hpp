@@ -5,8 +5,8 @@
 
 namespace cloudbow {
 
-/// @returns exit_done, or exit_not_converged where the solve did not reach its tolerance or the ledger does not close,
-/// or where the result misses the goal: it is written all the same.
+/// @returns exit_done, or exit_not_converged: the solve did not reach its tolerance, the energy ledger does not close
+/// or the result misses the target. The result is written in all cases.
 /// @throws InputError, Interrupted.
 int run(const RunOptions& options);
 

@@ -23,7 +23,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// Of a command within another one that is named without it, as in "info" for "cloud info".
+/// Suggestion for an inner command given without its outer one, as "info" for "cloud info".
 std::string suggest_inner(const CLI::App& app, const std::string& word) {
   for (const CLI::App* command : app.get_subcommands({}))
     for (const std::string& inner : command_names(*command))
@@ -31,7 +31,7 @@ std::string suggest_inner(const CLI::App& app, const std::string& word) {
   return "";
 }
 
-/// Empty where each word found its place.
+/// Message about the first unknown or surplus word; empty if there is none.
 /// @param path of the command: "", "run: ", "cloud make: "
 std::string unknown_word(const CLI::App& app, const std::string& path) {
   const std::vector<std::string> words = app.remaining();

@@ -1,4 +1,4 @@
-// What is told of a command line that cannot be read.
+// Messages about a command line that cannot be read.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace cloudbow {
 
-/// For a word that nobody knows: what is known there, and what may have been meant; else as the parser says it.
+/// For an unknown word: the words allowed there, and the one probably meant. Otherwise the message of the parser.
 /// @param app after its parse() threw the error
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error);
 

@@ -22,7 +22,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double slow_seconds = 10;  // checks take less than this in all; beyond it the user is told what is going on
+constexpr double slow_seconds = 10;  // checks take less than this in all; beyond it, progress is printed
 
 using Clock = std::chrono::steady_clock;
 
@@ -63,7 +63,7 @@ std::string json_text(const std::string& text) {
   return quoted + '"';
 }
 
-// JSON has no word for what is not a finite number.
+// JSON cannot express numbers that are not finite.
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
 
 std::string json_entry(const PhysicalCheck& check, const CheckOutcome& outcome) {

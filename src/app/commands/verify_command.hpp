@@ -6,7 +6,7 @@
 
 namespace cloudbow {
 
-/// Adds the subcommand; where the user named it, `action` becomes what it does.
+/// Adds the subcommand; if the user named it, `action` becomes its work.
 void add_verify(CLI::App& app, std::function<int()>& action);
 
 }  // namespace cloudbow

@@ -13,8 +13,8 @@ namespace {
 constexpr double coarse_tolerance = 1e-2;
 constexpr double coarse_energy_tolerance = 1e-3;
 
-// Columns without azimuths: of a field of them as few streams as still tell, for the time; of one column more than it
-// has, whose error their distance then is.
+// Columns without azimuths. A field of them takes the fewest streams that still show the error, to save time. One
+// column takes more streams than it has; their distance is then its error.
 constexpr int few_streams = 4;
 constexpr int most_streams = 16;
 int streams_of_field(int streams) { return streams > few_streams ? few_streams : 2 * few_streams; }
@@ -28,10 +28,11 @@ struct Directions {
   int beam_half_range_rows;
 };
 
-// Of fields: as few as still tell where more would matter.
+// For fields: as few as still show if more would matter.
 constexpr Directions field_directions{42, "double-gauss-4x8", 4, 2, 2};
-// A single column costs next to nothing, and its errors are so small that few directions say little of them: against a
-// better solution at the draft, else against one that is nearly as good, on the same control points.
+// A single column costs next to nothing, and its errors are so small that few directions do not show them. The draft is
+// compared with a better solution. Other levels are compared with one that is nearly as good, on the same control
+// points.
 constexpr Directions column_directions_of_draft{162, "reduced-double-gauss-12x20", 12, 3, 3};
 constexpr Directions column_directions_of_balanced{162, "reduced-double-gauss-10x16", 10, 3, 3};
 constexpr Directions column_directions{642, "double-gauss-14x20", 12, 3, 3};
@@ -45,7 +46,7 @@ void set_directions(const Directions& directions, SolverOptions& options) {
   options.fit.minimax = true;
 }
 
-// Each column for itself, with the directions of the solve.
+// Independent columns, with the directions of the solve.
 SolverOptions ordinates_of_columns(const SolverOptions& options) {
   SolverOptions columns = options;
   ask_for_fluxes_alone(columns);

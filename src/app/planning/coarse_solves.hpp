@@ -1,4 +1,4 @@
-// Other solutions of a scene, which tell how far off its solution is.
+// Other solutions of a scene, from which the error of its solution is estimated.
 #pragma once
 
 #include <string>

@@ -13,7 +13,7 @@
 namespace cloudbow {
 namespace {
 
-/// Of the fields that a solution holds.
+/// Memory of the fields that a solution holds.
 std::size_t solution_bytes(const AssembledScene& scene) {
   const BoxGrid& box = scene.problem.grid.box;
   const SolverOptions& options = scene.options;

@@ -1,4 +1,4 @@
-// What a run will take, before the first solve.
+// Cost of a run, computed before the first solve.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct PlannedScene {
 PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
                         const std::vector<double>& levels_m, int threads);
 
-/// What a run needs, known before the first solve.
+/// Resources that a run needs, computed before the first solve.
 struct CostEstimate {
   std::size_t memory = 0;            ///< bytes, of the most demanding wavelength, with the results of all
   double seconds = 0;                ///< of all wavelengths, on this machine
@@ -44,7 +44,7 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
-/// Options for the same scene as independent columns, of which fluxes alone are asked.
+/// Options for the same scene as independent columns, of which only fluxes are requested.
 SolverOptions by_columns(SolverOptions options);
 
 }  // namespace cloudbow

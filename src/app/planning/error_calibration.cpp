@@ -13,13 +13,14 @@ struct Calibration {
   ByFlux ratio_to_draft;
 };
 
-// Each row: weights of the angular and of the spatial distance and the least, of domain, columns up, columns down; then
-// what is expected of the level as a share of the draft's estimate. Fitted by tests/validation/error_estimates.py --fit
-// to half of its scenes (plane-parallel cases; step cloud, RICO and isolated clouds), so that the estimate is no less
-// than the true error in 96 % of the rows of columns and, with half as much again, in all of fields.
-// Columns at `reference` were not looked at and have the weights of `fine`. In fields Monte Carlo finds `fine` no
-// better than `balanced` in the domain's fluxes, and `reference` no better than `fine`: little less is expected of
-// them, so that a time that allows them goes into them, but no level is expected to be worse than the one before.
+// Each row: weights of the angular and of the spatial distance and the least, of domain, columns up, columns down. Then
+// follows the expected error of the level as a share of the draft's estimate. Fitted by
+// tests/validation/error_estimates.py --fit to half of its scenes (plane-parallel cases; step cloud, RICO and isolated
+// clouds). The estimate is no less than the true error in 96 % of the rows of columns. With half as much again, it is
+// no less in all rows of fields. Columns at `reference` were not examined and have the weights of `fine`. In fields
+// Monte Carlo finds `fine` no better than `balanced` in the domain's fluxes, and `reference` no better than `fine`.
+// Their expected error is slightly smaller, so that they are chosen if the time allows them. No level is expected to be
+// worse than the one before.
 constexpr std::array<Calibration, 4> field_calibration{{
     {"draft", {{.54, .88, 1.8}, {.16, .88, 1.8}, {0, 0, 0}}, {1, 1, 1}},
     {"balanced", {{.17, .37, .48}, {.051, .37, .48}, {0, 0, 0}}, {.45, .48, .3}},

@@ -13,7 +13,7 @@ namespace cloudbow {
 enum class SolvedAs {
   field,
   column,                 ///< one, with iteration
-  column_beside_streams,  ///< one, with iteration, where columns without it have the same fluxes, but exactly
+  column_beside_streams,  ///< one, with iteration, if columns without it have the same fluxes, but exactly
   column_by_its_streams   ///< one, without iteration
 };
 

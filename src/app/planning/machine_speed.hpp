@@ -7,18 +7,18 @@
 
 namespace cloudbow {
 
-/// First line of the file that keeps the factor. Its number goes up when predict_seconds() or the solve that is
-/// measured changes, which makes factors of before mean something else (test_machine_speed.cpp notices the former).
+/// First line of the file that keeps the factor. Its number increases when predict_seconds() or the solve that is
+/// measured changes: older factors then have another meaning (test_machine_speed.cpp notices the former).
 inline constexpr const char* machine_speed_header = "cloudbow machine 2";
 
 /// The solve that is measured.
 std::pair<Problem, SolverOptions> calibration_solve();
 
-/// Factor on predicted seconds: what `cloudbow verify --calibrate` has stored beside the table cache, else 1.
+/// Factor on predicted seconds: that stored by `cloudbow verify --calibrate` beside the table cache, else 1.
 double machine_slowness();
 
 /// Measures it by a fixed solve of a second or so, on all processors, and stores it. @returns the factor.
-/// @throws InputError where it cannot be stored.
+/// @throws InputError if it cannot be stored.
 double calibrate_machine();
 
 }  // namespace cloudbow

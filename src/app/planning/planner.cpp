@@ -12,7 +12,7 @@
 namespace cloudbow {
 namespace {
 
-/// Up to the next number of two digits: what is told as possible must be.
+/// Rounds up to the next number of two digits: an error printed as possible must be possible.
 double rounded_up(double value) {
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::ceil(value / unit * (1 - 1e-9)) * unit;
@@ -42,7 +42,7 @@ bool fits(const LevelCost& level, const Target& target, const Resources& resourc
                   cheapest.level, seconds(*target.budget_seconds), seconds(rounded_up(needed))));
 }
 
-/// Number at the beginning of a text, and what follows it without blanks.
+/// Number at the beginning of a text, and the rest without blanks.
 std::pair<std::optional<double>, std::string> number_and_unit(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

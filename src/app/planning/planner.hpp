@@ -19,15 +19,15 @@ struct Target {
   std::optional<double> budget_seconds;  ///< wall time of all solves, > 0
 };
 
-/// What a level of accuracy is expected to reach and to take in one scene.
+/// Expected error and cost of a level of accuracy in one scene.
 struct LevelCost {
   std::string level;
-  double error = 0;  ///< of the fluxes that the goal names; fraction
+  double error = 0;  ///< of the fluxes that the target names; fraction
   double seconds = 0;
   double memory_bytes = 0;
 };
 
-/// What there is.
+/// Resources available, apart from the budget of the target.
 struct Resources {
   double spent_seconds = 0;  ///< by solves before
   double memory_bytes = 0;
@@ -36,10 +36,10 @@ struct Resources {
 /// The cheapest level that is expected to reach the error within the time and the memory; without an error the best
 /// that fits.
 /// @param levels from the coarsest on, at least one.
-/// @returns index of the level. @throws InputError where there is none; it says what would be possible.
+/// @returns index of the level. @throws InputError if there is none, with the values that would be possible.
 std::size_t choose_level(std::span<const LevelCost> levels, const Target& target, const Resources& resources);
 
-/// The level after `level`, where time and memory allow it; else nothing.
+/// The level after `level`, if time and memory allow it; else nothing.
 std::optional<std::size_t> next_level(std::span<const LevelCost> levels, std::size_t level, const Target& target,
                                       const Resources& resources);
 

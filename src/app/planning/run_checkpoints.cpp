@@ -38,7 +38,8 @@ RunCheckpoints::RunCheckpoints(const RunOptions& options, std::size_t of, std::s
   if (!options.checkpoint.empty()) to_ = checkpoint_file(options.checkpoint, of, solves);
   if (options.resume.empty()) return;
   from_ = checkpoint_file(options.resume, of, solves);
-  // What a run keeps and resumes from is not there yet at its first start; later wavelengths come later.
+  // A file used for both --checkpoint and --resume does not exist at the first start. Those of later wavelengths are
+  // written later.
   const bool may_lack = of > 0 || (!options.checkpoint.empty() && same_file(options.checkpoint, options.resume));
   if (may_lack && !is_there(from_)) return;
   input_ = std::make_unique<CheckpointInput>(from_);

@@ -14,7 +14,7 @@ namespace cloudbow {
 class RunCheckpoints : public Checkpoints {
  public:
   /// @param of number of the solve within the run, `solves` in all: of several each has files of its own.
-  /// @throws InputError where there is nothing to resume from.
+  /// @throws InputError if there is nothing to resume from.
   RunCheckpoints(const RunOptions& options, std::size_t of, std::size_t solves);
 
   Found find(const StateKey& key) override;
@@ -22,10 +22,10 @@ class RunCheckpoints : public Checkpoints {
   [[noreturn]] void refuse(const std::string& problem) override;
   void loaded(int sweeps) override;
   bool due() override;
-  /// A file that cannot be written is told of, and no reason to end the run.
-  /// @throws Interrupted once it is written, where a signal has come.
+  /// A file that cannot be written is reported and does not end the run. @throws Interrupted after it is written, if a
+  /// signal has arrived.
   void save(const StateKey& key, std::span<const StateArray> state) override;
-  /// Whether the solve had a state to go on from or to keep: columns that are solved without iteration have none.
+  /// Whether the solve had a state to resume from or to keep: columns that are solved without iteration have none.
   bool used() const { return used_; }
 
  private:

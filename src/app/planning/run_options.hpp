@@ -1,4 +1,4 @@
-// What `cloudbow run` is asked for beside the scene.
+// Options of `cloudbow run` apart from the scene.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,14 @@ struct RunOptions {
   std::filesystem::path scene;
   std::vector<std::string> overrides;  ///< "KEY=VALUE"
   std::filesystem::path
-      output;       ///< empty: what the scene says, else the scene's name with .h5 in the working directory
+      output;       ///< empty: as the scene gives it, else the scene's name with .h5 in the working directory
   int threads = 0;  ///< 0: all
   bool quiet = false;
   bool compare = false;          ///< solve as independent columns too and write the differences of the column fluxes
   bool dry_run = false;          ///< validate, predict memory and time, write nothing
   std::optional<Target> target;  ///< the level of accuracy is chosen, in place of the scene's
   std::filesystem::path checkpoint;  ///< keeps the state of the iteration here; empty: nowhere
-  double checkpoint_minutes = 10;    ///< after so many, >= 0; and where a signal ends the run, and when it is done
+  double checkpoint_minutes = 10;    ///< interval, >= 0; also written when a signal ends the run, and at its end
   std::filesystem::path resume;      ///< begins with the state here; empty: from nothing
   std::string command;               ///< as the user typed it, for the result's history
 };

@@ -10,7 +10,7 @@
 
 namespace cloudbow {
 
-/// Solutions of all wavelengths, and what the result file says about how they were made.
+/// Solutions of all wavelengths, and the data on their origin in the result file.
 struct Solved {
   std::vector<Solution> solutions;
   std::vector<Solution> by_columns;             ///< of each the same as independent columns, or none

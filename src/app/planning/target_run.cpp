@@ -27,7 +27,7 @@ std::vector<Scene> scenes_at(const RunOptions& options, const std::string& level
   return scenes;
 }
 
-/// Of the fluxes that the goal names; of a spectrum the largest.
+/// Error of the fluxes that the target names; of a spectrum the largest.
 double error_of(const std::vector<ErrorEstimate>& errors, ErrorOf of) {
   double largest = 0;
   for (const ErrorEstimate& error : errors)
@@ -45,7 +45,7 @@ double expected_error(const std::vector<ErrorEstimate>& of_draft, ErrorOf of, co
   return largest;
 }
 
-/// What the forecast leaves out, which a second run does not pay either.
+/// Time that the cost estimate omits, and that a second run does not need either.
 double table_seconds(const Solved& solved) {
   double sum = 0;
   for (const Solution& solution : solved.solutions) sum += solution.report.seconds_tables;
@@ -93,7 +93,7 @@ class TargetRunner {
     return {level, 0, expected.seconds, static_cast<double>(expected.memory)};
   }
 
-  /// A time too short for any level is told before anything is solved.
+  /// A time too short for any level is reported before anything is solved.
   void begin_costs() {
     levels_ = {cost_of(names_.front())};
     first_seconds_ = levels_.front().seconds;

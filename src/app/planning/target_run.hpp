@@ -15,8 +15,8 @@ struct TargetRun {
   RunPlan plan;
 };
 
-/// Says on stderr what is chosen and why.
-/// @throws InputError where no level serves, with what would be possible; Interrupted.
+/// Prints the chosen level and the reason on stderr. @throws InputError if no level suffices, with the possible values;
+/// Interrupted.
 TargetRun reach_target(const RunOptions& options, std::uint64_t available, CloudFiles& files);
 
 }  // namespace cloudbow

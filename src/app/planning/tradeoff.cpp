@@ -72,7 +72,7 @@ Level make_level(const std::string& name, const TradeoffOptions& options) {
   return level;
 }
 
-/// Where they do not, the draft is the level of columns by themselves.
+/// If they do not, the draft is the level of independent columns.
 bool columns_exchange_light(const Scene& scene) {
   const bool one_column = !scene.cloud && scene.albedo_map.empty();
   return !one_column &&
@@ -122,7 +122,8 @@ std::string why_left_out(const Level& level, const TradeoffOptions& options) {
   try {
     needed = foreseen_memory(read_scenes(options.scene, level.overrides), available, options.threads);
   } catch (const InputError& error) {
-    // Columns by themselves do not know all that a scene may ask for. Of a faulty scene the next level tells.
+    // Independent columns lack some outputs that a scene may request. An error of the scene itself is reported at the
+    // next level.
     if (!is_column_mode(level.name) || !options.levels.empty()) throw;
     return error.what();
   }
@@ -135,7 +136,7 @@ BoundaryResult solve_level(const Level& level, const TradeoffOptions& options, c
   const std::filesystem::path file = scratch / (level.name + ".h5");
   std::vector<std::string> arguments{"run", options.scene.string(), "-o", file.string()};
   for (const std::string& setting : level.overrides) arguments.insert(arguments.end(), {"--set", setting});
-  // Errors are against the truth of the table: an estimate would cost time and tell nothing.
+  // Errors are against the truth of the table: an estimate would cost time and add nothing.
   arguments.insert(arguments.end(), {"--set", "output.error_estimate=false"});
   if (options.threads > 0) arguments.insert(arguments.end(), {"--threads", std::to_string(options.threads)});
   if (options.quiet) arguments.emplace_back("--quiet");
@@ -176,7 +177,7 @@ int tradeoff(const TradeoffOptions& options) {
       continue;
     }
     BoundaryResult result = solve_level(level, options, scratch);
-    if (truth) flux_errors(result, *truth);  // tells of another grid before dearer levels are solved
+    if (truth) flux_errors(result, *truth);  // reports a different grid before more expensive levels are solved
     report.rows.push_back({level.name, result.cost, {}});
     results.push_back(std::move(result));
   }

@@ -1,11 +1,11 @@
-// Where what is worked out once is kept for later runs.
+// The folder for data that are computed once and kept for later runs.
 #pragma once
 
 #include <filesystem>
 
 namespace cloudbow {
 
-/// `cloudbow` in XDG_CACHE_HOME, else in ~/.cache; made where it is missing. Empty: there is no such place.
+/// `cloudbow` in XDG_CACHE_HOME, else in ~/.cache; created if it is missing. Empty: there is no such folder.
 std::filesystem::path cache_directory();
 
 }  // namespace cloudbow

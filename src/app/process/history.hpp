@@ -1,4 +1,4 @@
-// The line that a file's `history` attribute gets.
+// The line of a file's `history` attribute.
 #pragma once
 
 #include <string>

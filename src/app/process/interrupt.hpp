@@ -6,12 +6,12 @@
 
 namespace cloudbow {
 
-/// Thrown where a run gives way to a signal. The program exits with 128 + signal.
+/// Thrown when a signal ends a run. The program exits with 128 + signal.
 struct Interrupted {
   int signal;
 };
 
-/// While one lives, the first SIGINT or SIGTERM is only noted; a second one ends the process at once.
+/// While an object exists, the first SIGINT or SIGTERM is only noted; a second one ends the process at once.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -19,9 +19,9 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// Whether a signal has come.
+  /// Whether a signal has arrived.
   static bool noted();
-  /// @throws Interrupted where one has.
+  /// @throws Interrupted if one has.
   static void check();
 
  private:

@@ -1,4 +1,4 @@
-// What the program says on stderr. A log that cannot be written (a full disk) is no reason to lose a result, so it is
+// Messages of the program on stderr. A log that cannot be written (a full disk) must not lose a result, so it is
 // written unchecked; fmt::print would throw.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The ladder of accuracies: what each level sets in the solver.
+// Levels of accuracy: the solver settings of each.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ std::vector<std::string> accuracy_names();
 /// take a beam truncated at a lower order than those of Henyey and Greenstein.
 SolverOptions accuracy_options(const std::string& name, bool one_column, bool measured_phase_functions);
 
-/// How much the fluxes of a level may change where few phase functions stand for many, as PhaseClasses estimates it.
+/// Largest change of the fluxes of a level if few phase functions represent many, as PhaseClasses estimates it.
 double class_tolerance(const std::string& accuracy);
 
 }  // namespace cloudbow

@@ -47,10 +47,10 @@ class ConfigReader {
   const ConfigNode* find(const std::string& key) const { return table_.find(key); }
   bool has(const std::string& key) const { return find(key) != nullptr; }
   const std::string& place() const { return table_.place; }
-  /// Where the key stands, or the table where it does not.
+  /// Location of the key, or that of the table if the key is absent.
   const std::string& place_of(const std::string& key) const;
 
-  /// find_... give nothing where the key is absent; the others then say that it is missing.
+  /// Functions find_... return nothing if the key is absent; the others then throw InputError.
   std::optional<double> find_number(const std::string& key, const NumberRange& range) const;
   double number(const std::string& key, const NumberRange& range) const;
   bool flag(const std::string& key, bool otherwise) const;
@@ -68,13 +68,13 @@ class ConfigReader {
   std::optional<std::array<double, 3>> find_triple(const std::string& key, const NumberRange& range) const;
   std::optional<std::vector<std::string>> find_texts(const std::string& key) const;
   std::optional<ConfigReader> find_table(const std::string& key) const;
-  /// Entries of an array of tables, named "key.0", "key.1", ...; empty where the key is absent.
+  /// Returns the entries of an array of tables, named "key.0", "key.1", ...; none if the key is absent.
   std::vector<ConfigReader> tables(const std::string& key) const;
 
   [[noreturn]] void fail(const std::string& key, std::string_view problem, std::string_view found,
                          std::string_view allowed) const;
   [[noreturn]] void fail_missing(const std::string& key, std::string_view allowed) const;
-  /// Runs `action`, whose InputError gets the key's place in front.
+  /// Runs `action` and puts the key's location in front of its InputError.
   void with_place(const std::string& key, const std::function<void()>& action) const;
 
   std::string full_name(const std::string& key) const { return (path_.empty() ? "" : path_ + ".") + describe_key(key); }

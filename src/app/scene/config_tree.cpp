@@ -22,11 +22,11 @@
 namespace cloudbow {
 namespace {
 
-// Scenes are small; what is larger is not a scene.
+// Scenes are small; a larger file is no scene.
 constexpr std::uintmax_t max_bytes = 4u << 20;
 constexpr std::size_t longest_place = 200;  // bytes of a --set in a message
 
-/// Files that are given in the place of a scene, by their first bytes.
+/// A kind of file that users pass instead of a scene by mistake: its first bytes, its name and the remedy.
 struct OtherFile {
   std::string_view begin, found, way_out;
 };
@@ -71,7 +71,7 @@ std::string_view line_of(std::string_view text, std::size_t number) {
   return text.substr(0, text.find('\n'));
 }
 
-/// The parser, and what walks over its tree, recurse: some ten thousand levels overflow the stack.
+/// The parser and the functions that traverse its tree recurse: some ten thousand levels overflow the stack.
 void check_depth(const std::string& text, const std::string& file) {
   if (const auto line = first_line_too_deep(text)) fail_too_deep(fmt::format("{}:{}", file, *line));
 }
@@ -193,7 +193,7 @@ std::string toml_text(const ConfigNode& root) {
   return text.str();
 }
 
-/// "VALUE" as TOML if it is one value, else as the string that stands there.
+/// "VALUE" as TOML if it is one value, else as a string.
 ConfigNode parse_override_value(const std::string& value, const std::string& place) {
   try {
     const toml::table parsed = toml::parse(fmt::format("value = {}", value), place);

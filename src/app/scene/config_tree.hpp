@@ -1,4 +1,4 @@
-// A TOML file as a tree whose every node knows the line it came from, with values replaced from the command line.
+// A TOML file as a tree, each node with its line in the file. The command line can replace values.
 #pragma once
 
 #include <cstdint>
@@ -28,13 +28,12 @@ struct ConfigNode {
 
 struct ConfigTree {
   ConfigNode root;
-  std::string text;  ///< TOML that says the same: the file itself, or written anew where something was set
+  std::string text;  ///< TOML of the same content: the file itself, or written anew if something was set
 };
 
 /// @param overrides "KEY=VALUE" with a dotted key ("sun.zenith_deg=30", "layer.0.optical_depth=2"); the value is TOML,
-/// or a string where it is not. Tables on the way are made as needed, entries of arrays must be there.
-/// @throws InputError where the file cannot be read, is not TOML (with line and column), or an override cannot be
-/// applied.
+/// else a string. Missing tables of the key are created; entries of arrays must exist. @throws InputError if the file
+/// cannot be read, is not TOML (with line and column), or an override cannot be applied.
 ConfigTree read_config(const std::filesystem::path& path, std::span<const std::string> overrides);
 
 /// A node as messages show it: a number, a string in quotes, "a table", "an array of 3".

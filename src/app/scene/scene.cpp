@@ -27,7 +27,7 @@ std::optional<double> light(const ConfigReader& reader, const std::string& key, 
   return value;
 }
 
-/// Of `[spectrum]`; none without it.
+/// Wavelengths of `[spectrum]`; none without it.
 std::vector<double> read_wavelengths(const ConfigReader& root) {
   const auto spectrum = root.find_table("spectrum");
   if (!spectrum) return {};
@@ -38,7 +38,7 @@ std::vector<double> read_wavelengths(const ConfigReader& root) {
     spectrum->fail("wavelengths_um", "empty or too long", fmt::format("{} wavelengths", wavelengths->size()),
                    fmt::format("1 to {}", max_wavelengths));
   }
-  // As a coordinate of the result, which readers search, must be.
+  // The wavelengths are a coordinate of the result. Readers search it, so it must be monotonic.
   const bool ascend =
       std::adjacent_find(wavelengths->begin(), wavelengths->end(), std::greater_equal<>()) == wavelengths->end();
   const bool descend =

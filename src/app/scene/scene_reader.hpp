@@ -1,5 +1,5 @@
-// The scene at one of its wavelengths, read table by table: scene.cpp where and in what light things are,
-// scene_optics.cpp what light meets, scene_settings.cpp how it is solved and what is asked for.
+// The scene at one of its wavelengths, read table by table. The file scene.cpp reads domain, sun and surface. The file
+// scene_optics.cpp reads the optics, and scene_settings.cpp the solver and the outputs.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +47,7 @@ class SceneReader {
   /// The file of this wavelength, of a list with one for each or of one for all.
   std::filesystem::path existing_spectral_file(const ConfigReader& reader, const std::string& key);
   void remember(const ConfigReader& reader, const std::string& key);
-  /// Keeps what the user must be told of the file or value of a key.
+  /// Keeps notes for the user about the file or value of a key.
   void note(const ConfigReader& reader, const std::string& key, std::span<const std::string> notes);
 
   void read_phase_functions();
@@ -61,12 +61,12 @@ class SceneReader {
   const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const;
   /// Index in the scene of a function that may already be there.
   int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
-  /// The cloud's phase function, and what else a mie table tells of its droplets.
+  /// The cloud's phase function, and the other data of its droplets in a mie table.
   void read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud);
   void read_layer_optics(const ConfigReader& reader, Layer& layer);
   void read_cloud(const ConfigReader& reader);
   void read_layer(const ConfigReader& reader);
-  /// Of the optical depths at this wavelength and at that for which the layer gives one.
+  /// Ratio of the optical depth at this wavelength to that at the wavelength for which the layer gives one.
   double rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const;
 
   void read_domain(const ConfigReader& reader);
@@ -77,7 +77,7 @@ class SceneReader {
   void read_albedo_map_key(const ConfigReader& reader);
   void check_whole() const;
 
-  /// Of an image, which results and pictures know it by.
+  /// Name of an image in results and pictures.
   std::string read_image_name(const ConfigReader& reader) const;
   void read_radiance(const ConfigReader& reader);
   void read_camera(const ConfigReader& reader);

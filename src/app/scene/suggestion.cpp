@@ -9,7 +9,7 @@
 namespace cloudbow {
 namespace {
 
-/// Levenshtein's distance: single letters put in, taken out or changed.
+/// Levenshtein's distance: single letters inserted, removed or changed.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

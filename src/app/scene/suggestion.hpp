@@ -1,4 +1,4 @@
-// Messages about words that nobody knows.
+// Messages about unknown words.
 #pragma once
 
 #include <string>

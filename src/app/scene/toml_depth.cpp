@@ -6,8 +6,8 @@
 namespace cloudbow {
 namespace {
 
-/// Where the string ends that begins with the quote at `begin`. One without end goes to the end of its line, of more
-/// than one line to the end of the text.
+/// End of the string that begins with the quote at `begin`. Without closing quote it extends to the end of its line, if
+/// multi-line to the end of the text.
 std::size_t after_string(std::string_view text, std::size_t begin) {
   const char quote = text[begin];
   const auto quotes_at = [&](std::size_t at, std::size_t most) {

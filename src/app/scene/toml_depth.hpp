@@ -1,4 +1,4 @@
-// How deeply a TOML text nests, before a parser that recurses sees it.
+// Depth of nesting of a TOML text, found before a recursive parser reads it.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace cloudbow {
 inline constexpr int max_toml_depth = 32;
 
 /// The first line (from 1) with more than max_toml_depth levels. Text that is not TOML is counted up to its first
-/// fault, where a parser stops, as TOML's grammar cuts it.
+/// fault, at which a parser of TOML's grammar stops.
 std::optional<int> first_line_too_deep(std::string_view text);
 
 }  // namespace cloudbow

@@ -1,4 +1,4 @@
-// What to do about a line that is not TOML.
+// Remedies for a line that is not TOML.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace cloudbow {
 
-/// The way out of the usual mistakes, as "text stands in quotes: file = \"cloud.vdb\""; empty where nothing is known.
+/// The remedy for common mistakes, as "text stands in quotes: file = \"cloud.vdb\""; empty if there is none.
 /// @param problem as toml++ says it
 /// @param line of the file, in which the parser met its first fault
 /// @param column from 1, of that fault

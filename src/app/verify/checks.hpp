@@ -16,7 +16,7 @@ std::vector<PhysicalCheck> energy_checks();
 std::vector<PhysicalCheck> direction_checks();
 std::vector<PhysicalCheck> field_checks();
 
-/// The largest deviation met. What is not a number is worse than any.
+/// The largest deviation met. NaN is worse than any number.
 class Worst {
  public:
   void meet(double deviation) {

@@ -34,8 +34,8 @@ double beers_law() {
   return worst.value();
 }
 
-// Of so little matter every photon scatters at most once: F0 tau of light, the half of it up. Both phase functions are
-// the same forward and backward.
+// In such a thin layer every photon scatters at most once: F0 tau of light, half of it up. Both phase functions are the
+// same forward and backward.
 double thin_layer() {
   constexpr double optical_depth = 1e-6;
   Worst worst;
@@ -53,8 +53,8 @@ double thin_layer() {
 double henyey_greenstein(double g, double cosine) { return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5); }
 
 // Radiance of a thin layer, up: I = P F0 mu0/(mu + mu0) [1 - exp(-tau (1/mu + 1/mu0))] / (4 pi) (Chandrasekhar 1960,
-// III, Eq. 93), by the scene's own way from azimuths to directions. A sensor at the sun's azimuth sees light scattered
-// straight back, one opposite light scattered forward by 60 degrees: 27 times as much.
+// III, Eq. 93), with the scene's own conversion of azimuths to directions. A sensor at the sun's azimuth sees light
+// scattered straight back, one opposite light scattered forward by 60 degrees: 27 times as much.
 double azimuths_of_thin_air() {
   constexpr double tau = 1e-5, mu = .5, g = .8, sun_azimuth = 20;
   Scene scene;
@@ -146,12 +146,12 @@ std::vector<PhysicalCheck> column_checks() {
       // Optics are kept in float: a relative 6e-8 of the optical depth.
       {"beer-law", "direct light falls off as exp(-tau/mu0), and is all there is where nothing scatters", "of incident",
        1e-6, beers_law},
-      // What is scattered twice, some tau ln(1/tau), and differences of fluxes in float optics.
+      // Light that is scattered twice, some tau ln(1/tau), and differences of fluxes in float optics.
       {"thin-layer", "of an optical depth of 1e-6 the fluxes are single scattering", "of it", 1e-4, thin_layer},
       // Light scattered twice: some tau. The rest is the delta-M correction of the first order.
       {"azimuth", "a sensor at the sun's azimuth sees light scattered back, one opposite light scattered forward",
        "of radiance", 1e-3, azimuths_of_thin_air},
-      // Of these eight .006 %; of all such cases .07 % (docs/validation.md).
+      // Largest error of these eight .006 %; of all such cases .07 % (docs/validation.md).
       {"plane-parallel", "fluxes of layers are those that discrete ordinates find", "of incident", 3e-4,
        plane_parallel_table},
       // 400 levels, the thickest of an optical depth of 200; .13 % as measured.

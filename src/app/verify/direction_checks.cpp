@@ -1,4 +1,4 @@
-// Where light goes to: shadows, sensors, scenes that are shifted, mirrored and turned together with their sun.
+// Directions of light: shadows, sensors, scenes that are shifted, mirrored and turned together with their sun.
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +12,7 @@ namespace {
 constexpr int width = 9;  // columns along x and y
 constexpr std::array<double, 3> cell{1, .8, .75};
 const double cosine = std::sqrt(.5);              // of the zenith angle
-constexpr double sight_distance = 3.5 * cell[2];  // what is so high is seen so far off
+constexpr double sight_distance = 3.5 * cell[2];  // horizontal offset: equal to the height
 
 // One voxel in an empty box of four levels.
 ExtinctionField one_voxel(int k, float extinction) {
@@ -21,7 +21,7 @@ ExtinctionField one_voxel(int k, float extinction) {
   return field;
 }
 
-// Distance [m] of the centre of gravity of a plane of columns from where it should be: `off` from the voxel's own.
+// Distance [m] of the centre of gravity of a plane of columns from its expected position: `off` from the voxel's own.
 template <class Weight>
 double centre_off(const Weight& weight, double off_x, double off_y) {
   double sum = 0, sum_x = 0, sum_y = 0;
@@ -44,7 +44,7 @@ SolverOptions with_many_rays() {
   return options;
 }
 
-// The shadow of a voxel lies on the side away from the sun, as far off as the voxel is high.
+// The shadow of a voxel lies on the side away from the sun, at a distance equal to the voxel's height.
 double shadow() {
   Worst worst;
   for (const double azimuth : azimuths) {
@@ -76,7 +76,7 @@ double parallax() {
 
 constexpr int side = 6;
 
-// x' = xx x + xy y, y' = yx x + yy y about the field's centre, then a shift by columns, round the periodic box.
+// x' = xx x + xy y, y' = yx x + yy y about the field's centre, then a periodic shift by columns.
 struct Map {
   int xx, xy, yx, yy, shift_x, shift_y;
 
@@ -154,9 +154,9 @@ MapDeviation transposed() {
 
 std::vector<PhysicalCheck> direction_checks() {
   return {
-      // Rays stand an eighth of a column (1 m) apart and are shared out over whole columns: a fraction of an eighth.
+      // Rays are an eighth of a column (1 m) apart and are shared out over whole columns: a fraction of an eighth.
       {"shadow", "a shadow lies on the side away from the sun, as far off as what casts it is high", "m", .03, shadow},
-      // Likewise; light that the voxel scatters twice, some 1 %, comes from its own place too.
+      // The same; light that the voxel scatters twice, some 1 %, comes from its own location too.
       {"parallax", "a slanted sensor sees what is low through the top nearer to itself", "m", .01, parallax},
       // The same arithmetic column by column; sums over columns round elsewhere.
       {"shift", "a field moved round the periodic box has its fluxes moved", "W m-2, F0 = 1", 1e-6, shift_columns},

@@ -1,4 +1,4 @@
-// Where light goes: ledgers, furnaces, proportion.
+// Energy of light: energy ledgers, furnaces, proportion.
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -27,7 +27,8 @@ double mean_of_level(const std::vector<float>& flux, std::size_t level, std::siz
   return std::accumulate(first, first + static_cast<std::ptrdiff_t>(columns), 0.) / static_cast<double>(columns);
 }
 
-// Where nothing absorbs, light leaves through the top or stays in the ground: by the ledger and by the fluxes.
+// Without absorption in the medium, light leaves through the top or is absorbed by the ground: by the energy ledger and
+// by the fluxes.
 double conservation(const Solution& solution, double surface_albedo) {
   const EnergyLedger& ledger = solution.ledger;
   const double absorbed = (1 - surface_albedo) * ledger.transmittance;
@@ -61,7 +62,7 @@ double field_energy() {
 
 double open_energy() { return std::abs(solve(uneven_problem(1, .3, false), field_options()).ledger.residual); }
 
-// The beam comes in through the sunlit sides, 5 m and 6 m wide and 4 m high, as large as the sun sees them.
+// The beam comes in through the sunlit sides, 5 m and 6 m wide and 4 m high. Their areas are projected towards the sun.
 double beam_through_sides() {
   const Direction sun = beam_travel(mu0, 37);
   const double through_sides = 4 * (5 * std::abs(sun.x()) + 6 * std::abs(sun.y())) / (30 * mu0);
@@ -84,7 +85,7 @@ double absorbed_power() {
   return worst.value();
 }
 
-// The ground sends back its albedo's share of what comes down, in the field and under the same matter as one layer.
+// The ground reflects its albedo's share of the incident flux: in the field, and below the same medium as one layer.
 double ground_reflection() {
   constexpr double albedo = .3;
   const Solution field = solve(uneven_problem(.9, albedo), field_options());
@@ -169,7 +170,7 @@ double no_matter() {
     for (const float flux : solution.direct_flux) worst.meet(static_cast<double>(flux) / mu0, 1);
     for (const float flux : solution.downwelling_diffuse_flux) worst.meet(static_cast<double>(flux) / mu0);
     worst.meet(solution.ledger.residual);
-    if (!periodic) continue;  // what the ground sends up leaves through the sides
+    if (!periodic) continue;  // light reflected by the ground leaves through the sides
     for (const float flux : solution.upwelling_flux) worst.meet(static_cast<double>(flux) / mu0, .25);
     worst.meet(solution.ledger.reflectance, .25);
   }
@@ -213,7 +214,7 @@ std::vector<PhysicalCheck> energy_checks() {
        ground_reflection},
       // Gathered fluxes are scaled to the means of the iteration, which that of a map need not match.
       {"ground-map", "and does so column by column where albedos differ", "of the flux", .02, ground_map},
-      // Isotropic scattering is reciprocal on any points: what is left is the iteration's tolerance of 1e-5, as
+      // Isotropic scattering is reciprocal on any points: the remainder is the iteration's tolerance of 1e-5, as
       // estimated.
       {"furnace-radiance", "under a uniform sky where nothing absorbs, radiance is the sky's everywhere",
        "of the sky's", 1e-4, furnace_radiance},

@@ -1,4 +1,4 @@
-// Phase functions and what becomes of them on control points.
+// Phase functions and their representation on control points.
 #include <cmath>
 #include <numbers>
 
@@ -55,7 +55,7 @@ FittedScattering fitted(const char* accuracy) {
   return made;
 }
 
-// Moment l <= 1, about the direction of arrival, of what is scattered out of ordinate d: a share of 1 at l = 0.
+// Moment l <= 1, about the direction of arrival, of light scattered out of ordinate d: a share of 1 at l = 0.
 double moment_of_column(const FittedScattering& fit, int d, int l) {
   double sum = 0;
   for (int e = 0; e < fit.ordinates.size(); ++e) {

@@ -8,7 +8,7 @@
 
 namespace cloudbow {
 
-/// A sun that shines from where a scene would say it stands. Its zenith's cosine is mu0.
+/// A sun at the position that a scene would give. Its zenith's cosine is mu0.
 SceneSun sun_at(double mu0, double azimuth_deg);
 /// Direction in which its light travels.
 Direction beam_travel(double mu0, double azimuth_deg);

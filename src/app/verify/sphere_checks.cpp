@@ -77,7 +77,7 @@ double weights_as_areas() {
   return worst.value();
 }
 
-// The interpolant of the position itself points along the direction: what planar barycentric coordinates are.
+// The interpolant of the position itself points along the direction: the definition of planar barycentric coordinates.
 double planar_weights_of_positions() {
   const ControlPoints points(162);
   Worst worst;

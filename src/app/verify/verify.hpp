@@ -1,5 +1,5 @@
-// `cloudbow verify`: the built-in physical checks. Each is a property that light has whatever the scene, or a published
-// number, and the program itself works it out, on the machine it runs on, without any file.
+// `cloudbow verify`: the built-in physical checks. Each is a property of light in any scene, or a published number. The
+// program computes it itself, on the machine it runs on, without any file.
 #pragma once
 
 #include <functional>
@@ -8,17 +8,17 @@
 
 namespace cloudbow {
 
-/// One property, told as a single number >= 0: how far it is from holding.
+/// One property, as a single number >= 0: its deviation.
 struct PhysicalCheck {
   std::string name;       ///< small letters, words joined by hyphens
-  std::string statement;  ///< what must hold
+  std::string statement;  ///< the property that must hold
   std::string unit;       ///< of the deviation and the tolerance
   double tolerance = 0;
   std::function<double()> deviation;
 };
 
 struct CheckOutcome {
-  double found = 0;  ///< the deviation; not a number where the check ended in an error
+  double found = 0;  ///< the deviation; not a number if the check ended in an error
   bool passed = false;
   std::string error;  ///< message of that error
   double seconds = 0;
@@ -30,14 +30,14 @@ struct VerifyOptions {
   bool list = false;              ///< name and statement of the checks; nothing is checked
 };
 
-/// All checks, in the order in which they are run: what others rest on comes first.
+/// All checks, in the order of execution: prerequisites of others come first.
 std::vector<PhysicalCheck> physical_checks();
 
-/// Passed where the deviation is within the tolerance. A deviation that is not a number, and an error, are failures.
+/// Passed if the deviation is within the tolerance. A deviation that is not a number, and an error, are failures.
 CheckOutcome carry_out(const PhysicalCheck& check);
 
-/// Carries out the checks and prints a line for each to stdout.
-/// @returns exit_done, or exit_does_not_hold where any has failed.
+/// Carries out the checks and prints one line per check to stdout.
+/// @returns exit_done, or exit_does_not_hold if any has failed.
 /// @throws InputError for a name that no check has.
 int verify(const std::vector<PhysicalCheck>& checks, const VerifyOptions& options);
 

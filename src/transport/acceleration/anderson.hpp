@@ -8,7 +8,7 @@
 
 namespace cloudbow {
 
-/// What earlier iterates left; the oldest first.
+/// Data of earlier iterates, the oldest first.
 template <class Real>
 struct AndersonHistory {
   std::vector<Real> last_residual;

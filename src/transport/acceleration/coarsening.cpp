@@ -6,11 +6,11 @@
 namespace cloudbow {
 namespace {
 
-// Transport optical depth of a coarse cell, mean over the cells by their extinction, beyond which light that stays
-// within it would not be corrected.
+// Largest transport optical depth of a coarse cell, mean over the cells by their extinction. Beyond it, light that
+// stays within the cell would not be corrected.
 constexpr double thickest = 1.5;
 
-// Levels in twos where both are of one thickness: the coarse level of each.
+// Levels in pairs if both have the same thickness: the coarse level of each.
 std::vector<int> paired_levels(const BoxGrid& box) {
   std::vector<int> coarse(box.nz());
   int next = 0;

@@ -1,4 +1,4 @@
-// A problem's cells in twos along each axis: what the low-order correction works on where cells are optically thin
+// A problem's cells in pairs along each axis. The low-order correction works on them if cells are optically thin
 // enough.
 #pragma once
 
@@ -20,7 +20,7 @@ struct Coarsening {
   std::vector<Real> share;  ///< [n] of the coarse cell's extinction, times volume, that is this cell's
 };
 
-/// @returns nothing where it does not pay or would not do: few cells, columns that exchange no light, or coarse cells
+/// @returns nothing if it does not pay or would not work: few cells, columns that exchange no light, or coarse cells
 /// that light does not cross freely.
 template <class Real>
 std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system);

@@ -22,7 +22,7 @@ struct DiffusionOperator::Level {
   int next(int i, int n) const { return i + 1 < n ? i + 1 : 0; }
   int before(int i, int n) const { return i > 0 ? i - 1 : n - 1; }
 
-  // diagonal = leakage + what the couplings take out of each cell.
+  // diagonal = leakage + losses of each cell through its couplings.
   void close(std::vector<double> leakage) {
     diagonal = std::move(leakage);
     for (int k = 0; k < nz; ++k) {
@@ -64,8 +64,8 @@ struct DiffusionOperator::Level {
   void smooth(std::span<double> x, std::span<const double> b, bool reversed) const {
     for (int half = 0; half < 2; ++half) {
       const int colour = reversed ? 1 - half : half;
-      // Odd periodic sizes put two columns of one colour side by side at the seam; there the order of rows matters, so
-      // it stays serial.
+      // With odd periodic sizes two columns of one colour are neighbours at the seam. The order of rows matters there,
+      // so it stays serial.
       const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0) && size() > worth_threads;
       ParallelErrors errors;
 #pragma omp parallel if (independent)
@@ -92,7 +92,7 @@ struct DiffusionOperator::Level {
     for (int k = 0; k < nz; ++k) {
       const std::size_t c = at(i, j, k);
       double right = b[c];
-      // A periodic axis of one cell couples a cell to itself; its couplings are zero there.
+      // On a periodic axis of one cell, the cell would be its own neighbour; its couplings are zero.
       right += east[c] * x[at(east_i, j, k)] + east[at(west_i, j, k)] * x[at(west_i, j, k)];
       right += north[c] * x[at(i, north_j, k)] + north[at(i, south_j, k)] * x[at(i, south_j, k)];
       const double below = k > 0 ? up[at(i, j, k - 1)] : 0;

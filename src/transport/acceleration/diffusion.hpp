@@ -1,6 +1,5 @@
-// Diffusion synthetic acceleration: what is left of the error after a sweep is nearly isotropic and obeys a diffusion
-// equation, which is solved here for the correction of the scalar flux (docs/theory.md, "Acceleration"; Alcouffe 1977,
-// Larsen 1982).
+// Diffusion synthetic acceleration: the error after a sweep is nearly isotropic and obeys a diffusion equation. It is
+// solved here for the correction of the scalar flux (docs/theory.md, "Acceleration"; Alcouffe 1977, Larsen 1982).
 #pragma once
 
 #include <memory>
@@ -20,9 +19,9 @@ struct DiffusionCoefficients {
   bool independent_columns = false;  ///< independent columns: no coupling across
 };
 
-/// Seven-point finite volumes with harmonic face coefficients, Marshak conditions at top and bottom (and open sides),
-/// solved by conjugate gradients with one multigrid V-cycle (z-line smoothing, coarsening across) as preconditioner.
-/// Deterministic.
+/// Seven-point finite volumes with harmonic face coefficients, and Marshak conditions at top and bottom (and open
+/// sides). They are solved by conjugate gradients with one multigrid V-cycle (z-line smoothing, coarsening across) as
+/// preconditioner. The result is deterministic.
 class DiffusionOperator {
  public:
   DiffusionOperator(const BoxGrid& box, const DiffusionCoefficients& coefficients);

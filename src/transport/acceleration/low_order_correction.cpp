@@ -19,8 +19,8 @@ constexpr int low_mixing_depth = 5;
 // The correction is worth no more than its few directions are: it need not converge.
 constexpr double low_tolerance = .1;
 constexpr int most_low_sweeps = 12;
-// Below this transport optical depth (mean over the columns that hold cells) light gets out within the few sweeps that
-// are needed anyway, and diffusion does not pay.
+// Below this transport optical depth (mean over the columns that hold cells) diffusion does not pay: light leaves
+// within the few sweeps that are needed anyway.
 constexpr double thin_for_diffusion = 2.5;
 // Optical depth of a cell beyond which its current is not corrected: light hardly crosses it within a sweep, and the
 // correction would overshoot.
@@ -77,7 +77,7 @@ class LowOrderCorrection<Real>::Diffusion {
     for (auto& flow : flow_) flow.resize(places);
   }
 
-  // moments += what diffuses from the change of scalar flux and current in one sweep.
+  // moments += diffusive response to the change of scalar flux and current in one sweep.
   void correct(std::span<const Real> change, std::span<Real> moments) {
     const std::size_t n = dense_.size();
     std::fill(source_.begin(), source_.end(), 0.);

@@ -1,5 +1,5 @@
-// Correction of the iterate by the same transport problem with few directions (transport synthetic acceleration),
-// itself sped up by diffusion where the medium is thick (docs/theory.md, "Acceleration").
+// Correction of the iterate by the same transport problem with few directions (transport synthetic acceleration).
+// Diffusion accelerates it if the medium is thick (docs/theory.md, "Acceleration").
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@ class LowOrderCorrection {
 
   /// The moments [low_moments][n] of the light that the system's own beam leaves: a first guess.
   void guess(std::span<Real> moments);
-  /// What is missing after a sweep that changed the moments by `change`: moments of the light that this change leads
-  /// to. Both [low_moments][n].
+  /// Computes the moments missing after a sweep that changed them by `change`: those of the light that this change
+  /// leads to. Both [low_moments][n].
   void correct(std::span<const Real> change, std::span<Real> correction);
 
   int sweeps() const { return sweeps_; }  ///< with few directions, so far

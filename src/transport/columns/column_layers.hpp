@@ -1,13 +1,13 @@
-// Plane-parallel layers as pairs of matrices, doubled and stacked without iteration, in lanes: one column a lane
+// Plane-parallel layers as pairs of matrices, doubled and stacked without iteration, in lanes: one column per lane
 // (docs/theory.md, "Columns without iteration").
 //
 // In n polar directions, with the sum s and the difference d of downward and upward radiance (both times sqrt(w mu)), a
 // homogeneous layer between faces 1 (above) and 2 obeys
 //   d1 = (Z + N) s1 - N s2 + a - b,    -d2 = (Z + N) s2 - N s1 + a + b                                     (Eq. 37)
-// with symmetric Z, N of no negative eigenvalue, and vectors a, b of its sources: as if s were voltages, d currents, Z
-// shunts and N series conductances of a ladder. Nothing is subtracted that is nearly equal, so that energy is kept to
-// rounding in float. The first axis of vectors is isotropic light: without absorption the first row of Z is 0, and N
-// beside it keeps all its digits however thick the layer is.
+// with symmetric Z, N of no negative eigenvalue, and vectors a, b of its sources. The equations are those of a ladder
+// network: s are voltages, d currents, Z shunts and N series conductances. No nearly equal numbers are subtracted, so
+// energy is conserved to rounding in float. The first axis of vectors is isotropic light. Without absorption the first
+// row of Z is 0, and N keeps all its digits however thick the layer is.
 //
 // Symmetric matrices are given by their lower triangles, row by row; "factors" are such a triangle that holds L of L D
 // L^T below the diagonal and 1/D on it.
@@ -129,7 +129,7 @@ inline void fill(int n, const Lanes<Real>* triangle, Matrix<Real>& x) {
   }
 }
 
-/// What a layer is made of; directions are those of the vectors.
+/// Properties of a layer; directions are those of the vectors.
 template <class Real>
 struct Matter {
   Triangle<Real> loss;                ///< B of (Eq. 35)
@@ -248,8 +248,9 @@ struct Below {
   Vector<Real> source;         ///< c
 };
 
-/// What the way down needs of a layer, H = G + Z: s2 = s1 - (N + H)^-1 (H s1 + r), or (N + H)^-1 (N s1 - r) in lanes
-/// where this is the smaller, so that neither is a difference of nearly equal numbers. Lies in an array of lanes.
+/// Data of a layer for the pass downwards, H = G + Z. s2 = s1 - (N + H)^-1 (H s1 + r), or (N + H)^-1 (N s1 - r) in
+/// lanes in which this is the smaller. Neither is then a difference of nearly equal numbers. The data lie in an array
+/// of lanes.
 template <class Real>
 struct Passage {
   Passage(int n, Lanes<Real>* at)
@@ -270,12 +271,12 @@ struct Passage {
   Lanes<Real>* net;  ///< net downward flux at face 2 is net . s2 + own_net
   Lanes<Real>* own_mean;
   Lanes<Real>* own_net;
-  Lanes<Real>* kept;  ///< 1 where load is H, else 0
+  Lanes<Real>* kept;  ///< 1 if load is H, else 0
 };
 
-/// Puts the layer on top of what is below (Eq. 40).
+/// Adds the layer on top of the layers below (Eq. 40).
 /// @param flux [n] downward flux from d
-/// @param used lanes that have the layer; others keep what they have
+/// @param used lanes that have the layer; others stay unchanged
 template <class Real, class Mask>
 inline void stack(int n, const Layer<Real>& layer, const Lanes<Real>* flux, const Mask& used, Below<Real>& below,
                   const Passage<Real>& passage) {

@@ -46,9 +46,9 @@ struct Sums {
   double squared_imbalance = 0;
 };
 
-// A symmetric, orthogonal matrix that turns sqrt(w mu), which is isotropic light, to the first axis. In this basis the
-// first row of what absorbs (B, Z) is 0 where nothing absorbs, and the net flux is the first component of d: what a
-// very thick layer lets through stands beside no larger number.
+// A symmetric, orthogonal matrix that rotates sqrt(w mu), which is isotropic light, to the first axis. In this basis
+// the first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d,
+// separate from larger numbers even if a thick layer makes it small.
 std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
   const int n = streams.size();
   std::vector<double> v;
@@ -159,12 +159,12 @@ class ColumnSolver {
   struct Cells {
     V used;                    // 1 or 0
     V thickness;               // optical, forward peaks truncated
-    V absorbed;                // share of what is taken out
+    V absorbed;                // share of the extinction
     V decay;                   // kappa
-    std::vector<V> scattered;  // [p] share of what is taken out
-    std::vector<V> beam;       // [p] what of the beam scatters, by 4 pi
+    std::vector<V> scattered;  // [p] share of the extinction
+    std::vector<V> beam;       // [p] scattered share of the beam, over 4 pi
   };
-  // What came of it.
+  // Fluxes and mean radiances of a cell.
   struct Faces {
     V mean;                  // 4 pi times mean diffuse radiance in the cell
     V below_mean, net, sum;  // at the face below it: 4 pi times mean radiance, fluxes from d and s
@@ -195,13 +195,13 @@ class ColumnSolver {
   double isotropic_ = 0;                 // radiance 1 in s: its first component, the others are 0
   columns::Vector<Real> flux_;           // of s and d
   columns::Vector<Real> mean_;           // 4 pi mean radiance of s
-  std::vector<Real> loss_of_isotropic_;  // [n] first row of B where nothing scatters
+  std::vector<Real> loss_of_isotropic_;  // [n] first row of B without scattering
   std::vector<Real> inverse_cosine_;     // triangle of M^-1
   std::vector<Real> root_;               // [n][n] M^1/2, rows as they were
   std::vector<Shape> shapes_;
 };
 
-// Optical path of a cell with the fraction f of what each phase function scatters left out.
+// Optical path of a cell without the fraction f of the scattering by each phase function.
 double extinction(const OpticalGrid& grid, std::size_t cell, const PolarStreams& streams,
                   double PolarStreams::Scattering::*fraction) {
   double sum = grid.absorption[cell];
@@ -225,7 +225,7 @@ void ColumnSolver<Real>::fill_lane(std::size_t column, int lane, std::vector<Cel
     cell.used[lane] = 1;
     cell.thickness[lane] = static_cast<Real>(sigma * dz);
     cell.absorbed[lane] = static_cast<Real>(grid_.absorption[c] / sigma);
-    double irradiance = 0;  // where sources are given: at the top of the cell, or its mean
+    double irradiance = 0;  // to which sources refer: at the top of the cell, or its mean
     if (beam_) {
       irradiance = beam_->at(c, level * columns_ + column);
     } else if (problem_.sun) {
@@ -271,7 +271,7 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
       matter.source_of_difference[i] += cell.beam[p] * shape.from_beam_odd[i];
     }
   }
-  // B: its first row is what isotropic light loses to absorption alone (Eq. 36), to the last digit.
+  // B: its first row is the loss of isotropic light by absorption alone (Eq. 36), to the last digit.
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j <= i; ++j) {
       V& loss = matter.loss[columns::place(i, j)];
@@ -289,7 +289,7 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
   columns::gram<Real>(n, n, odd, root, matter.length);
   matter.decay = cell.decay;
 
-  // Thin: half of it below what the most grazing stream, and the sun, go through without much loss.
+  // Thin: half of it is crossed by the most grazing stream, and by the sun, without much loss.
   constexpr double thin = .7;
   Real steps = 0;
   for (int lane = 0; lane < lanes; ++lane) {
@@ -348,7 +348,7 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
     columns::stack<Real>(n, layer, flux_, cells[r].used > Real(0), below, passage(r));
   }
 
-  // At the top (1 + G) s + c is twice what comes in.
+  // At the top (1 + G) s + c is twice the incident light.
   columns::Triangle<Real> factors;
   for (int e = 0; e < columns::entries(n); ++e) factors[e] = below.conductance[e];
   columns::Vector<Real> s;
@@ -417,7 +417,7 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
       carried = irradiance * mu0() * std::exp(-beam_path);
       direct = irradiance * mu0() * std::exp(-true_path);
     }
-    // Where hardly any light comes, rounding may leave less than nothing.
+    // In very dark cells rounding can make the flux slightly negative.
     const double upward = not_negative(up);
     const double diffuse = not_negative(down + carried - direct);
     sums.up[level] += count * upward;

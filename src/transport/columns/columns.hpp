@@ -1,13 +1,13 @@
-// Columns that exchange no diffuse light, each solved by itself without iteration (docs/theory.md, "Columns without
-// iteration"): what takes the place of the sweeps where nothing but fluxes, absorption and actinic flux is asked.
+// Columns that exchange no diffuse light, each solved independently without iteration (docs/theory.md, "Columns without
+// iteration"). This solver replaces the sweeps if only fluxes, absorption and actinic flux are requested.
 #pragma once
 
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
 
-/// Solves each distinct column once. SolverReport::sweeps is 1; its estimated_error is the RMS over columns of what
-/// each column's diffuse light lacks of balance, per incident power: rounding alone. The same bits for any number of
+/// Solves each distinct column once. SolverReport::sweeps is 1; its estimated_error is the RMS over columns of the
+/// imbalance of each column's diffuse light, per incident power: rounding alone. The same bits for any number of
 /// threads.
 /// @throws InputError for a count of streams that does not exist.
 template <class Real>

@@ -101,7 +101,7 @@ class Likeness {
   }
 
  private:
-  // Every number that a column's fluxes depend on; ends where `take` returns false.
+  // Passes every number that a column's fluxes depend on; ends when `take` returns false.
   template <class Take>
   void visit(std::size_t column, const Take& take) const {
     if (!albedo_.empty() && !take(0, albedo_[column])) return;
@@ -113,7 +113,7 @@ class Likeness {
         return true;
       };
       if (!take_levels(beam_->carried) || !take_levels(beam_->direct)) return;
-      // A shadow may pass a column between two levels.
+      // A shadow may cross one column entirely between two levels.
       if (beam_->everywhere && !take_levels(beam_->irradiance)) return;
     }
     std::size_t level = 0;
@@ -158,7 +158,7 @@ DistinctColumns distinct_columns(const Problem& problem, const ColumnCells& cell
       place->second = c;
     }
   }
-  // Columns of like height share a batch.
+  // Columns of similar height share a batch.
   std::stable_sort(distinct.first.begin(), distinct.first.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return cells.of(a).size() > cells.of(b).size(); });
   return distinct;

@@ -1,4 +1,4 @@
-// What columns that exchange no diffuse light are made of, and which of them are alike.
+// Contents of columns that exchange no diffuse light, and the groups of equal ones.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ struct ColumnCells {
 
 ColumnCells column_cells(const OpticalGrid& grid);
 
-// The beam that crosses columns, where it does.
+// The beam, if it crosses columns.
 struct SlantedBeam {
-  std::vector<float> irradiance;  // mean in each active cell of what scatters; `everywhere`: in each cell of the box
+  std::vector<float> irradiance;  // mean in each active cell, for scattering; `everywhere`: in each cell of the box
   bool everywhere;
   std::vector<double> carried;  // [nz+1][columns] flux that the streams count as unscattered
   std::vector<double> direct;   // [nz+1][columns] by the true extinction
@@ -38,17 +38,17 @@ struct SlantedBeam {
   }
 };
 
-/// Nothing without sun, or where the beam keeps to its column.
+/// Empty without sun, or if the beam stays in its column.
 std::optional<SlantedBeam> slanted_beam(const Problem& problem, const SolverOptions& options,
                                         const PolarStreams& streams);
 
-// Which columns are alike: `first` are those that are solved.
+// Groups of equal columns: `first` are those that are solved.
 struct DistinctColumns {
   std::vector<std::uint32_t> first;
-  std::vector<std::uint32_t> next;  // [columns] the next one like it; itself: none
+  std::vector<std::uint32_t> next;  // [columns] the next equal one; itself: none
 };
 
-/// Columns whose fluxes depend on the same numbers are alike.
+/// Columns whose fluxes depend on the same numbers are equal.
 DistinctColumns distinct_columns(const Problem& problem, const ColumnCells& cells,
                                  const std::optional<SlantedBeam>& beam);
 

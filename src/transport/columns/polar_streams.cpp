@@ -40,8 +40,8 @@ std::vector<std::vector<double>> half_range_moments(int degrees, int count) {
 }  // namespace
 
 PolarStreams make_polar_streams(int count, std::span<const PhaseFunction> phase, std::optional<double> sun_cosine) {
-  // Diffuse light has no use for more moments than streams carry. What the beam scatters into each half range can be
-  // had to any order; the light that is left in it goes on straight.
+  // Diffuse light needs no more moments than streams carry. The light that the beam scatters into each half range can
+  // be computed to any order; the rest continues straight.
   const int diffuse_order = 2 * count;
   const int beam_order = 4 * count;
   PolarStreams streams;

@@ -17,10 +17,10 @@ namespace {
 
 // A pattern of so many segments takes 360 MB, and a plane of 1000 columns seconds for each direction.
 constexpr double most_segments = 5e6;
-// Of the power through the top; energy ledgers are in terms of that.
+// Limit relative to the power through the top, to which energy ledgers are relative.
 constexpr double most_through_sides = 1000;
-// In float the optical path of a beam gains up to 6e-8 of itself with each segment, and a ledger 1e-7 of the power that
-// comes through the sides.
+// In float the optical path of a beam gains a relative error of up to 6e-8 per segment. The energy ledger gains an
+// error of 1e-7 of the power that comes through the sides.
 constexpr double longest_beam_in_float = 2e5;
 constexpr double most_through_sides_in_float = 100;
 

@@ -23,8 +23,8 @@ double beam_segments(const Problem& problem, const SolverOptions& options);
 /// Whether the sun is so low for these cells that float loses its beam.
 bool beam_needs_double(const Problem& problem, const SolverOptions& options);
 
-/// @throws InputError where a ray crosses more cells than can be solved in a sensible time, or where the sun lights the
-/// sides of an open domain so much more than its top that no error in the top's terms says anything.
+/// @throws InputError if a ray crosses more cells than can be solved in a sensible time. It also throws if the sun
+/// lights the sides of an open domain much more than its top: an error relative to the top is then meaningless.
 void check_paths(const SolvePlan& plan);
 
 }  // namespace cloudbow

@@ -6,9 +6,9 @@
 namespace cloudbow {
 namespace {
 
-// Rounding acts like a source of light in every cell. In a thick medium that hardly absorbs, such light takes as many
-// scatterings to get out as the sun's, and in a very thick cell the radiance differs from its source by less than float
-// can tell: these fields converge in double alone. Measured on conservative slabs: optical depth 100 is fine in float,
+// Rounding acts like a source of light in every cell. In a thick medium that hardly absorbs, such light needs as many
+// scatterings to leave as the sun's. In a very thick cell the radiance differs from its source by less than float
+// resolves. These fields converge in double alone. Measured on conservative slabs: optical depth 100 is fine in float,
 // 200 is not; cells of optical depth 25 in absorbing air are fine, 250 are not.
 constexpr double thickest_cell_in_float = 50;
 constexpr double thickest_domain_in_float = 120;

@@ -1,4 +1,4 @@
-// What a solve will cost, before anything is allocated.
+// Cost of a solve, computed before anything is allocated.
 #include <omp.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::size_t grid_bytes(const Problem& problem) {
   return problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
 }
 
-// The same views in smaller images, which tell what they see as well.
+// The same views in smaller images, which have the same contents.
 std::vector<Camera> coarser(std::vector<Camera> cameras, int enough) {
   for (Camera& camera : cameras) {
     const double scale = std::min(1., static_cast<double>(enough) / std::max(camera.width, camera.height));
@@ -40,9 +40,9 @@ std::size_t directions_seen(const SolverOptions& options, std::size_t cells) {
   return options.views.size() + of_cameras;
 }
 
-// Of the direct beams: each of its rays crosses every row of its level in each segment.
+// Time of the direct beams: each of their rays crosses every row of its level in each segment.
 double beam_seconds(const Problem& problem, const SolverOptions& options, double cells) {
-  constexpr int beams = 4;  // the iteration's, the true one, and what the gather has between
+  constexpr int beams = 4;  // the iteration's, the true one, and those of the gather between
   constexpr double seconds_a_run = 30e-9;
   constexpr double seconds_to_make_a_segment = 30e-9;
   const BoxGrid& box = problem.grid.box;
@@ -58,8 +58,7 @@ double mean_extinction(const OpticalGrid& grid) {
   return sum / (static_cast<double>(grid.box.columns()) * grid.box.nz());
 }
 
-// Cells along a line of sight until it leaves or sees no further; in clouds with gaps it sees farther than by their
-// mean.
+// Cells along a line of sight until it leaves or is opaque; in clouds with gaps it is longer than by their mean.
 double cells_crossed(const BoxGrid& box, double extinction, const Eigen::Vector3d& eye, const Direction& line) {
   constexpr double deepest = 20;
   double enter = 0, leave = std::numeric_limits<double>::infinity();
@@ -75,7 +74,7 @@ double cells_crossed(const BoxGrid& box, double extinction, const Eigen::Vector3
   return std::max(0., length) * (across + std::abs(line.z()) * box.nz() / height);
 }
 
-// Of lines of sight through pixels.
+// Time of lines of sight through pixels.
 double pixel_seconds(const Problem& problem, const SolverOptions& options) {
   constexpr double seconds_a_line = .4e-6;
   constexpr double seconds_a_cell = 8e-9;
@@ -109,7 +108,7 @@ double pixel_seconds(const Problem& problem, const SolverOptions& options) {
   return seconds;
 }
 
-// Of the source towards the eyes: scattered twice from all ordinates, and marched.
+// Time of the source along lines of sight: scattered twice from all ordinates, and marched.
 double seen_seconds(const SolverOptions& options, double cells, int ordinates) {
   constexpr double seconds_a_product = .1e-9;
   constexpr double seconds_to_march = 12e-9;
@@ -117,7 +116,7 @@ double seen_seconds(const SolverOptions& options, double cells, int ordinates) {
          (2 * ordinates * seconds_a_product + seconds_to_march);
 }
 
-// Of a table of reflection, from functions of two directions.
+// Time of a table of reflection, from functions of two directions.
 double surface_seconds(const Problem& problem, int ordinates) {
   constexpr double seconds_to_sample = .04;
   constexpr double seconds_an_ordinate = .35e-3;
@@ -158,8 +157,8 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t system = real * (1 + phases) + 8;
   const bool packed = options.half_precision_radiance && real == sizeof(float);
   const std::size_t stored = packed ? sizeof(std::uint16_t) : real;
-  // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients, a
-  // direction's work arrays on each thread; the low-order problem has a sixth of the cells where they are many.
+  // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients; work
+  // arrays of a direction on each thread. The low-order problem has a sixth of the cells if they are many.
   const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
   const bool many = active >= 2000 && box.columns() > 1 && !options.independent_columns;
   const std::size_t iteration = stored * ordinates + real * (4 * 9 + 8 * 4 + 7 + (packed ? 5 : 4) * threads) +
@@ -177,13 +176,13 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   for (const View& view : options.views) {
     pixels += view.width > 0 ? static_cast<std::size_t>(view.width) * view.height : box.columns();
   }
-  // Their source is made beside the radiance at the ordinates and a second array, and stays for images, which follow
-  // gradients and a copy of what lines read.
+  // Memory then holds their source, the radiance at the ordinates and a second array. The source stays for images,
+  // which add gradients and a copy of the data that lines read.
   const std::size_t seen = directions_seen(options, active);
   const std::size_t making_seen = seen > 0 ? stored * ordinates + real * (2 * seen + 2) : 0;
   const std::size_t showing = seen > 0 ? real * (seen + 12) : 0;
-  // Radiance of the ground at the control points of its reflection, as the gather and as images see it; what arrives
-  // there along the ordinates, and what leaves.
+  // Radiance of the ground at the control points of its reflection, for the gather and for images. Also the light that
+  // arrives there along the ordinates, and the light that leaves.
   constexpr std::size_t points_of_surface = 642;
   const std::size_t surface = problem.surface.brdf ? real * (2 * points_of_surface + 2 * ordinates) : 0;
   // The table of reflection is made, and let go, before the iteration.

@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-// Whether levels are subdivided alike.
+// Whether levels are subdivided in the same way.
 bool subdivided_alike(const SolvePlan& plan, const SolverOptions& options, bool by_polar_streams) {
   const SolverOptions& other = plan.whole_options();
   return options.max_level_optical_depth == other.max_level_optical_depth &&

@@ -40,7 +40,7 @@ double cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Of this program alone: what getrusage counts begins with the process that started it.
+// Memory of this program alone: getrusage also counts the process that started it.
 std::size_t peak_memory_bytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -72,7 +72,7 @@ std::vector<std::vector<Real>> side_radiance(const LateralBoundary& lateral_boun
   return radiance;
 }
 
-/// Whether open sides show light: that of the sky, or what layers scatter.
+/// Whether light enters through open sides: that of the sky, or light scattered by layers.
 bool has_lit_sides(const Problem& problem, const SolverOptions& options) {
   if (problem.grid.box.periodic || options.independent_columns) return false;
   return problem.sky_radiance > 0 ||

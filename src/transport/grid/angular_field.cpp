@@ -11,7 +11,7 @@ namespace cloudbow {
 namespace {
 
 constexpr float largest_half = 65504;
-// Of a float's bits that a half has no room for, the part that is rounded up is spread evenly over the places.
+// Bits of a float that float16 lacks. They give the fraction of values rounded up, spread evenly over the indices.
 constexpr int dropped = 13;
 constexpr std::uint32_t dropped_bits = (1U << dropped) - 1;
 constexpr std::uint32_t golden = 0x9E3779B9;  // 2^32 times the golden section
@@ -44,7 +44,7 @@ void store_float16(const float* from, std::size_t n, float unit, std::uint32_t p
   const __m256i spread = _mm256_set1_epi32(static_cast<int>(golden));
   __m256i at = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(place)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
   for (; i + width <= n; i += width) {
-    // Of two numbers, one of them NaN, the instruction takes the second.
+    // If one of two numbers is NaN, the instruction takes the second.
     const __m256 value = _mm256_min_ps(most, _mm256_mul_ps(scale, _mm256_loadu_ps(from + i)));
     const __m256i part = _mm256_srli_epi32(_mm256_mullo_epi32(at, spread), 32 - dropped);
     const __m256i rounded = _mm256_and_si256(_mm256_add_epi32(_mm256_castps_si256(value), part), kept);

@@ -11,12 +11,12 @@
 
 namespace cloudbow {
 
-/// Half-precision numbers [n] times `unit`, and back. Beyond 65504 units the largest number stands; below 2^-25 units
-/// zero.
+/// Converts float16 numbers [n], times `unit`, and back. Beyond 65504 units the largest number is stored; below 2^-25
+/// units zero.
 void load_float16(const std::uint16_t* from, std::size_t n, float unit, float* to);
-/// Numbers are rounded up or down, in as many places as keeps their mean: like numbers that were all rounded to the
-/// nearest would make or take energy. Whether a number is rounded up depends on it and its place alone, so an iteration
-/// that stores converges. @param place of the first.
+/// Numbers are rounded up or down so that their mean is conserved. If similar numbers were all rounded to the nearest,
+/// energy would not be conserved. The rounding of a number depends on it and its index alone, so an iteration that
+/// stores converges. @param place of the first.
 void store_float16(const float* from, std::size_t n, float unit, std::uint32_t place, std::uint16_t* to);
 
 /// One row of a field, [cells].
@@ -26,7 +26,7 @@ struct FieldRow {
   const std::uint16_t* packed = nullptr;  ///< instead
   Real unit = 1;
 
-  /// The values [first, first + n), copied to `room` [n] where they are packed.
+  /// The values [first, first + n), copied to `room` [n] if they are packed.
   const Real* read(std::size_t first, std::size_t n, Real* room) const {
     if (packed == nullptr) return plain + first;
     if constexpr (sizeof(Real) == sizeof(float)) load_float16(packed + first, n, unit, room);
@@ -34,15 +34,15 @@ struct FieldRow {
   }
 };
 
-/// D values a cell, one row an ordinate. Holds source or voxel-mean radiance, each in the other's place. Plain rows,
-/// value(d, c) at row(d)[c], can be read and written lane_padding beyond their end, and to the end of a tile of cells.
+/// D values per cell, one row per ordinate. Holds source or voxel-mean radiance; each overwrites the other. Plain rows,
+/// value(d, c) at row(d)[c], can be read and written beyond their end: by lane_padding, and to the end of a tile.
 template <class Real>
 struct AngularField {
   int rows = 0;
   std::size_t cells = 0;
   std::vector<std::vector<Real>> data;              ///< [rows][at least cells + lane_padding], or empty and
   std::vector<std::vector<std::uint16_t>> float16;  ///< [rows][as above], numbers of units; never with Real = double
-  Real unit = 1;                                    ///< that of the halves, a power of two
+  Real unit = 1;                                    ///< that of the float16 values, a power of two
 
   AngularField() = default;
   AngularField(int row_count, std::size_t cell_count, std::optional<Real> float16_unit = std::nullopt)
@@ -52,13 +52,13 @@ struct AngularField {
   }
 
   bool packed() const { return !float16.empty(); }
-  /// Of plain fields alone.
+  /// Rows, for plain fields only.
   Real* row(int d) { return data[d].data(); }
   const Real* row(int d) const { return data[d].data(); }
   FieldRow<Real> stored_row(int d) const {
     return packed() ? FieldRow<Real>{nullptr, float16[d].data(), unit} : FieldRow<Real>{data[d].data(), nullptr, 1};
   }
-  /// Of packed fields alone: puts `from` [n] at row d, from cell `first` on.
+  /// Stores `from` [n] in row d, from cell `first` on. For packed fields only.
   void store(int d, std::size_t first, std::size_t n, const Real* from) {
     if constexpr (sizeof(Real) == sizeof(float)) {
       const std::uint32_t place = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(d) * place_step;

@@ -86,7 +86,7 @@ namespace {
 
 constexpr std::uint32_t no_cell = 0xFFFFFFFF;
 
-// Index of the active cell at each place of the box, no_cell where there is none.
+// Index of the active cell at each location of the box, no_cell if there is none.
 std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
   std::vector<std::uint32_t> cell(static_cast<std::size_t>(rows.nx) * rows.ny * rows.nz, no_cell);
   const auto dense = dense_indices(rows);
@@ -229,7 +229,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
           to[axis] = (to[axis] + count[axis]) % count[axis];
         }
         const std::uint32_t cell = place[(static_cast<std::size_t>(to[2]) * box.ny + to[1]) * box.nx + to[0]];
-        // A cell of empty air, active because its light is asked for, is no part of the cloud.
+        // A cell of empty air, active because its light is requested, is no part of the cloud.
         return cell != no_cell && cells.extinction[cell] == 0 ? no_cell : cell;
       };
       const std::uint32_t low = neighbour(-1);

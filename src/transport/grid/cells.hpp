@@ -12,7 +12,7 @@
 
 namespace cloudbow {
 
-/// Up to `lanes` neighbouring cells of one row: what a kernel crosses at a time.
+/// Up to `lanes` neighbouring cells of one row, which a kernel crosses at a time.
 struct Chunk {
   std::uint32_t cell;   ///< index of the first
   std::int32_t column;  ///< of the first
@@ -69,7 +69,7 @@ ActiveRows active_rows(const OpticalGrid& grid);
 template <class Real>
 struct TransposedCells {
   Sheets sheets;
-  /// Along x, where cells have an order of their own: [n] index of each among the cells, and [n + lane_padding] their
+  /// Along x, for which cells have a separate order: [n] index of each among the cells, and [n + lane_padding] their
   /// extinction.
   std::vector<std::uint32_t> cell;
   std::vector<Real> extinction;
@@ -79,19 +79,19 @@ struct TransposedCells {
 template <class Real>
 struct Cells {
   ActiveRows rows;
-  /// Many cells that change along x and along y, as far as there are any: fields for which the sweep takes its
-  /// shortcuts (march along x and y, one gradient for an octant), which a field without change along an axis would show
-  /// as such a change.
+  /// True for many cells that change along each horizontal axis with more than one cell. The sweep uses its shortcuts
+  /// for such fields only (march along x and y, one gradient for an octant). In a field without change along an axis
+  /// the shortcuts would appear as such a change.
   bool heterogeneous = false;
   /// Levels of one thickness that can be marched along x and y as well, and the cells for it; without: empty.
   LevelRange even_levels{0, 0};
   std::array<TransposedCells<Real>, 2> transposed;
   std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   std::vector<std::vector<Real>>
-      scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': what of the light taken out scatters by p
-  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. Where a
-  /// neighbour is missing above or below, the cell itself stands in and the difference is one-sided; beside, the slope
-  /// is zero.
+      scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': share of the extinction scattered by p
+  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. If the
+  /// neighbour above or below is missing, the cell itself replaces it and the difference is one-sided. If a horizontal
+  /// neighbour is missing, the slope is zero.
   std::array<std::vector<std::uint32_t>, 3> low;
   std::array<std::vector<std::uint32_t>, 3> high;
   std::array<std::vector<Real>, 3> scale;
@@ -99,7 +99,7 @@ struct Cells {
   std::size_t size() const { return rows.size(); }
 };
 
-/// What a march reads of the cells, in the order of its axes: the pattern's x and y, and the axis it goes along.
+/// Data of the cells that a march reads, in the order of its axes: the pattern's x and y, and the axis of the march.
 template <class Real>
 struct CellView {
   const Real* extinction;

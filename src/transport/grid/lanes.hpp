@@ -14,7 +14,7 @@
 
 namespace cloudbow {
 
-/// Values that a kernel takes at a time, and what it may read behind the end of its arrays.
+/// Numbers of values: those that a kernel takes at a time, and those readable behind the end of its arrays.
 inline constexpr int lanes = 8;
 inline constexpr std::size_t lane_padding = 8;
 
@@ -35,7 +35,7 @@ template <class Real>
   std::memcpy(to, &v, sizeof v);
 }
 
-/// Stores the lanes whose mask is true, and leaves what is beside them untouched.
+/// Stores the lanes whose mask is true, and leaves the others unchanged.
 [[gnu::always_inline]] inline void store_masked(const LaneMask& mask, const Lanes<float>& v, float* to) {
 #ifdef __AVX__
   _mm256_maskstore_ps(to, (__m256i)mask, v);

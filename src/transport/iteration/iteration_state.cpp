@@ -199,7 +199,7 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
 
   std::vector<double> numbers(number_count);
   checkpoints.load(array_of("numbers", numbers));
-  constexpr double most_sweeps = 1e6;  // as scenes may ask for
+  constexpr double most_sweeps = 1e6;  // as scenes may request
   const double mixed = numbers[number_count - 2];
   for (const double number : numbers) {
     if (!std::isfinite(number)) checkpoints.refuse(fmt::format("numbers (found {}, allowed finite ones)", number));

@@ -1,4 +1,4 @@
-// What source iteration carries from one sweep to the next, and its way out of the process and back.
+// The state of source iteration between two sweeps; storing and restoring it.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct IterationState {
 
   IterationResult<Real> result;
   std::vector<Real> x;        ///< [low_moments][n] moments that scatter in the next sweep
-  std::vector<Real> change;   ///< [low_moments][n] what is added to the radiance's own moments for that; empty: nothing
+  std::vector<Real> change;   ///< [low_moments][n] added to the radiance's own moments for that; empty: nothing
   std::vector<double> steps;  ///< relative size of each accelerated change so far
   AndersonMixer<Real> mixer;
   bool dark = true;          ///< there is no radiance yet
@@ -30,10 +30,10 @@ StateKey state_key(const TransportSystem<Real>& system, const IterationState<Rea
 template <class Real>
 void save_state(const TransportSystem<Real>& system, IterationState<Real>& state, Checkpoints& checkpoints);
 
-/// Takes up what the checkpoints hold: a state of the same problem, or the radiance of another one as a first guess.
-/// A state that is done, but not within these options, is such a guess too.
+/// Restores the content of the checkpoints: a state of the same problem, or the radiance of another one as a first
+/// guess. A converged state that does not meet these options is such a guess too.
 /// @param state as before the first sweep; its radiance has its size.
-/// @returns false, and does nothing, where they hold nothing.
+/// @returns false, and does nothing, if they are empty.
 template <class Real>
 bool restore_state(const TransportSystem<Real>& system, const IterationOptions& options, IterationState<Real>& state,
                    Checkpoints& checkpoints);

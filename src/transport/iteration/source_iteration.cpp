@@ -16,13 +16,13 @@
 namespace cloudbow {
 namespace {
 
-// Of the moments l <= 1 three earlier iterates are as good as more, and better than two of all moments, which take more
-// memory.
+// Three earlier iterates of the moments l <= 1 are as good as more. They are better than two iterates of all moments,
+// which take more memory.
 constexpr int anderson_depth = 3;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
-// Halves do not follow changes smaller than their steps, so the last of the slow modes of thick clouds stay (Landsat:
-// 3e-5). Rounding anew in each sweep lets them go, but its noise keeps the iteration from settling (7e-4).
+// Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
+// 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
 
 class Stopwatch {
@@ -67,8 +67,8 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
   return ledger;
 }
 
-// In units of this, half precision holds radiances from 1e-6 to 1e3 of the mean of what comes in with its eleven bits,
-// and down to 1e-9 with fewer.
+// In this unit, float16 holds radiances from 1e-6 to 1e3 of the mean incident light with its eleven bits. Down to 1e-9
+// it holds them with fewer.
 template <class Real>
 std::optional<Real> float16_unit(const TransportSystem<Real>& system, const IterationOptions& options) {
   if (!options.half_precision_radiance || sizeof(Real) > sizeof(float) || system.power_in <= 0) return std::nullopt;
@@ -81,8 +81,7 @@ double relative_size(std::span<const Real> change, std::span<const Real> of) {
   return size == 0 ? 0 : std::sqrt(ordered_dot<Real>(change, change)) / size;
 }
 
-// The accelerated change is close to the error itself; what acceleration misses shrinks by rho a sweep and sums to
-// rho/(1 - rho).
+// The accelerated change is close to the error itself; the rest shrinks by rho per sweep and sums to rho/(1 - rho).
 double estimated_error(const std::vector<double>& steps) {
   double rho = .5;
   if (steps.size() >= 3 && steps[steps.size() - 3] > 0)

@@ -34,7 +34,7 @@ struct IterationResult {
 
 using IterationCallback = std::function<void(int sweep, double estimated_error, double energy_residual)>;
 
-/// @param checkpoints where the iteration begins and leaves its state: where they say that it is due, and at its end;
+/// @param checkpoints the first state is read from them; states are written to them when they are due, and at the end;
 /// or null.
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,

@@ -1,4 +1,4 @@
-// One direction's light, marched backwards from a plane: what its cells send there, and what comes from beyond.
+// One direction's light, marched backwards from a plane: the light that its cells send there, and that from beyond.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@ struct Band {
   bool empty;         ///< no active cell in it
 };
 
-/// What is added up for rays that leave a plane, one a column.
+/// Sums for rays that leave a plane, one per column.
 template <class Real>
 struct Gathered {
-  std::vector<std::vector<Real>> of_band;  ///< [bands][columns + lane_padding] what the cells send
-  std::vector<Real> beyond;                ///< [columns] what comes from beyond the last level or the sides
+  std::vector<std::vector<Real>> of_band;  ///< [bands][columns + lane_padding] light of the cells
+  std::vector<Real> beyond;                ///< [columns] light from beyond the last level or the sides
 
   void clear(std::size_t bands, std::size_t columns) {
     of_band.resize(bands);
@@ -34,8 +34,9 @@ struct GatherWorkspace {
   std::vector<Real> source, transmitted, ground;
 };
 
-/// `count` <= lanes rays, going back from the plane, meet as many cells: `sum` takes what these send there, and what is
-/// transmitted fades (docs/theory.md, Eq. 20). Light leaves a cell by the end of the segment that is nearest the plane.
+/// `count` <= lanes rays, going back from the plane, meet as many cells. The light of these cells is added to `sum`,
+/// and the transmission decreases (docs/theory.md, Eq. 20). Light leaves through the end of the segment that is nearest
+/// the plane.
 /// @param sent the cells' source; @param transmitted of each ray, from the plane to here, weighted.
 template <bool linear, class Real>
 [[gnu::always_inline]] inline void meet_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
@@ -52,12 +53,12 @@ template <bool linear, class Real>
     if constexpr (linear) emitted = crossing.emitted(g.at_exit(x[i], y[i], z[i]), g.at_entry(x[i], y[i], z[i]));
     const Real seen = active ? crossing.t * transmitted[i] : Real(0);
     sum[i] += seen * sent[i] * emitted;
-    transmitted[i] -= seen * crossing.phi.phi1;  // what the cell absorbs: Crossing::absorbed()
+    transmitted[i] -= seen * crossing.phi.phi1;  // absorption in the cell: Crossing::absorbed()
   });
 }
 
-/// Rays leave the plane against the light's travel, as `pattern` says; what they meet, times `weight`, is added to
-/// `gathered`.
+/// Rays leave the plane against the light's travel, along `pattern`; the light on their way, times `weight`, is added
+/// to `gathered`.
 /// @param source along `travel`.
 template <class Real>
 void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,
@@ -82,7 +83,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       const double chord = pattern.chord_m[step];
       const auto leave = [&](const Segment& segment, double at) {
         if (box.periodic) return;
-        const int lower = pattern.upward ? level : level + 1;  // interface where this step begins
+        const int lower = pattern.upward ? level : level + 1;  // interface at which this step begins
         const int upper = pattern.upward ? level + 1 : level;
         const Real outside = side.empty() ? Real(0) : static_cast<Real>((1 - at) * side[lower] + at * side[upper]);
         for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {

@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-// Values of the source at the points: about what 160 directions of a million cells take.
+// Values of the source at the points: about those of 160 directions of a million cells.
 constexpr std::size_t most_values = 160'000'000;
 
 // BeamPhase on a grid of angles that is fine about the forward direction, linear between.
@@ -42,7 +42,7 @@ class AngleTable {
   std::vector<double> value_;
 };
 
-// The mean over the directions that are looked along: its relative gradient serves them all.
+// The mean over the directions of view: its relative gradient is used for all of them.
 template <class Real>
 LinearSource<Real> mean_source(const Problem& problem, const Cells<Real>& cells, const SightPoints& sight,
                                const AngularField<Real>& source, int first_row,

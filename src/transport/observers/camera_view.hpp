@@ -24,8 +24,7 @@ SightPoints sight_points(std::span<const Camera> cameras, std::size_t cells);
 
 /// Images of options.cameras, in their order.
 /// @param source at sight.travel: orders of scattering >= 2, in its rows from `first_row` on.
-/// @param ground as cameras see it.
-/// @param side what open sides show; may be empty.
+/// @param ground for cameras. @param side radiance at open sides; may be empty.
 template <class Real>
 std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptions& options,
                                        const TransportSystem<Real>& system, const SightPoints& sight,

@@ -1,4 +1,4 @@
-// What the converged radiance says of the cells themselves: absorbed power, actinic flux, radiance by direction.
+// Fields of the cells from the converged radiance: absorbed power, actinic flux, radiance by direction.
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"
@@ -7,7 +7,7 @@
 
 namespace cloudbow {
 
-/// Fills absorbed_power and actinic_flux if options ask for them.
+/// Fills absorbed_power and actinic_flux if options request them.
 template <class Real>
 void fill_cell_fields(const ConvergedField<Real>& field, Solution& solution);
 

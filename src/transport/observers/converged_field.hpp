@@ -1,4 +1,4 @@
-// A converged iteration with all that it belongs to: what observers are computed from.
+// A converged iteration with all its context: the input of observers.
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"
@@ -15,7 +15,7 @@ struct ConvergedField {
   const SolverOptions& options;
   const TransportSystem<Real>& system;
   const IterationResult<Real>& result;
-  const LateralBoundary* lateral_boundary;  ///< what open sides show; null: nothing, or no open sides
+  const LateralBoundary* lateral_boundary;  ///< radiance at open sides; null: nothing, or no open sides
 };
 
 }  // namespace cloudbow

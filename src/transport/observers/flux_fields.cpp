@@ -20,8 +20,8 @@ double mean(const std::vector<double>& field) {
 // Fluxes of one interface, column by column.
 struct LevelFlux {
   std::vector<double> up;
-  std::vector<double> down;     // diffuse beside what the iteration's direct beam carries
-  std::vector<double> carried;  // of that, what is not direct
+  std::vector<double> down;     // diffuse apart from the light of the iteration's direct beam
+  std::vector<double> carried;  // of that, the part that is not direct
 };
 
 template <class Real>
@@ -117,7 +117,8 @@ class FluxFields {
             .linear_source = system_.linear_source};
   }
 
-  // The beam's light that is not direct, at a plane, from `peak` as gathered; `flux` holds that on the sun's own line.
+  // Spreads the light of the beam that is not direct, at a plane, as in the gathered `peak`. On entry `flux` holds this
+  // light on the sun's own line.
   void add_peak(std::vector<double> peak, int edge, std::vector<double>& flux) const {
     const std::vector<double> sharp = slice(sharp_beam_->level_flux, edge);
     const std::vector<double> direct = slice(true_beam_->level_flux, edge);
@@ -189,8 +190,8 @@ class FluxFields {
     if (system_.box.periodic) {
       note_factor(solution, rescale(top_up_, by_ordinates));
     } else {
-      // Through sides and top together ordinates let out the right amount of light; how it is shared out between these
-      // the many directions here know better.
+      // Ordinates give the right sum of the light that leaves through sides and top. The many directions here give the
+      // shares of each more accurately.
       const double more = mean(top_up_) - by_ordinates;
       solution.profile_upwelling_flux.back() += more;
       solution.ledger.reflectance += more / system_.power_in;
@@ -240,7 +241,7 @@ class FluxFields {
   void append(Solution& solution, int edge, const LevelFlux& flux) const {
     for (std::size_t c = 0; c < columns_; ++c) {
       double direct = 0;
-      // Where hardly any light comes, what the iteration has left to correct may be less than nothing.
+      // In very dark cells the remaining correction of the iteration can make the flux slightly negative.
       double diffuse = not_negative(flux.down[c]);
       if (problem_.sun) {
         direct = true_beam_->level_flux[edge * columns_ + c];
@@ -277,12 +278,12 @@ class FluxFields {
   DirectionalSource<Real>* source_;
   std::size_t columns_;
   SideRadiance side_radiance_;
-  std::optional<DirectBeam<Real>> true_beam_;     // true extinction: what is reported as direct
-  std::optional<DirectBeam<Real>> carried_beam_;  // what the iteration counts as direct
+  std::optional<DirectBeam<Real>> true_beam_;     // true extinction: light reported as direct
+  std::optional<DirectBeam<Real>> carried_beam_;  // light that the iteration counts as direct
   std::vector<Real> carried_extinction_;          // of that
   std::optional<DirectionalSource<Real>> peak_source_;
   std::vector<GatherDirection> peak_directions_;  // none: no peak
-  std::optional<DirectBeam<Real>> sharp_beam_;    // what still counts as direct beside these
+  std::optional<DirectBeam<Real>> sharp_beam_;    // light that still counts as direct beside these
   std::vector<double> bottom_carried_;
   std::optional<GroundRadiance<Real>> ground_;
   std::vector<double> bottom_down_;

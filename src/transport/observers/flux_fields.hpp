@@ -1,5 +1,5 @@
-// From the converged radiance to fluxes through planes: by the final gather where columns exchange light, by the
-// ordinates themselves where they do not (docs/theory.md, "Final gather").
+// From the converged radiance to fluxes through planes. The final gather computes them if columns exchange light,
+// otherwise the ordinates do (docs/theory.md, "Final gather").
 #pragma once
 
 #include "transport/iteration/source_iteration.hpp"

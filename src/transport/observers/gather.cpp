@@ -22,7 +22,7 @@ constexpr double band_growth = 1.6;     // each distance band ends this many tim
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
 // Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
 constexpr std::size_t groups = 8;
-constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is computed anew
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -107,7 +107,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
   const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
 
-  // Downward, a few directions about the sun's carry too much of the light to be put anywhere but at the centre.
+  // Downward, a few directions near the sun's carry much of the light, so their rays start at the centre.
   const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);
 
   std::vector<double> flux(columns, 0.);

@@ -37,7 +37,7 @@ struct GatherScene {
   const BoxGrid& box;
   const Cells<Real>& cells;
   const DirectionalSource<Real>* source;  ///< needed for fluxes
-  SideRadiance side_radiance{};           ///< asked only where the box is open; may be empty
+  SideRadiance side_radiance{};           ///< called only if the box is open; may be empty
   double sky_radiance = 0;
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
   std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
@@ -48,8 +48,8 @@ struct GatherScene {
   const Real* extinction() const { return own_extinction.empty() ? cells.extinction.data() : own_extinction.data(); }
 };
 
-/// Diffuse flux [columns] through the plane at z_edge[edge] by light that travels up or down, marched backwards from
-/// the plane; what distant cells send is smoothed over the spread of the beams that stand for it (distance bands).
+/// Diffuse flux [columns] through the plane at z_edge[edge], of light that travels up or down. It is marched backwards.
+/// Light of distant cells is smoothed over the spread of the beams that represent it (distance bands).
 template <class Real>
 std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
                                 const std::vector<GatherDirection>& directions);

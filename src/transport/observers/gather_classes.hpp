@@ -1,4 +1,4 @@
-// The directions of a final gather in classes of like spread, and the places where their rays start.
+// The directions of a final gather in classes of similar spread, and the starting points of their rays.
 #pragma once
 
 #include <cmath>
@@ -8,10 +8,10 @@
 
 namespace cloudbow {
 
-/// What a direction's radiance counts in a flux.
+/// Weight of a direction's radiance in a flux: solid angle [sr] times |cosine|.
 inline double power(const GatherDirection& direction) { return direction.weight * std::abs(direction.travel.z()); }
 
-/// Directions that are blurred alike: [first, last) of those in order of their beams' spread.
+/// Directions with the same blur: [first, last) of those in order of their beams' spread.
 struct SpreadClass {
   std::size_t first;
   std::size_t last;
@@ -21,14 +21,14 @@ struct SpreadClass {
 /// Sorts the directions.
 std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions);
 
-/// Where in their columns the rays of a direction start, as fractions.
+/// Starting point of the rays of a direction in their columns, as fractions.
 struct LaunchPlace {
   double x;
   double y;
 };
 
-/// The centre, from where each direction is right to second order; or, to fill the columns, another place for each
-/// direction (additive recurrence of the plastic number, Roberts 2018), for light that changes within the columns.
+/// The centre, from which each direction is accurate to second order. With `filling`, a different point per direction,
+/// for light that changes within columns (additive recurrence of the plastic number, Roberts 2018).
 LaunchPlace launch_place(std::size_t direction, bool filling);
 
 }  // namespace cloudbow

@@ -8,7 +8,7 @@
 namespace cloudbow {
 namespace {
 
-// Light at the ground: the final gather's where the solution holds it, else the ordinates'.
+// Light at the ground: that of the final gather if the solution holds it, else that of the ordinates.
 template <class Real>
 GroundRadiance<Real> lit_ground(const TransportSystem<Real>& system, const SweepFluxes<Real>& fluxes,
                                 const Solution& solution) {

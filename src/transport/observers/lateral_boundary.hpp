@@ -1,4 +1,4 @@
-// What an open side shows: the layers by themselves over a black surface, solved as one column.
+// Radiance at an open side: that of the layers alone over a black surface, solved as one column.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ class LateralBoundary {
 
   /// Diffuse radiance along a direction at each interface, by height.
   std::vector<double> radiance(const Direction& travel) const;
-  /// The same without what the direct beam of the iteration carries (set_first_order_beside_peak).
+  /// The same without the light of the iteration's direct beam (set_first_order_beside_peak).
   std::vector<double> radiance_beside_peak(const Direction& travel) const;
 
  private:

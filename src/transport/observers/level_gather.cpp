@@ -20,20 +20,20 @@ constexpr double band_growth = 3;  // a band of several levels ends at most this
 // Directions are shared out over these many sums, whatever the number of threads, so that sums have one order.
 constexpr std::size_t most_groups = 4;
 constexpr double most_sum_bytes = 1.5e8;      // of all groups, unless one alone takes more
-constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is worked out anew
+constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is computed anew
 // Gaussian width as a fraction of the beam's spread: less than in gather_flux, because rays start in other places for
 // each direction, which smooths as well.
 constexpr double blur_per_spread = .2;
-constexpr int boundary_slot = 0;  // what comes from beyond the box
+constexpr int boundary_slot = 0;  // light from beyond the box
 
-// What the rays of every direction carry and book in one level of the march. A slot is an array of rays.
+// State and sums of the rays of every direction in one level of the march. A slot is an array of rays.
 struct LevelPlan {
-  int fresh = -1;                           // slot of what the level's cells send; -1: it has none
+  int fresh = -1;                           // slot of the light of the level's cells; -1: it has none
   std::vector<int> carried;                 // slots whose light crosses the level
   std::vector<std::pair<int, int>> merges;  // {from, into} slots, after the level
   struct Booking {
     int slot;
-    double distance_m;  // of height, from where the light was sent
+    double distance_m;  // of height, from the origin of the light
   };
   int level = -1;                 // index among the wanted interfaces; -1: that after this level is not wanted
   std::vector<Booking> bookings;  // for each slot but that of the boundary
@@ -52,7 +52,7 @@ MarchPlan march_plan(const BoxGrid& box, std::span<const std::uint32_t> level_ce
                      std::span<const int> edges) {
   struct Carried {
     int slot;
-    double begin_m, end_m;  // height marched where its first and after its last level
+    double begin_m, end_m;  // height marched at its first and after its last level
   };
   MarchPlan plan;
   std::vector<Carried> bands;  // the most distant first
@@ -94,8 +94,8 @@ MarchPlan march_plan(const BoxGrid& box, std::span<const std::uint32_t> level_ce
   return plan;
 }
 
-// Planes of sums: for each wanted interface one of what is not blurred and one for each width of blur that occurs
-// there. Widths are rounded to powers of 2 above the least that is seen.
+// Planes of sums: for each wanted interface one without blur and one for each width of blur that occurs there. Widths
+// are rounded to powers of 2 above the least that is seen.
 class SumPlanes {
  public:
   SumPlanes(const MarchPlan& plan, const BoxGrid& box, std::size_t levels, std::span<const SpreadClass> classes)
@@ -117,7 +117,7 @@ class SumPlanes {
   std::size_t size() const { return level_.size(); }
   int level(std::size_t plane) const { return level_[plane]; }
   double width_m(std::size_t plane) const { return width_[plane] == 0 ? 0 : std::ldexp(least_m_, width_[plane] - 1); }
-  /// Of light in a direction of this spread.
+  /// Plane for light in a direction of this spread.
   int plane(int level, double spread, double distance_m) const {
     return plane_[static_cast<std::size_t>(level)][static_cast<std::size_t>(rounded(spread, distance_m))];
   }
@@ -143,15 +143,15 @@ class SumPlanes {
   std::vector<int> level_, width_;       // [planes]
 };
 
-// By the box alone, so that a level has the same bits whichever others are asked for.
+// By the box alone, so that a level has the same bits whichever others are requested.
 std::size_t groups_for(const BoxGrid& box) {
   constexpr double usual_planes = 10;  // of a level
   const double group = usual_planes * box.nz() * static_cast<double>(box.columns() * sizeof(float));
   return std::clamp(static_cast<std::size_t>(most_sum_bytes / group), std::size_t{1}, most_groups);
 }
 
-// `count` <= lanes rays cross as many cells: `sum` takes what these send (docs/theory.md, Eq. 20), every array of
-// `carried` fades.
+// `count` <= lanes rays cross as many cells: their light is added to `sum` (docs/theory.md, Eq. 20), and every array of
+// `carried` is attenuated.
 template <bool linear, class Real>
 [[gnu::always_inline]] inline void cross_sums(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
                                               std::size_t cell, const Real* __restrict sent, std::size_t ray,
@@ -176,7 +176,7 @@ template <bool linear, class Real>
   }
 }
 
-// What one group of directions works with, and its sums.
+// Work arrays of one group of directions, and its sums.
 template <class Real>
 struct Workspace {
   std::vector<std::vector<Real>> rays;  // [slots][columns + lane_padding]
@@ -185,7 +185,7 @@ struct Workspace {
     const Real* rays;
     Real* plane;
   };
-  std::vector<Entry> entries;  // of what is booked at an interface
+  std::vector<Entry> entries;  // of sums at an interface
   std::vector<Real> sent, ground;
   LinearSource<Real> own;
   std::vector<Real> sums;  // [planes][columns]
@@ -325,8 +325,8 @@ class LevelGather {
     return std::any_of(rays.begin(), rays.end(), [](Real radiance) { return radiance != 0; });
   }
 
-  // All rays cross one level: what they carry fades as exp(-t) = 1 - t phi1, what the cells send (docs/theory.md,
-  // "March along a ray") is added to `fresh`.
+  // All rays cross one level: their light is attenuated by exp(-t) = 1 - t phi1. The light of the cells
+  // (docs/theory.md, "March along a ray") is added to `fresh`.
   template <class Outside>
   void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, const Real* sent,
              std::span<Real* const> carried, Real* fresh, Real* from_beyond, const Outside& outside) const {

@@ -7,8 +7,9 @@
 
 namespace cloudbow {
 
-/// Spreads each value of `field` [columns] over its neighbours by a Gaussian of width `sigma_m`, cut at three sigma and
-/// at half the box. At an open side it is mirrored back, which keeps the sum and leaves an even field as it is.
+/// Spreads each value of `field` [columns] over its neighbours by a Gaussian of width `sigma_m`. It is cut at three
+/// sigma and at half the box. At an open side the Gaussian is reflected, which conserves the sum and leaves a uniform
+/// field unchanged.
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 

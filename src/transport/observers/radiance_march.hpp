@@ -17,7 +17,7 @@ GroundRadiance<Real> ground_of_iteration(const TransportSystem<Real>& system, co
 template <class Real>
 class RadianceMarch {
  public:
-  /// @param lateral_boundary what open sides show; may be null.
+  /// @param lateral_boundary radiance at open sides; may be null.
   /// @param source [n] towards `travel`
   /// @return [n] valid until the next call
   std::span<const Real> mean_radiance(const Problem& problem, const TransportSystem<Real>& system,

@@ -1,5 +1,5 @@
-// One line of sight through the cells: the formal solution from an eye at any place in any direction, with a source
-// that is linear within each cell (docs/theory.md, "Radiance").
+// One line of sight through the cells: the formal solution from any position in any direction. The source is linear
+// within each cell (docs/theory.md, "Radiance").
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,13 @@
 
 namespace cloudbow {
 
-/// What lines of sight cross. Cells are looked up by place: index [(k*ny + j)*nx + i], no_cell where none is active.
+/// The medium of the lines of sight. Cells are looked up by location: index [(k*ny + j)*nx + i], no_cell if none is
+/// active.
 template <class Real>
 struct SightScene {
   static constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
-  /// What a line reads of a cell of linear source, side by side in memory.
+  /// Data of a cell of linear source that a line reads, adjacent in memory.
   struct Cell {
     Real extinction;
     std::array<Real, 3> gradient;  ///< relative, of the source, along x, y, z
@@ -29,7 +30,7 @@ struct SightScene {
   const BoxGrid& box;
   const GroundRadiance<Real>& ground;
   double sky_radiance = 0;
-  SideRadiance side_radiance;             ///< what open sides show, by interface; may be empty
+  SideRadiance side_radiance;             ///< radiance at open sides, by interface; may be empty
   std::vector<Cell> linear_cells;         ///< [n]; empty: the source is constant in each cell,
   std::vector<Real> constant_extinction;  ///< [n] whose extinction, 1/m, is this
   std::vector<std::uint32_t> cell_at;
@@ -61,8 +62,8 @@ struct SightScene {
     return linear_cells.empty() ? constant_extinction[cell] : linear_cells[cell].extinction;
   }
 
-  /// Crossing::emitted of the cell that the line walks through, relative to the cell's source. Light enters where the
-  /// line leaves.
+  /// Crossing::emitted of the cell that the line crosses, relative to the cell's source. Light enters at the point at
+  /// which the line leaves.
   Real emitted(const Crossing<Real>& crossing, std::uint32_t cell, const CellWalk& walk) const {
     if (linear_cells.empty()) return crossing.phi.phi1;
     const auto& gradient = linear_cells[cell].gradient;
@@ -80,9 +81,9 @@ struct SightScene {
 
 namespace sight {
 
-constexpr double seen_through = 1e-4;  // what is transmitted after this is taken to be as bright as what is before it
+constexpr double seen_through = 1e-4;  // beyond this transmission, brightness is taken to be that before it
 
-/// What an open side shows at the height z, for light that travels along `travel`.
+/// Radiance at an open side at the height z, for light that travels along `travel`.
 template <class Real>
 double beside(const SightScene<Real>& scene, double z, const Direction& travel) {
   if (!scene.side_radiance) return travel.z() < 0 ? scene.sky_radiance : 0.;
@@ -94,7 +95,7 @@ double beside(const SightScene<Real>& scene, double z, const Direction& travel) 
   return (1 - share) * by_edge[k] + share * by_edge[k + 1];
 }
 
-/// What stands at the end of the line.
+/// Boundary at the end of the line.
 template <class Real>
 double beyond(const SightScene<Real>& scene, const CellWalk& walk, const Direction& travel) {
   const double lowest = scene.box.z_edge_m.front();
@@ -103,7 +104,7 @@ double beyond(const SightScene<Real>& scene, const CellWalk& walk, const Directi
       return static_cast<double>(scene.ground.at(travel, walk.column()));
     case CellWalk::Place::beside:
       return beside(scene, walk.point(walk.entry()).z(), travel);
-    // Past the domain: between it and the eye nothing is seen.
+    // The line misses the domain.
     case CellWalk::Place::missed:
       return scene.box.periodic || travel.z() <= 0 ? scene.sky_radiance : beside(scene, lowest, travel);
     default:
@@ -113,7 +114,7 @@ double beyond(const SightScene<Real>& scene, const CellWalk& walk, const Directi
 
 }  // namespace sight
 
-/// Radiance seen from `eye` looking along the unit vector `sight`, W m-2 sr-1 (docs/theory.md, Eq. 30).
+/// Radiance at `eye` along the unit vector `sight` of view, W m-2 sr-1 (docs/theory.md, Eq. 30).
 /// @param source (cell) -> source of that cell towards the eye.
 template <class Real, class Source>
 double radiance_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye, const Direction& sight,

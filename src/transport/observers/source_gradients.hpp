@@ -19,7 +19,7 @@ class SourceGradients {
  public:
   explicit SourceGradients(const GatherScene<Real>& scene) : scene_(scene) {}
 
-  /// For the directions that along() will be asked for next.
+  /// For the directions of the next calls of along().
   void prepare(std::span<const GatherDirection> directions) {
     if (!scene_.linear_source || !scene_.cells.heterogeneous) return;
     const DirectionalSource<Real>& source = *scene_.source;
@@ -40,7 +40,7 @@ class SourceGradients {
     }
   }
 
-  /// @param own holds the gradient where it is the direction's own.
+  /// @param own holds the gradient if it is the direction's own.
   CellView<Real> along(const Direction& travel, LinearSource<Real>& own) const {
     const Cells<Real>& cells = scene_.cells;
     if (!scene_.linear_source) return {scene_.extinction(), {}};
@@ -50,7 +50,7 @@ class SourceGradients {
     }
     own.resize(cells.size());
     scene_.source->query(travel, own.value.data());
-    // A forward peak sends less than nothing in some directions; what is relative to it is the same.
+    // A truncated phase function can be negative in some directions; gradients relative to it are the same.
     for (Real& value : own.value) value = std::abs(value);
     own.make_gradient(cells);
     CellView<Real> view = own.view(cells);

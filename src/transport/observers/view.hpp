@@ -1,4 +1,4 @@
-// Radiance along parallel lines of sight: what an instrument far above (or below) the scene sees.
+// Radiance along parallel lines of sight: the image of an instrument far above (or below) the scene.
 #pragma once
 
 #include "cloudbow/transport/solution.hpp"
@@ -9,8 +9,7 @@ namespace cloudbow {
 
 /// Images of options.views, in their order. The formal solution along each line of sight (docs/theory.md, "Radiance").
 /// @param source along the views' directions, in its first rows.
-/// @param ground as instruments see it.
-/// @param side what open sides show; may be empty.
+/// @param ground for instruments. @param side radiance at open sides; may be empty.
 template <class Real>
 std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
                                           const TransportSystem<Real>& system, const AngularField<Real>& source,

@@ -19,7 +19,7 @@ std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field) 
   const TransportSystem<Real>& system = field.system;
   std::vector<ViewingBeam<Real>> beams;
   if (!problem.sun) return beams;
-  // What the iteration's beam has beyond unscattered light went through the peak.
+  // The light of the iteration's beam beyond unscattered light has scattered into the peak.
   const DirectBeam<Real> unscattered =
       beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
   std::vector<float> place(system.beam.irradiance.size());
@@ -60,7 +60,7 @@ AngularField<Real> scattered_by(const std::vector<PhaseFunction>& phase, const s
   return scatter_towards<Real>(radiance, towards, cells);
 }
 
-// A line along the horizon never ends; the radiance just above or below it stands for it.
+// A line along the horizon never ends; the radiance just above or below replaces it.
 Direction off_the_horizon(const Direction& travel) {
   constexpr double least = .02;
   if (std::abs(travel.z()) >= least) return travel;
@@ -87,7 +87,7 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
     resolved.push_back(discretisation.gather[p].truncated);
     share.push_back((1 - discretisation.gather[p].forward_fraction) / (1 - discretisation.diffuse[p].forward_fraction));
   }
-  // The radiance along the directions, as the iteration has it: from the source that transport sees.
+  // The radiance along the directions in the approximation of the iteration: from the source of transport.
   AngularField<Real> radiance = scattered_by(truncated, whole, ordinates, cells, solved.radiance, travel);
   std::vector<SingleScattering<Real>> first_order;
   for (std::size_t p = 0; p < phases && problem.sun; ++p) {

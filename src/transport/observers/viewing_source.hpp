@@ -1,5 +1,5 @@
-// The source towards the directions that are looked along: light scattered once by the phase function itself, higher
-// orders straight from the radiance at the ordinates (docs/theory.md, "Radiance").
+// The source towards the directions of view. Light scattered once uses the phase function itself; higher orders use the
+// radiance at the ordinates directly (docs/theory.md, "Radiance").
 #pragma once
 
 #include <span>
@@ -22,15 +22,15 @@ struct ViewingBeam {
   std::vector<float> place;     ///< [n] BeamPhase::place of the peak's optical depth
 };
 
-/// Of a problem without sun: empty.
+/// Empty for a problem without sun.
 template <class Real>
 std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 
 /// Orders of scattering >= 2: one row for each direction of travel.
 ///
-/// The radiance I_d at the ordinates scatters by the phase function itself, not by its truncated form, which at the
-/// angles where little light goes is far off. The forward peak, too narrow for the ordinates, is taken out: with I_v
-/// the radiance along the direction itself (marched once) and f what transport counts as unscattered,
+/// The radiance I_d at the ordinates scatters by the phase function itself. Its truncated form has large errors at the
+/// angles of little light. The forward peak, too narrow for the ordinates, is subtracted: with I_v the radiance along
+/// the direction itself (marched once) and f the fraction that transport counts as unscattered,
 ///     S = w/(4 pi) (sum_d w_d P(v . d) (I_d - I_v) + 4 pi (1 - f) I_v) / (1 - w f).
 /// @param field whose radiance is that at the ordinates, orders of scattering >= 1.
 template <class Real>

@@ -12,7 +12,7 @@
 namespace cloudbow {
 namespace {
 
-// Sine of the angle between up and line of sight below which the frame is undefined to the digits of a scene file.
+// Least sine of the angle between up and line of sight. Below, the frame is undefined to the digits of a scene file.
 constexpr double parallel = 1e-6;
 
 std::string text(const Eigen::Vector3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }

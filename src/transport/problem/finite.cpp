@@ -17,7 +17,7 @@ namespace {
                   where.empty() ? "" : " " + where, found));
 }
 
-/// `where(n)` names the place of value n.
+/// The functor returns the name of the location of value n.
 template <class Value, class Where>
 void check_all(const std::string& what, std::span<const Value> values, const Where& where) {
   for (std::size_t n = 0; n < values.size(); ++n) {

@@ -17,7 +17,7 @@ namespace sight {
 /// Lines that are level never leave periodic air: they are followed through so many domains.
 constexpr int most_domains = 2000;
 
-/// Cuts the part [enter, leave] of a line, in distances along it, to what is between low and high on one axis.
+/// Cuts the part [enter, leave] of a line, in distances along it, to the part between low and high on one axis.
 inline void clip(double from, double along, double low, double high, double& enter, double& leave) {
   if (along == 0) {
     if (from < low || from > high) leave = -1;
@@ -31,11 +31,11 @@ inline void clip(double from, double along, double low, double high, double& ent
 
 }  // namespace sight
 
-/// Distances are in m from the eye. Walls belong to the cell that the line goes into.
+/// Distances are in m from the eye. Walls belong to the cell that the line enters.
 class CellWalk {
  public:
-  /// Where the walk is; not inside: it has ended, or has not met the box at all. `endless`: sight::most_domains
-  /// of periodic air are crossed.
+  /// Position of the walk. If it is not inside, it has ended or has not met the box at all. `endless`:
+  /// sight::most_domains of periodic air are crossed.
   enum class Place { inside, missed, below, above, beside, endless };
 
   /// @param sight unit vector.

@@ -1,4 +1,4 @@
-// Light crosses one cell: what leaves it and its mean along the chord (docs/theory.md, Eqs. 18 to 20).
+// Light crosses one cell: the radiance at the exit and its mean along the chord (docs/theory.md, Eqs. 18 to 20).
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace cloudbow {
 
-/// Optical path of a chord, held where the functions of it are good.
+/// Optical path of a chord, limited to the range in which its functions are accurate.
 template <class Value, class Real>
 [[gnu::always_inline]] inline Value optical_path(const Value& extinction, Real length) {
   constexpr Real largest = static_cast<Real>(largest_optical_path);
@@ -21,10 +21,9 @@ template <class Value, class Real>
   }
 }
 
-/// A ray on its way through a cell. Its source has the value `entry` where light enters and `exit` where light leaves,
-/// and is linear between (Eq. 20); or it is constant (Eq. 19). With e^-t = 1 - t phi1, no term is negative if no source
-/// and no radiance is.
-/// @tparam Value float, double, or lanes of float: a ray for each lane.
+/// A ray in a cell. The source has the value `entry` at the entry of light and `exit` at its exit. It is linear between
+/// (Eq. 20), or it is constant (Eq. 19). With e^-t = 1 - t phi1, no term is negative if no source and no radiance is.
+/// @tparam Value float, double, or lanes of float: one ray for each lane.
 template <class Value>
 struct Crossing {
   Value t;  ///< optical path, 0 to largest_optical_path
@@ -32,7 +31,7 @@ struct Crossing {
 
   [[gnu::always_inline]] explicit Crossing(const Value& path) : t(path), phi(exponential_functions(path)) {}
 
-  /// What leaves of the cell's own light, per unit of t.
+  /// Light of the cell itself that leaves it, per unit of t.
   [[gnu::always_inline]] Value emitted(const Value& entry, const Value& exit) const {
     return phi.phi2 * exit + (phi.phi1 - phi.phi2) * entry;
   }

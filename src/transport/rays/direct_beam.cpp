@@ -10,8 +10,8 @@ namespace {
 // Rays are shared out over this many accumulators whatever the number of threads, so that sums have one order.
 constexpr int groups = 4;
 
-// (1 - e^-t)/t: mean over the path of what enters as 1. Below one half (1 - e)/t loses digits in float; the series to
-// t^7 does not.
+// (1 - e^-t)/t: mean over the path of light that enters as 1. Below one half (1 - e)/t loses digits in float; the
+// series to t^7 does not.
 template <class Real>
 [[gnu::always_inline]] inline Real mean_transmission(Real t) {
   Real series = Real(1) - t * Real(1. / 8);
@@ -65,7 +65,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
       std::vector<Real> path(columns + lane_padding);
       std::vector<Real> light(columns);
       for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
-        // The nudge keeps rays off the faces when the sun stands on an axis.
+        // The offset keeps rays off the faces if the sun's azimuth is along an axis.
         const PathPattern pattern =
             make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
                               options.independent_columns, {0, box.nz()});
@@ -130,7 +130,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
           }
           record(step + 1);
         }
-        if (!box.periodic) {  // rays that stand across a side let in and out what lands beyond what they carry
+        if (!box.periodic) {  // rays that overlap a side let in or out: landed minus carried light
           for (const Real rest : light) landed -= static_cast<double>(rest);
           (landed > 0 ? sum.gain : sum.loss) += std::abs(landed);
         }

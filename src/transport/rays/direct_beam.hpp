@@ -1,5 +1,5 @@
-// The direct beam: sunlight that has not scattered, marched along the sun's direction with several rays a column and no
-// source.
+// The direct beam: sunlight that has not scattered. It is marched along the sun's direction with several rays per
+// column and no source.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ namespace cloudbow {
 
 template <class Real>
 struct DirectBeam {
-  std::vector<Real> irradiance;    ///< [n] voxel-mean irradiance on a surface facing the sun, W m-2; empty: not asked
+  std::vector<Real> irradiance;  ///< [n] voxel-mean irradiance on a surface facing the sun, W m-2; empty: not requested
   std::vector<double> level_flux;  ///< [nz+1][ny*nx] through a horizontal surface, mean over the column, W m-2
   double side_gain = 0;            ///< power through the sunlit open sides per area of the top, W m-2
   double side_loss = 0;

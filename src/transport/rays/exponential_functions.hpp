@@ -1,8 +1,8 @@
-// The functions that carry light through a cell of optical path t (docs/theory.md, "March along a ray"):
+// The functions of transport through a cell of optical path t (docs/theory.md, "March along a ray"):
 //   phi1 = (1 - e^-t)/t,  phi_{k+1} = (1/k! - phi_k)/t.
-// Float: one rational approximation for all three, phi1 = N/Q, phi2 = B/Q, phi3 = C/Q with Q = N + t B. What enters and
-// is emitted then leaves or stays to the last digit, whatever the error of the fit (2e-6 of phi1, 3e-6 in t phi2 and
-// t phi3); all coefficients are positive, so all three are. Double: exact to rounding.
+// Float: one rational approximation for all three, phi1 = N/Q, phi2 = B/Q, phi3 = C/Q with Q = N + t B. Energy is then
+// conserved to the last digit, whatever the error of the fit (2e-6 of phi1, 3e-6 in t phi2 and t phi3). All
+// coefficients are positive, so all three functions are. Double: exact to rounding.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct ExponentialFunctions {
   Real phi3;
 };
 
-/// Longer optical paths are taken as this one: mean radiance and source then agree to the last digit of float, and the
+/// Longer optical paths are replaced by this one. Mean radiance and source then agree to the last digit of float. The
 /// sixth power of t is still in its range.
 inline constexpr float largest_optical_path = 5e6F;
 

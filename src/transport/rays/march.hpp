@@ -1,6 +1,6 @@
-// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). A ray is known by its
-// launch column; in a segment of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo the box.
-// Rays never move in memory.
+// Marching all rays of one direction through the active cells (docs/theory.md, "Shared pattern"). Rays are identified
+// by their launch columns; in a segment of shift (ox, oy) the ray of column (m, r) is in cell (m + ox, r + oy), modulo
+// the box. Rays never move in memory.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@ inline int wrapped(int i, int n) {
   return r < 0 ? r + n : r;
 }
 
-/// Calls `cross(ray, cell, n)` for the rays of the row of nx rays from index `row` that lie in the chunk when the row
-/// is shifted by `shift` columns, in one run or, at the seam, two.
+/// Calls `cross(ray, cell, n)` for rays of the row of nx rays from index `row`: those that lie in the chunk when the
+/// row is shifted by `shift` columns. They form one run or, at the seam, two.
 template <class Cross>
 [[gnu::always_inline]] inline void cross_run(std::size_t row, const Chunk& chunk, int shift, int nx,
                                              const Cross& cross) {
@@ -37,8 +37,8 @@ template <class Cross>
   }
 }
 
-/// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` that lie in n cells from index
-/// `cell`, segment by segment of the level that `step` of the pattern crosses, where cross = begin(segment); and
+/// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` in n cells from index `cell`.
+/// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. Calls
 /// `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
 template <class Begin, class Enter>
 inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Begin& begin,
@@ -75,8 +75,8 @@ inline void for_rays_through_side(const Segment& segment, int nx, int ny, const 
   }
 }
 
-/// Calls `run(column, ray, n)` for the pieces of rows in which the rays of an nx x ny plane, shifted by (shift_x,
-/// shift_y) columns modulo the plane, lie in line with its columns.
+/// Calls `run(column, ray, n)` for pieces of rows of an nx x ny plane. In a piece, rays shifted by (shift_x, shift_y)
+/// columns modulo the plane are aligned with its columns.
 template <class Run>
 [[gnu::always_inline]] inline void for_shifted_rows(int shift_x, int shift_y, int nx, int ny, const Run& run) {
   const int sx = wrapped(shift_x, nx);
@@ -89,8 +89,8 @@ template <class Run>
   }
 }
 
-/// The same for the rays in the columns that are (step_x, step_y) before each column, steps of -1 to 1, when rays are
-/// shifted by (shift_x, shift_y); at the sides of the plane, for the nearest there are.
+/// The same for the rays in the columns (step_x, step_y) before each column, if rays are shifted by (shift_x, shift_y).
+/// Steps are -1 to 1; at the sides of the plane the nearest rays are used.
 template <class Run>
 inline void for_neighbouring_rows(int shift_x, int shift_y, int step_x, int step_y, int nx, int ny, const Run& run) {
   const auto ray_in = [&](int column, int shift, int n) { return wrapped(std::clamp(column, 0, n - 1) - shift, n); };
@@ -110,8 +110,8 @@ inline void for_neighbouring_rows(int shift_x, int shift_y, int step_x, int step
 
 /// Shares rays at fractional position (x, y) columns from their launch column out to the columns they overlap: each ray
 /// is as wide as `width` <= 1 columns. `run(column, ray, n, weight)` is called for pieces of rows of an nx x ny plane.
-/// Every column is overlapped in full: what a ray holds out over an open side is lost, and where a column at a side
-/// lacks a neighbour its nearest ray stands for that.
+/// Every column is overlapped in full. The part of a ray beyond an open side is lost. If a column at a side lacks a
+/// neighbour, its nearest ray replaces it.
 template <class Run>
 inline void spread_on_columns(double x, double y, double width, int nx, int ny, bool periodic, const Run& run) {
   struct Overlaps {
@@ -150,7 +150,7 @@ template <class Real>
 void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* gradient_x,
                      Real* gradient_y, Real* gradient_z);
 
-/// Sum in one order, whatever the compiler makes of it.
+/// Sum in a fixed order, whatever the compiler.
 template <class Real>
 inline double plane_sum(const Real* values, std::size_t n) {
   constexpr std::size_t parts = 8;
@@ -181,8 +181,7 @@ struct LinearSource {
   }
 };
 
-/// A segment in the precision of the kernel: its length, its share of the level's chord, and where in the cell it
-/// begins and ends.
+/// A segment in the precision of the kernel: its length, its share of the level's chord, and its two ends in the cell.
 template <class Real>
 struct SegmentGeometry {
   Real length, share;
@@ -199,7 +198,7 @@ struct SegmentGeometry {
         to_y(static_cast<Real>(segment.to[1])),
         to_z(static_cast<Real>(segment.to[2])) {}
 
-  /// Source relative to the cell's mean, of a relative gradient (x, y, z), at the segment's two ends (docs/theory.md,
+  /// Source relative to the cell's mean at both ends of the segment, for a relative gradient (x, y, z) (docs/theory.md,
   /// Eq. 20a).
   template <class Value>
   [[gnu::always_inline]] Value at_entry(const Value& x, const Value& y, const Value& z) const {
@@ -217,9 +216,9 @@ template <class Real, class Use>
   return cells.is_linear() ? use(std::true_type()) : use(std::false_type());
 }
 
-/// Calls `use(i, active)` for i = 0 .. count - 1 <= lanes with active = true, and in float beyond that, to the end of a
-/// vector of lanes, with active = false: runs of a few cells then cost a vector operation, not a scalar loop. What
-/// `use` writes where it is not active must be what was there. In double, whose kernels are not vectorised, nothing is
+/// Calls `use(i, active)` for i = 0 .. count - 1 <= lanes with active = true. In float it continues to the end of a
+/// vector of lanes with active = false. Runs of a few cells then cost a vector operation, not a scalar loop. If it is
+/// not active, `use` must leave stored values as they were. In double, whose kernels are not vectorised, nothing is
 /// added.
 template <class Real, class Use>
 [[gnu::always_inline]] inline void for_lanes(int count, const Use& use) {
@@ -262,8 +261,7 @@ template <class Real, bool keep_mean, bool linear>
   }
 }
 
-/// Asks in time for what a chunk some way on in a list will take: short runs of cells are no streams that the processor
-/// follows by itself.
+/// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
 template <bool linear, class Real>
 [[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
                                            const Real* mean) {
@@ -276,15 +274,15 @@ template <bool linear, class Real>
   if (mean != nullptr) __builtin_prefetch(mean + cell, 1);
 }
 
-/// What one direction's march left behind.
+/// Results of one direction's march.
 struct MarchTotals {
   double entered_sides = 0;  ///< sum of radiances of the rays that came in through open sides
   double left_sides = 0;
 };
 
-/// One direction through the levels of its pattern. `source` [n] is what the cells send, `rays` [nx*ny] hold the
-/// radiance at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called
-/// before the first level and after each.
+/// One direction through the levels of its pattern. `source` [n] is that of the cells, `rays` [nx*ny] hold the radiance
+/// at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called before
+/// the first level and after each.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
 /// @param mean [n] voxel-mean radiance is added to it if keep_mean.

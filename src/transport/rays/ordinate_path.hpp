@@ -1,5 +1,5 @@
-// The way of the ordinates through a box: along z, or, where that takes fewer segments, along x or y through the levels
-// of one thickness (docs/theory.md, "March along the dominant axis"). Made once per solve.
+// The path of the ordinates through a box: along z, or, with fewer segments, along x or y through levels of one
+// thickness (docs/theory.md, "March along the dominant axis"). It is computed once per solve.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // The path of one direction through the levels of a box, shared by all its rays. Rays start at the same fraction of
-// every column, so in a level each crosses the same short list of segments; the list is made once per direction
+// every column. In a level, each thus crosses the same short list of segments. The list is made once per direction
 // (docs/theory.md, "Shared pattern").
 #pragma once
 
@@ -21,8 +21,8 @@ struct Segment {
   int shift_y;
   Entry entry;      ///< x_low: through the face at the cell's lower x, coming from the neighbour below
   double fraction;  ///< of the level's chord; the fractions of a level sum to 1
-  /// Where it enters and leaves the cell, in cell units from the centre, less the level's chord-weighted mean so that a
-  /// linear source keeps the cell's mean source exactly.
+  /// Its entry and exit of the cell, in cell units from the centre, less the level's chord-weighted mean. A linear
+  /// source then keeps the cell's mean source exactly.
   std::array<double, 3> from;
   std::array<double, 3> to;
 };
@@ -48,7 +48,7 @@ struct PathPattern {
 /// @param travel direction of the march, travel.z != 0.
 /// @param start_x, start_y start within the launch column, in [0, 1).
 /// @param independent_columns light stays in its column (independent columns): horizontal motion is ignored, chords are
-/// not. A periodic axis of one column is likewise not crossed: the field does not vary along it.
+/// not. A periodic axis of one column is not crossed either: the field does not vary along it.
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
                               bool independent_columns, LevelRange levels);
 

@@ -12,8 +12,8 @@ namespace {
 constexpr int ahead = 6;  // chunks
 static_assert(ahead <= Sheets::padding);
 
-// Launch fraction of a cell that puts the rays, after `rest` of a cell more, as far behind its middle as they began
-// before it.
+// Launch fraction of a cell. After `rest` of a cell more, the rays are as far behind its middle as they began before
+// it.
 double centred_start(double rest, bool ascending) { return ascending ? (1 - rest) / 2 : (1 + rest) / 2; }
 
 template <class Real, bool linear>
@@ -54,8 +54,8 @@ class SidewaysMarch {
   // Interface, by height above the first level, that light crosses on its way into a level.
   int interface(int along) const { return path_.upward ? along : levels_ - along; }
 
-  // Calls visit(sheet, share) for the sheets, in marching order and around the seam, that an interval of the march
-  // overlaps.
+  // Calls visit(sheet, share) for the sheets that an interval of the march overlaps. Their order is that of the march,
+  // around the seam.
   template <class Visit>
   void for_sheets_between(double from, double to, const Visit& visit) const {
     for (int s = static_cast<int>(std::floor(from)); s < to; ++s) {
@@ -72,7 +72,7 @@ class SidewaysMarch {
     if (first > 0) use(columns_ - first, 0, first);
   }
 
-  // Rays of a row take the mean of what comes in over the part of the plane that is theirs: `width` sheets about `at`.
+  // Rays of a row take the mean of the incident light over their part of the plane: `width` sheets about `at`.
   void come_in(Real* row, double at, double width, int shift) {
     if (planes_.entering.empty()) {
       std::fill_n(row, columns_, planes_.everywhere);
@@ -106,7 +106,7 @@ class SidewaysMarch {
 
   double sum(const Real* row) const { return plane_sum(row, static_cast<std::size_t>(columns_)); }
 
-  // The row that has not come in when the last sheet is done, but whose share of it crosses the plane at the seam.
+  // The row outside when the last sheet is done, part of which crosses the plane at the seam.
   void fill_outermost_row() {
     come_in(ray_row(first_row_), sheets_.count, std::max(path_.rest, 1e-9) / path_.rise, path_.across);
     if (!planes_.at_level.empty()) planes_.at_level[interface(0)] += path_.rest / path_.rise * sum(ray_row(first_row_));
@@ -130,7 +130,7 @@ class SidewaysMarch {
     const Real* __restrict const from = back + (path_.ascending_across ? -1 : 1);
     Real* __restrict const row = ray_row(q);
     for (int m = 0; m < columns_; ++m) row[m] = (1 - sidestep) * back[m] + sidestep * from[m];
-    // What changes rows at the seam crosses a level there.
+    // Light that changes rows at the seam crosses a level there.
     if (!planes_.at_level.empty() && q > 0) planes_.at_level[interface(q)] += path_.rest / path_.rise * sum(behind);
   }
 

@@ -1,12 +1,12 @@
-// Marching the rays of a slanted direction along x or y, sheet by sheet: a ray then crosses two or three segments a
-// cell where a march along z crosses as many columns as the slant asks for (docs/theory.md, "March along the dominant
+// Marching the rays of a slanted direction along x or y, sheet by sheet. A ray then crosses two or three segments per
+// cell. A march along z crosses as many columns as the slant requires (docs/theory.md, "March along the dominant
 // axis").
 //
-// In a sheet, rays stand in rows by height, one a cell. A row is known by its launch level q, counted in the direction
-// of vertical travel from the level that light enters first; it is in level q + s after s crossings of levels. Rows q <
-// 0 begin outside and come in on the way. After the last sheet the rays are back at the first, rise levels further;
-// they go on from the launch points by linear interpolation between rows and columns, which keeps their power. Rows are
-// marched in blocks of as many as lie between a row and its successor, so that what a block needs is done before it.
+// In a sheet, rays form rows by height, one per cell. A row is identified by its launch level q. It is counted in the
+// direction of vertical travel, from the level that light enters first. After s crossings of levels the row is in level
+// q + s. Rows q < 0 begin outside and enter later. After the last sheet the rays are back at the first, rise levels
+// further. They continue from the launch points by linear interpolation between rows and columns, which conserves their
+// power. A block has as many rows as lie between a row and its successor, so that its input is complete before it.
 #pragma once
 
 #include <optional>
@@ -32,8 +32,8 @@ struct SidewaysPath {
   bool ascending_across = true;
 };
 
-/// @param levels of one thickness. @returns nothing where rays do not go along the axis, or would not cross a level
-/// before they are back.
+/// @param levels of one thickness. @returns nothing if rays do not move along the axis, or return before they cross a
+/// level.
 std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
                                                LevelRange levels);
 

@@ -18,13 +18,13 @@ constexpr double least_share_of_beam = .01;
 constexpr int most_parts = 6;
 constexpr double parts_of_most = 63;  // 1 + 2 + 4 + ... + 32
 
-// What the beam leaves in a level.
+// Power that the beam loses in a level.
 struct BeamInLevel {
   double share = 0;  // of the incident power
   double depth = 0;  // slant optical depth of the cells, mean by the power
 };
 
-// Columns by themselves, which is close enough to choose levels by.
+// Independent columns, accurate enough for the choice of levels.
 std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOptions& options) {
   std::vector<double> forward_fraction;
   for (const PhaseFunction& phase : problem.phase)
@@ -76,7 +76,7 @@ void keep_edges(const SubdividedLevels& cut, std::vector<Value>& of_edges) {
   of_edges = std::move(kept);
 }
 
-// Of the fluxes those at levels of the whole, by its indices.
+// Keeps the fluxes at levels of the whole, by its indices.
 void keep_planes(const Problem& whole, const SubdividedLevels& cut, Solution& solution) {
   const std::size_t columns = whole.grid.box.columns();
   const std::vector<int> solved = std::move(solution.flux_level);

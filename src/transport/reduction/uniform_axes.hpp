@@ -6,7 +6,8 @@
 
 namespace cloudbow {
 
-/// Cloud, layers and surface alike, to the bit. None with open sides, which vary by themselves.
+/// Axes along which cloud, layers and surface are uniform, to the bit. None with open sides, because their light varies
+/// in any case.
 UniformAxes uniform_axes(const Problem& problem);
 
 /// The same problem with one cell along uniform axes.

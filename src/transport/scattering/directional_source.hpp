@@ -18,7 +18,7 @@ struct SingleScattering {
   std::vector<Real> intensity;
 };
 
-/// The source in one direction, as what it is the sum of.
+/// The source in one direction, as the terms of its sum.
 template <class Real>
 struct SourceAlong {
   struct Term {
@@ -30,7 +30,7 @@ struct SourceAlong {
     FieldRow<Real> at_cells;
   };
   bool any_points = false;
-  std::array<PointTerm, 3> points;  ///< where there are any
+  std::array<PointTerm, 3> points;  ///< if there are any
   std::vector<Term> first_order;
 
   /// Source of the cells [first, first + n).
@@ -46,7 +46,7 @@ struct DirectionalSource {
 
   /// Source for light that travels along `direction`: three streams times three weights, and one more a beam.
   SourceAlong<Real> along(const Direction& direction, double scale = 1) const;
-  /// The same of all cells, worked out.
+  /// The same of all cells, evaluated.
   void query(const Direction& direction, Real* source) const;
 };
 

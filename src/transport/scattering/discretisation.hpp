@@ -1,4 +1,4 @@
-// Control points, ordinates and what each phase function becomes on them.
+// Control points, ordinates and the representation of each phase function on them.
 #pragma once
 
 #include <optional>
@@ -15,10 +15,10 @@ struct Discretisation {
   ControlPoints points;
   OrdinateSet ordinates;
   std::vector<ScatteringTable> table;  ///< [p]
-  std::vector<DeltaM> diffuse;         ///< [p] truncated at N: what the iteration scatters
+  std::vector<DeltaM> diffuse;         ///< [p] truncated at N: scattering of the iteration
   std::vector<DeltaM> beam;            ///< [p] truncated at N_b: how the iteration's direct beam scatters
-  std::vector<DeltaM> gather;     ///< [p] truncated at gather_order: what the gather's single scattering still resolves
-  std::vector<ForwardPeak> peak;  ///< [p] of share f_b: what the iteration's direct beam carries on, as it scatters
+  std::vector<DeltaM> gather;          ///< [p] truncated at gather_order: resolution of the gather's single scattering
+  std::vector<ForwardPeak> peak;       ///< [p] of share f_b: scattering that stays in the iteration's direct beam
 
   /// Order to which the gather's directions about the sun (some two degrees apart) resolve a forward peak; a narrower
   /// core stays in the beam.

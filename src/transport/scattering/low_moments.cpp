@@ -26,7 +26,7 @@ LowMoments<Real>::LowMoments(const OrdinateSet& ordinates) {
   const Eigen::MatrixXd y = orthonormal_basis(ordinates);
   const Eigen::MatrixXd weighted =
       y * Eigen::Map<const Eigen::VectorXd>(ordinates.weight.data(), ordinates.size()).asDiagonal();
-  // A set with few directions may not tell all moments apart; the pseudoinverse then leaves those out.
+  // A set with few directions may not separate all moments; the pseudoinverse then omits the inseparable ones.
   const Eigen::MatrixXd gram = weighted * y.transpose();
   weights = weighted.template cast<Real>();
   shape = (y.transpose() * gram.completeOrthogonalDecomposition().pseudoInverse()).template cast<Real>();

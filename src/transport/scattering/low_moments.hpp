@@ -1,5 +1,5 @@
 // The moments l <= 2 of radiance at the ordinates, in the basis 1, sqrt(3) (x, y, z), ... that is orthonormal over the
-// sphere up to 4 pi: what the acceleration works on.
+// sphere up to 4 pi. The acceleration works on them.
 #pragma once
 
 #include "cloudbow/sphere/ordinate_set.hpp"
@@ -13,7 +13,7 @@ struct LowMoments {
   explicit LowMoments(const OrdinateSet& ordinates);
 
   DenseMatrix<Real> weights;  ///< low_moments x D: radiance at the ordinates to moments
-  DenseMatrix<Real> shape;    ///< D x low_moments: what a unit of each moment adds to the radiance
+  DenseMatrix<Real> shape;    ///< D x low_moments: addition to the radiance per unit of each moment
 };
 
 }  // namespace cloudbow

@@ -16,7 +16,7 @@ bool odd(unsigned bits) { return (std::popcount(bits) & 1) != 0; }
 // product[r] = sum_k matrix(r, k) * from[k] for `rows` rows and n cells of a tile; matrix by columns of `size`.
 template <class Real, int rows>
 [[gnu::always_inline]] inline void multiply_rows(const Real* matrix, int size, const Real* from, int n, Real* product) {
-  constexpr int vectors = sizeof(Real) == sizeof(float) ? 2 : 1;  // what the registers hold
+  constexpr int vectors = sizeof(Real) == sizeof(float) ? 2 : 1;  // limit of the registers
   for (int c = 0; c < n; c += vectors * lanes) {
     Lanes<Real> sum[rows][vectors] = {};
     for (int k = 0; k < size; ++k) {
@@ -39,8 +39,7 @@ void multiply(const std::vector<Real>& matrix, int size, const Real* from, int n
   for (; r < size; ++r) multiply_rows<Real, 1>(matrix.data() + r, size, from, n, product + r * tile);
 }
 
-// Ordinates by octant; in each the same directions but for signs, in the same order. Empty where there is no such
-// order.
+// Ordinates by octant; in each the same directions but for signs, in the same order. Empty if there is no such order.
 std::vector<int> order_by_octant(const OrdinateSet& ordinates) {
   const int size = ordinates.size() / 8;
   if (size == 0 || ordinates.size() % 8 != 0) return {};
@@ -83,7 +82,7 @@ std::optional<OctantScattering<Real>> OctantScattering<Real>::make(const Ordinat
   constexpr double asymmetry = 1e-4;
   for (const DenseMatrix<Real>& full : matrix) {
     const double largest = static_cast<double>(full.cwiseAbs().maxCoeff());
-    std::array<Eigen::MatrixXd, octants> between;  // from octant 0 to octant g, mean over the pairs alike
+    std::array<Eigen::MatrixXd, octants> between;  // from octant 0 to octant g, mean over the equivalent pairs
     for (auto& m : between) m = Eigen::MatrixXd::Zero(size, size);
     for (unsigned to = 0; to < octants; ++to) {
       for (unsigned from = 0; from < octants; ++from) {
@@ -140,7 +139,7 @@ template <bool prefetch, class Real>
   for (int c = 0; c < tile; c += lanes) {
     Lanes<Real> x[8];
     for (int o = 0; o < 8; ++o) load_lanes(from[o] + c, x[o]);
-    // More streams than the processor follows by itself: the next tile's are asked for in time.
+    // More streams than the processor prefetches by itself: the next tile's are prefetched here.
     if (prefetch && c * sizeof(Real) % 64 == 0) {
       for (int o = 0; o < 8; ++o) __builtin_prefetch(from[o] + tile + c);
     }

@@ -1,6 +1,6 @@
-// Scattering among ordinates that the eight reflections x -> -x, y -> -y, z -> -z map onto themselves: phase functions
-// see the angle alone, so the matrix between two octants depends on the reflections that lead from one to the other.
-// Sums and differences over the octants (a Walsh-Hadamard transform) then fall apart into eight sectors, each with a
+// Scattering among ordinates that the eight reflections x -> -x, y -> -y, z -> -z map onto themselves. Phase functions
+// depend on the angle alone. The matrix between two octants thus depends on the reflections that lead from one to the
+// other. Sums and differences over the octants (a Walsh-Hadamard transform) separate into eight sectors. Each has a
 // matrix of an octant's size: an eighth of the multiplications (docs/theory.md, "Scattering").
 #pragma once
 
@@ -18,13 +18,12 @@ template <class Real>
 class OctantScattering {
  public:
   /// @param matrix [p] D x D; @param moment_weights low_moments x D; @param correction_shape D x low_moments: as for
-  /// scatter_in_place and moments_of.
-  /// @returns nothing where the set or a matrix lacks the symmetry.
+  /// scatter_in_place and moments_of. @returns nothing if the set or a matrix lacks the symmetry.
   static std::optional<OctantScattering> make(const OrdinateSet& ordinates, std::span<const DenseMatrix<Real>> matrix,
                                               const DenseMatrix<Real>& moment_weights,
                                               const DenseMatrix<Real>& correction_shape);
 
-  /// As the function of this name, to rounding.
+  /// The same as the free function of this name, to rounding.
   void scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells, const ScatteringTerms<Real>& terms) const;
   void moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const;
 

@@ -8,8 +8,8 @@
 namespace cloudbow {
 namespace {
 
-// Cells a tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on the
-// number of threads.
+// Cells per tile: its D rows fit the second-level cache beside the matrix. Tiles are fixed, so sums do not depend on
+// the number of threads.
 constexpr std::size_t tile_cells = 128;
 
 template <class Real>
@@ -61,7 +61,7 @@ void add_scaled(Real scale, const Real* __restrict from, std::size_t n, Tile<Rea
 }
 
 // Tile by tile: radiance [from_rows], changed by prepare(first, n, tile), scatters; the source [to_rows], changed by
-// finish(first, n, tile), goes to `to`, which may be the radiance's own place.
+// finish(first, n, tile), goes to `to`, which may be the array of the radiance itself.
 template <class Real, class Prepare, class Finish>
 void scatter_tiles(const AngularField<Real>& from, int from_rows, AngularField<Real>& to, int to_rows,
                    std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, const Prepare& prepare,
@@ -101,7 +101,7 @@ template <class Real>
 DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::span<const double> weight) {
   DenseMatrix<Real> rounded(matrix.rows(), matrix.cols());
   for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-    double carry = 0;  // what rounding has taken from the integral so far
+    double carry = 0;  // part of the integral lost by rounding so far
     for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
       const double wanted = matrix(i, j) + carry / weight[i];
       rounded(i, j) = matrix(i, j) == 0 ? Real(0) : static_cast<Real>(wanted);

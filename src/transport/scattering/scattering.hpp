@@ -16,8 +16,8 @@ inline constexpr int low_moments = 9;
 template <class Real>
 using DenseMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rounds a scattering matrix to Real so that every column keeps its integral: sum_i weight_i m(i, j) differs from the
-/// double's by less than a unit in the last place of one element.
+/// Rounds a scattering matrix to Real so that every column keeps its integral. The sum_i weight_i m(i, j) differs from
+/// that in double by less than a unit in the last place of one element.
 template <class Real>
 DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::span<const double> weight);
 
@@ -28,7 +28,7 @@ struct BeamSource {
   std::vector<Real> intensity;                       ///< [n]
 };
 
-/// What a scattering adds beside the radiance it is given.
+/// Terms of a scattering apart from the given radiance.
 template <class Real>
 struct ScatteringTerms {
   std::span<const BeamSource<Real>> beam;
@@ -39,7 +39,7 @@ struct ScatteringTerms {
 
 /// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + emission + sum
 /// of beam sources.
-/// @param shape D x low_moments: what a unit of each moment adds to J_d or S_d.
+/// @param shape D x low_moments: addition to J_d or S_d per unit of each moment.
 template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                       const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape);

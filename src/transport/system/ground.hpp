@@ -1,4 +1,4 @@
-// Light at the ground: what arrives along the ordinates becomes what leaves (docs/theory.md, "Surfaces").
+// Light at the ground: from light that arrives along the ordinates to light that leaves (docs/theory.md, "Surfaces").
 #pragma once
 
 #include <optional>
@@ -17,10 +17,10 @@ struct GroundRadiance {
   std::optional<ControlPoints> points;      ///< without: the same in all directions
   AngularField<Real> at_points;             ///< one row a control point, or a single row; [columns]
   std::vector<double> flux;                 ///< [columns] upward
-  std::optional<BeamReflection> beam = {};  ///< where direct light is not in at_points: reflected exactly
+  std::optional<BeamReflection> beam = {};  ///< if direct light is not in at_points: reflected exactly
   std::vector<Real> direct_flux = {};       ///< [columns] of it, through the horizontal
 
-  /// Radiance [columns] along a direction of travel. @param scratch holds it where it has to be worked out.
+  /// Radiance [columns] along a direction of travel. @param scratch holds it if it must be computed.
   const Real* along(const Direction& travel, std::vector<Real>& scratch) const;
   /// The same for one column.
   Real at(const Direction& travel, std::size_t column) const;
@@ -32,21 +32,21 @@ class Ground {
   Ground() = default;  ///< black
   Ground(const Surface& surface, const OrdinateSet& ordinates, const std::optional<Direction>& sun_travel);
 
-  /// What one sweep's arriving light does.
+  /// Effect of the light that arrives in one sweep.
   struct Reflection {
     std::vector<double> flux;    ///< [columns] that arrived, direct and diffuse
     AngularField<Real> leaving;  ///< radiance: one row an upward ordinate, or a single row for all; [columns]
     double absorbed = 0;         ///< W m-2, mean over the columns
   };
-  /// @param arriving [D][columns] radiance along the ordinates; those that travel up are not looked at.
+  /// @param arriving [D][columns] radiance along the ordinates; those that travel up are not used.
   /// @param direct_flux [columns] through the horizontal; empty: none.
   Reflection reflect(const std::vector<std::vector<Real>>& arriving, std::span<const double> direct_flux,
                      const OrdinateSet& ordinates, std::size_t columns) const;
   /// Row of Reflection::leaving for an ordinate.
   int leaving_row(int ordinate) const { return row_.empty() ? 0 : row_[ordinate]; }
 
-  /// The same in all directions, for other fluxes than the ordinates': what arrived keeps its distribution over the
-  /// ordinates, column by column, and takes the diffuse flux given.
+  /// The same in all directions, for other fluxes than the ordinates'. Light that arrived keeps its distribution over
+  /// the ordinates, column by column, and is scaled to the diffuse flux given.
   GroundRadiance<Real> radiance(const std::vector<std::vector<Real>>& arriving, std::span<const double> diffuse_flux,
                                 std::span<const double> direct_flux, const OrdinateSet& ordinates) const;
   /// With direct light reflected by the surface's own function instead of its control points.
@@ -59,7 +59,7 @@ class Ground {
   double mean_albedo() const;
   double largest_albedo() const;  ///< over directions and columns
   const std::optional<ReflectionTable>& table() const { return table_; }
-  /// What its reflections depend on.
+  /// Input of its reflections.
   void add_to(Digest& digest) const;
 
  private:

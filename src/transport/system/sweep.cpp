@@ -104,14 +104,14 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
   }
 }
 
-// What one ordinate's march contributes; summed over ordinates in their order.
+// Contribution of one ordinate's march; summed over ordinates in their order.
 struct OrdinateFluxes {
   double out = 0;  // through the far end, sum of radiances
   MarchTotals sides;
   std::vector<double> profile;  // [nz+1] by height, sum of radiances
 };
 
-// Light on a horizontal plane, [ny][nx], when its rays have gone `x`, `y` columns from where they were launched.
+// Light on a horizontal plane, [ny][nx], when its rays are `x`, `y` columns from their launch points.
 template <class Real>
 void shift_columns(const BoxGrid& box, double x, double y, const Real* from, Real* to) {
   const int sx = wrapped(static_cast<int>(std::floor(x)), box.nx);

@@ -24,7 +24,7 @@ struct SystemBeam {
   double side_loss = 0;
 };
 
-/// What does not change during the iteration.
+/// Data that do not change during the iteration.
 template <class Real>
 struct TransportSystem {
   BoxGrid box;
@@ -55,7 +55,8 @@ struct TransportSystem {
   void moments(const AngularField<Real>& radiance, std::span<Real> of) const { scattering.moments_of(radiance, of); }
 };
 
-/// Where light went, in W m-2 of the top, by the ordinates alone; direct light as the solver's own beam has it.
+/// Powers of the energy ledger, in W m-2 of the top, by the ordinates alone. Direct light is that of the solver's own
+/// beam.
 template <class Real>
 struct SweepFluxes {
   double up_top = 0;
@@ -80,13 +81,13 @@ struct GroupGradient {
   std::array<std::vector<Real>, 3> transposed;  ///< the same in the order of a march along x; empty: not needed
 };
 
-/// What sweeps need beside the field, kept from one to the next.
+/// Work arrays of sweeps apart from the field, kept from one to the next.
 template <class Real>
 struct SweepWorkspace {
   struct Thread {
     std::vector<Real> unpacked, mean, plane, transposed_source, transposed_mean;
     SidewaysWorkspace<Real> sideways;
-    GroupGradient<Real> gradient;  ///< of one ordinate, where none is shared
+    GroupGradient<Real> gradient;  ///< of one ordinate, if none is shared
   };
   std::vector<Thread> of_thread;
   GroupGradient<Real> gradient;

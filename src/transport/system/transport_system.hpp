@@ -1,5 +1,5 @@
-// The scene as the iteration sees it: cells with truncated peaks, the scattering matrices, the direct beams; and, from
-// the converged radiance, the source in any direction.
+// The scene in the iteration: cells with truncated peaks, the scattering matrices, the direct beams; and, from the
+// converged radiance, the source in any direction.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@
 
 namespace cloudbow {
 
-/// The direct beam when the fraction f_p of what phase function p scatters counts as unscattered.
-/// @param irradiance whether it is worked out too, beside the fluxes.
+/// The direct beam if the fraction f_p of the scattering by phase function p counts as unscattered. @param irradiance
+/// whether it is computed too, beside the fluxes.
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
                            const SolverOptions& options, bool irradiance = true);
@@ -28,7 +28,8 @@ template <class Real>
 DirectionalSource<Real> scattered_source(const Discretisation& discretisation, const TransportSystem<Real>& system,
                                          AngularField<Real> radiance);
 
-/// Extinction of the active cells, 1/m, when the fraction f_p of what phase function p scatters counts as unscattered.
+/// Extinction of the active cells, 1/m, if the fraction f_p of the scattering by phase function p counts as
+/// unscattered.
 template <class Real>
 std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<double>& forward_fraction);
 
@@ -39,16 +40,15 @@ void add_single_scattering(std::vector<SingleScattering<Real>>& first_order, con
                            std::span<const float> scattering, double share, std::span<const Real> extinction,
                            std::span<const Real> irradiance);
 
-/// The first order of scattering for fluxes beside light that is scattered within the forward peak (docs/theory.md,
-/// Eq. 25), in the place of what the source has of it.
+/// The first order of scattering for fluxes beside light that is scattered within the forward peak (docs/theory.md, Eq.
+/// 25). It replaces that of the source.
 template <class Real>
 void set_first_order_beside_peak(const Problem& problem, const Discretisation& discretisation,
                                  const TransportSystem<Real>& system, DirectionalSource<Real>& source);
 
-/// The first order of scattering for radiance, in the place of what the source has of it. The beam that lights it is
-/// the one truncated at the gather's order; light that the iteration's beam (order N_b) calls unscattered but that one
-/// does not is added with the phase function of that order.
-/// @param gather_beam needed where the problem has a sun.
+/// The first order of scattering for radiance, which replaces that of the source. Its incident beam is the one
+/// truncated at the gather's order. The iteration's beam (order N_b) counts more light as unscattered. The difference
+/// is added with the phase function of order N_b. @param gather_beam needed if the problem has a sun.
 template <class Real>
 void set_first_order(const Problem& problem, const Discretisation& discretisation, const TransportSystem<Real>& system,
                      const DirectBeam<Real>* gather_beam, DirectionalSource<Real>& source);

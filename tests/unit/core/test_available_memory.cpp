@@ -84,7 +84,7 @@ TEST_F(AvailableMemory, IsLessUnderLimitsOnAddressesAndData) {
     const pid_t child = fork();
     if (child == 0) {
       const rlimit both{limit, limit};
-      // Beyond what sanitizers reserve no limit can be set; setting this one takes nothing that is there.
+      // Sanitizers reserve more addresses than any useful limit; setting this one removes no existing memory.
       const bool set = setrlimit(resource, &both) == 0;
       const std::uint64_t room = limit - 1024UL * (resource == RLIMIT_AS ? 90000 : 70000);
       _exit(set && available_memory_bytes(root_) == room + 50000UL * 1024 ? 0 : 1);

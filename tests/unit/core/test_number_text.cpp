@@ -1,4 +1,4 @@
-// Truth: what Fortran, C and Python write.
+// Truth: numbers as Fortran, C and Python write them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Truth: the file system, which knows by device and number what is one file.
+// Truth: the file system, which identifies files by device and number.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// What a child process may do to itself, the program survives with one message. Truth: the requirement, each fault made
-// on purpose.
+// The program survives any fault of a child process, with one message. Truth: the requirement, each fault made on
+// purpose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -126,7 +126,7 @@ TEST(Sandbox, HandsOnAMessageThoughStandardStreamsAreClosed) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/// In a process that may have so much memory beyond what it has.
+/// In a process that may allocate this much more memory.
 void expect_within_limit(rlim_t bytes, const std::function<bool()>& check) {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;

@@ -37,8 +37,8 @@ TEST(ThreadScope, EndsWithAsManyThreadsAsBefore) {
   EXPECT_EQ(omp_get_max_threads(), 3);
 }
 
-// In a child, which has no threads of before: ctest runs each case in a process of its own. A stack of a thread takes 8
-// MB of addresses or more; OpenMP would end the process where there is no room for it.
+// In a child, which has no earlier threads: ctest runs each case in a separate process. The stack per thread takes 8 MB
+// of addresses or more; OpenMP would end the process if there is no room for it.
 TEST(ThreadScope, HasFewerThreadsIfNoMoreCanBeStarted) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "no limit of memory can be set under a sanitizer";

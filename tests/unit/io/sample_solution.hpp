@@ -1,4 +1,4 @@
-// Solutions filled by hand: every number tells its own place, so that a swapped axis or a wrong offset shows.
+// Solutions filled by hand: every number encodes its own location, so that a swapped axis or a wrong offset shows.
 #pragma once
 
 #include <cmath>
@@ -122,7 +122,7 @@ inline std::vector<Direction> directions() {
   return direction;
 }
 
-/// What the library interpolates for a cell.
+/// Value that the library interpolates for a cell.
 inline double queried(const ControlPoints& points, const RadianceField& field, std::size_t cell,
                       const Direction& travel) {
   const Stencil stencil = points.stencil(travel);

@@ -175,7 +175,7 @@ TEST_F(SpoiledCheckpoint, AnotherFormatIsOfAnotherVersion) {
 }
 
 TEST_F(SpoiledCheckpoint, ValuesAreReadInTheChildFirst) {
-  // More than its file can hold: HDF5 would fill with zeros what was never written.
+  // More than its file can hold: HDF5 would fill unwritten data with zeros.
   const std::string message = message_after([](hid_t file) {
     H5Ldelete(file, "large", H5P_DEFAULT);
     const hsize_t shape[2] = {1, hsize_t{1} << 40}, chunk[2] = {1, 1024};

@@ -1,4 +1,4 @@
-// Tables of droplets as files. Truth: what was written; tables of other programs' forms, made here value by value.
+// Tables of droplets as files. Truth: the data written; tables of other programs' forms, made here value by value.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +129,7 @@ TEST_F(DropletTableFile, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(message(file), HasSubstr("no variable 'single_scattering_albedo'"));
 }
 
-/// What a file in the form of libRadtran's mie holds: two wavelengths, two radii, two matrix elements, four moments.
+/// Contents of a file in the form of libRadtran's mie: two wavelengths, two radii, two matrix elements, four moments.
 struct LibradtranFile {
   std::vector<double> reff = {5, 10};
   std::vector<double> ssa = {0.9, 0.8, 0.99, 0.98};
@@ -238,7 +238,7 @@ TEST_F(DropletTableFile, SaysWhatIsWrongWithLibradtransForm) {
   EXPECT_THAT(message_after([](auto& content) { content.ssa[2] = 2; }), HasSubstr("single-scattering albedo"));
 }
 
-// Without the factor, as other writers of the form have it: told by the units' silence and first moments below 1.
+// Without the factor, as other writers of the form have it: recognised by missing units and first moments below 1.
 TEST_F(DropletTableFile, TellsMomentsWithoutTheFactor) {
   LibradtranFile content;
   content.pmom_units = "-";
@@ -319,7 +319,7 @@ TEST_F(DropletTableFile, ReadsShdom) {
   EXPECT_EQ(read_droplet_table(write_text(upper)).moments, table.moments);
 }
 
-// Polarised tables: six elements, each a line that begins with its number; the first is the phase function.
+// Polarised tables: six elements, each one line that begins with its number; the first is the phase function.
 TEST_F(DropletTableFile, ReadsShdomPolarised) {
   std::string text =
       "! Polarized Mie scattering table vs. effective radius (LWC=1 g/m^3)\n"

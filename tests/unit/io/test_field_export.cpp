@@ -1,5 +1,5 @@
-// Truth: the numbers that the result was filled with and ControlPoints::stencil, against the grids read back by the
-// reader of clouds and by OpenVDB itself; and the file system, as it was before a failed export.
+// Truth: the numbers that the result was filled with and ControlPoints::stencil. The grids are read back by the reader
+// of clouds and by OpenVDB itself; and the file system, as it was before a failed export.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>

@@ -1,4 +1,4 @@
-// What readers and writers of HDF5 share. Truth: what HDF5 itself was told to write.
+// Functions that readers and writers of HDF5 share. Truth: the data that HDF5 itself was given to write.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -49,8 +49,8 @@ class PhaseFiles : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-/// Henyey and Greenstein's function of .5 at `count` + 1 equal steps of the angle, each line made by `line` of degrees
-/// and value.
+/// Henyey and Greenstein's function of .5 at `count` + 1 equal steps of the angle. Each line is made by `line` of
+/// degrees and value.
 std::string lines(int count, const std::function<std::string(double, double)>& line, double factor = 1) {
   const PhaseFunction phase = PhaseFunction::henyey_greenstein(0.5);
   std::string text;

@@ -275,8 +275,8 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
-// HDF5's own filters undo what threads have done: several chunks, of which the last is not full, cut along the first
-// axis (1 MiB holds some maps) and along the second (less than one).
+// HDF5's own filters invert the work of the threads: several chunks, of which the last is not full. They are cut along
+// the first axis (1 MiB holds some maps) and along the second (less than one).
 TEST_F(ResultFile, HoldsFieldsOfManyChunks) {
   for (const auto& [nx, ny, nz] : {std::array{150, 90, 45}, std::array{520, 600, 2}}) {
     const Solution solution = sample::solution(nx, ny, nz);
@@ -292,7 +292,7 @@ TEST_F(ResultFile, HoldsFieldsOfManyChunks) {
   }
 }
 
-/// In a process of its own, because HDF5 keeps what it could not close.
+/// In a separate process, because HDF5 keeps objects that it could not close.
 [[noreturn]] void write_on_full_disk(const fs::path& file, const Solution& solution, rlim_t limit) {
   std::string message;
   {

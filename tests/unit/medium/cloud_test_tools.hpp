@@ -1,4 +1,4 @@
-// What the tests of clouds share.
+// Functions that the tests of clouds share.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ inline std::vector<float> to_dense(const CloudField& field) {
   EXPECT_EQ(field.row_begin.back(), field.spans.size());
   std::size_t offset = 0;
   for (std::size_t row = 0; row < rows; ++row) {
-    int free = 0;  // a span that starts right where another ended should have been the same span
+    int free = 0;  // a span that starts at the end of another should have been the same span
     for (auto s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
       const auto& span = field.spans[s];
       EXPECT_EQ(span.offset, offset);

@@ -168,7 +168,7 @@ struct Dimension {
   std::string units{};
 };
 
-/// albedo(dimensions) with values 0, 1, 2, ... in the order of the file, times a tenth where not packed.
+/// albedo(dimensions) with values 0, 1, 2, ... in the order of the file, times a tenth if not packed.
 struct NetcdfFile {
   std::vector<std::pair<Dimension, std::size_t>> dimension = {{{"y"}, 2}, {{"x"}, 3}};
   int format = NC_CLOBBER | NC_NETCDF4;

@@ -1,4 +1,4 @@
-// Grids of cloud files, kept. Truth: what was written, and that nothing is read when the file is gone.
+// Grids of cloud files, kept. Truth: the data written, and that nothing is read when the file is gone.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

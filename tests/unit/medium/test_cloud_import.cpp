@@ -1,5 +1,5 @@
-// Clouds of others. Truths: sums over the levels as they are written here (columns keep their mass), closed forms of
-// the effective radius, and the fields of tests' reference folder where it is there.
+// Clouds of others. Truths: sums over the levels as they are written here (columns keep their mass); closed forms of
+// the effective radius; and the fields of tests' reference folder if it exists.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netcdf.h>
@@ -46,7 +46,7 @@ class CloudImport : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// What a small LES file holds; tests spoil one thing.
+/// Contents of a small LES file; each test invalidates one of them.
 struct LesFile {
   int format = NC_NETCDF4;
   std::string water = "QC";
@@ -429,7 +429,7 @@ TEST_F(CloudImport, SizesThatTheUserGivesHoldOverTheFilesLevels) {
 }
 
 TEST_F(CloudImport, ArraysOfNumpy) {
-  // As numpy.save writes them: the header is padded so that numbers begin at a multiple of 64 bytes.
+  // Files as numpy.save writes them: the header is padded so that numbers begin at a multiple of 64 bytes.
   const auto array = [&](const std::string& type, const std::string& order, const std::string& shape,
                          const std::string& numbers) {
     std::string head = "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': (" + shape + "), }";

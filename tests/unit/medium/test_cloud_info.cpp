@@ -1,4 +1,4 @@
-// What `cloud info` says. Truth: integrals by hand.
+// Output of `cloud info`. Truth: integrals by hand.
 #include "vdb_test_tools.hpp"
 
 namespace cloudbow {

@@ -92,8 +92,8 @@ TEST(CloudMakers, SphereHasItsVolumeAndItsOpticalDepthThroughTheCentre) {
   // A cell's share is counted with 512 points; over the 4700 cells of the surface the errors all but cancel.
   EXPECT_NEAR(mass / (4.0 / 3 * 3.14159265358979 * radius * radius * radius * extinction), 1, 1e-3);
   const auto depths = column_depths(field);
-  // The four central columns reach 7 m from the axis, where the chord is shorter by 0.03 %; its ends are known to 1/8
-  // of a cell.
+  // The four central columns reach 7 m from the axis, at which the chord is shorter by 0.03 %. Its ends are accurate to
+  // 1/8 of a cell.
   EXPECT_NEAR(depths[20 * 40 + 20], 30, 30 * 0.01);
   EXPECT_EQ(depths[0], 0);
 }
@@ -201,7 +201,7 @@ TEST(CloudMakers, RandomCloudsWrapAround) {
       inside = std::max(inside, difference(i, i + 1));
       far += difference(i, (i + 48) % 96) / 95;
     }
-    // Across the edge columns differ as neighbours do, not as strangers do.
+    // Across the edge columns differ as neighbours do, not as distant columns do.
     EXPECT_LE(difference(95, 0), inside) << kind;
     EXPECT_LT(inside, far) << kind;
   }
@@ -241,7 +241,7 @@ TEST(CloudMakers, StratocumulusIsAdiabaticAboveAFlatBase) {
     const double lowest = dense[16 * level + column];
     const double next = dense[17 * level + column];
     ASSERT_GT(lowest, 0);
-    // Cell means of z^(2/3): 2^(5/3) - 1 times the lowest, or less where the top lies within.
+    // Cell means of z^(2/3): 2^(5/3) - 1 times the lowest, or less if the top lies within.
     if (dense[18 * level + column] > 0) {
       EXPECT_NEAR(next / lowest, std::pow(2.0, 5.0 / 3) - 1, 2 * value_rounding * next / lowest);
     }
@@ -272,7 +272,7 @@ TEST(CloudMakers, EmptyCloudsAreToldAsSuch) {
   hidden.cover = 0.001;  // less than one of 256 columns
   EXPECT_THAT(message_of([&] { make_cloud(hidden); }), HasSubstr("the cumulus is empty"));
   auto thin = options("slab", {4, 4, 4});
-  thin.optical_depth = 1e-300;  // below what 32 bits hold
+  thin.optical_depth = 1e-300;  // below the range of 32 bits
   EXPECT_THAT(message_of([&] { make_cloud(thin); }), HasSubstr("the slab is empty"));
   EXPECT_THAT(message_of([&] {
                 make_cloud(options("sphere", {16, 16, 8}, {1e-6, 100, 100}));

@@ -1,5 +1,5 @@
-// LES files in the layouts of models, and files that must not be read as what they are not. Truth: a cloud in an
-// isentropic atmosphere, whose pressure, temperature and density are closed forms in balance with their heights.
+// LES files in the layouts of models, and files that must not be mistaken for them. Truth: a cloud in an isentropic
+// atmosphere, whose pressure, temperature and density are closed forms in balance with their heights.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ class LesImport : public testing::Test {
                   field([factor](int k, int j, int i) { return factor * water(k, j, i); }));
   }
 
-  /// A file with axes and water, and what is added.
+  /// A file with axes and water, and the additions of the test.
   CloudImportOptions with(const std::function<void(NetcdfBuilder&)>& add, bool has_water = true) const {
     NetcdfBuilder file(folder_ / "les.nc");
     add_axes(file);
@@ -268,7 +268,7 @@ TEST_F(LesImport, HeightsOfIndexedLevelsComeFromTheFieldOfHeights) {
   expect_truth(cloud);
   EXPECT_NEAR(cloud.field.min_m[2], 400, 1e-9);
   options.voxel_size_m = {100, 100, 40};
-  options.levels_by_voxel_size = true;  // what the user says holds, and the levels' order is that of the heights
+  options.levels_by_voxel_size = true;  // the user's value is used, and the levels' order is that of the heights
   const ImportedCloud as_said = import_cloud(options);
   expect_truth(as_said);
   EXPECT_EQ(as_said.field.min_m[2], 0);

@@ -67,7 +67,7 @@ TEST(OpticalGrid, VoxelFacesJoinLayerEdgesAndEmptyPlanesStayWhole) {
   EXPECT_EQ(grid.box.ny, 3);
   EXPECT_DOUBLE_EQ(grid.box.dx_m, 10);
   EXPECT_DOUBLE_EQ(grid.box.dy_m, 20);
-  // Cells: none below the layer and above the cloud, whole planes where the layer is, the cloud's own elsewhere.
+  // Cells: none below the layer and above the cloud, whole planes in the layer, the cloud's own elsewhere.
   const auto cells_on_level = [&](int k) {
     std::size_t cells = 0;
     for (std::uint32_t s = grid.row_begin[k * 3]; s < grid.row_begin[(k + 1) * 3]; ++s) cells += grid.spans[s].n;

@@ -112,7 +112,7 @@ TEST_F(VdbFile, RowsAreInOrderAcrossLeaves) {
 }
 
 TEST_F(VdbFile, OtherAxesUpAreTurnedNotMirrored) {
-  // Three voxels of unit size along the file's axes, told apart by their values, and a translation.
+  // Three voxels of unit size along the file's axes, with different values, and a translation.
   const auto transform = openvdb::math::Transform::createLinearTransform(
       openvdb::Mat4d(1.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 10.0, 20.0, 30.0, 1.0));
   const auto path = write_seekable({with_transform(
@@ -175,7 +175,7 @@ TEST_F(VdbFile, HugeTilesAndBoxesAreRefusedBeforeTheyTakeMemory) {
   auto tile = density_grid({});
   tile->tree().addTile(3, Coord(0, 0, 0), 1.0F, true);
   auto box = density_grid({{Coord(0, 0, 0), 1.0F}, {Coord(0, 2000000000, 2000000000), 1.0F}});
-  // With statistics in the file its metadata tell, without them the tree does.
+  // With statistics in the file its metadata give the box, without them the tree does.
   for (const bool statistics : {true, false}) {
     EXPECT_THAT(message_of([&] { read_cloud_vdb(write_seekable({tile}, statistics)); }),
                 HasSubstr("too large (68719476736 active voxels"));

@@ -1,4 +1,5 @@
-// Grids as other programs write them: axes, backgrounds, rounding, names. Each is read right or refused with a way out.
+// Grids as other programs write them: axes, backgrounds, rounding, names. Each is read correctly or refused with a
+// remedy.
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 
 using VdbGrids = VdbFile;
 
-// Truth: a row of the matrix times an index is where the index leads in the world; two voxels tell the axes apart.
+// Truth: a row of the matrix times an index is the world position of the index; two voxels distinguish the axes.
 TEST_F(VdbGrids, AxesExchangedAndMirroredByTheMatrixAreReadExactly) {
   // i runs along x, j along z, k against y, as programs with y up write it; voxel centres at multiples of 10 m.
   const auto transposed = openvdb::math::Transform::createLinearTransform(
@@ -92,7 +93,7 @@ TEST_F(VdbGrids, TheBackgroundFillsTheDomainOfTheMetadata) {
   set_domain(*grid, {-0.5, -0.5, -0.5}, {2.5, 0.5, 1.5});
   const CloudField field = read_cloud_vdb(write_seekable({grid}), {.scale = 2});
   EXPECT_THAT(to_dense(field), ElementsAre(0.5F, 2, 0.5F, 0.5F, 0, 0.5F));
-  // The scene's domain does not widen what the grid says of itself.
+  // The scene's domain does not widen the extent in the grid's metadata.
   EXPECT_EQ(read_cloud_vdb(file(), {.domain_m = VdbDomain{{-9.5, -9.5, -9.5}, {9.5, 9.5, 9.5}}}).active_voxels(), 5U);
   // (x, y, z) becomes (x, -z, y): the rows along x change places.
   EXPECT_THAT(to_dense(read_cloud_vdb(file(), {.up_axis = "y"})), ElementsAre(0.25F, 0, 0.25F, 0.25F, 1, 0.25F));
@@ -141,7 +142,7 @@ TEST_F(VdbGrids, InactiveValuesBesideTheBackgroundAreNoted) {
   EXPECT_THAT(field.notes, ElementsAre(AllOf(HasSubstr("1 voxels that are not active"), HasSubstr("0.5"))));
 }
 
-// 1e-5 of the largest: what the difference of two numbers of 32 bits leaves behind.
+// 1e-5 of the largest: the rounding of the difference of two numbers of 32 bits.
 TEST_F(VdbGrids, NegativeRoundingCountsAsZeroAndIsSaid) {
   const VdbCloud field = read_cloud_vdb(
       write_seekable({density_grid({{Coord(0, 0, 0), 1.0F}, {Coord(1, 0, 0), -9e-6F}, {Coord(2, 0, 0), -1e-9F}})}));
@@ -158,7 +159,7 @@ TEST_F(VdbGrids, StrayVoxelsAreNoted) {
   EXPECT_THAT(field.cells, ElementsAre(4001, 3001, 101));
   EXPECT_THAT(field.notes,
               ElementsAre(AllOf(HasSubstr("10 x 10 x 10 cells"), HasSubstr("(4000, 3000, 100)"), HasSubstr("clip"))));
-  // Of two clouds far from each other both are meant.
+  // Two clouds far from each other are both intended.
   voxels.front() = {Coord(0, 0, 0), 0.01F};
   for (int n = 0; n < 1000; ++n) voxels.push_back({Coord(4000 + n % 10, 3000 + n / 10 % 10, n / 100), 0.01F});
   EXPECT_THAT(read_cloud_vdb(write_seekable({density_grid(voxels)})).notes, testing::IsEmpty());

@@ -1,4 +1,4 @@
-// What the tests of VDB files share.
+// Functions that the tests of VDB files share.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // The beam's first scattering as it is seen. Truth: its definition at depth 0, the Poisson series of peaks scattered
-// one by one, and what truncation leaves alone.
+// one by one, and the range that truncation leaves unchanged.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,8 +44,8 @@ TEST(BeamPhase, AsideDepthIsNothing) {
 }
 
 TEST(BeamPhase, StraightOnItAddsUpToSmallAngleTransfer) {
-  // What all depths up to lambda send straight on, over (2l+1): exp(-lambda (1 - r)) - exp(-lambda) for each l >= N,
-  // and lambda times what is below.
+  // Light that all depths up to lambda scatter straight forward, over (2l+1): exp(-lambda (1 - r)) - exp(-lambda) for
+  // each l >= N. Below N: lambda times the moment.
   const double g = .85, lambda = 3;
   const PhaseFunction phase = PhaseFunction::henyey_greenstein(g);
   const double f = std::pow(g, order);

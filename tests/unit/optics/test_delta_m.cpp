@@ -25,7 +25,7 @@ TEST(DeltaM, TruncatesHenyeyGreensteinAsWiscombeDoes) {
 }
 
 TEST(DeltaM, LeavesWhatIsNoForwardPeakAsItIs) {
-  // -.9^12 = .28 would pass for a peak, if the odd moments were not looked at.
+  // -.9^12 = .28 would pass for a peak, if the odd moments were not checked.
   for (const auto& phase :
        {PhaseFunction::henyey_greenstein(-0.9), PhaseFunction::henyey_greenstein(-0.5), PhaseFunction::isotropic(),
         PhaseFunction::rayleigh(), PhaseFunction::double_henyey_greenstein(0.6, -0.9, 0.2)}) {

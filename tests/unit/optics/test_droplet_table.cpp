@@ -1,4 +1,4 @@
-// Tables of droplets: mixtures between rows, and what a table must obey. Truth: the closed form of mixing.
+// Tables of droplets: mixtures between rows, and the conditions on a table. Truth: the closed form of mixing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,8 +71,8 @@ TEST(DropletTable, OutsideIsAnError) {
   EXPECT_EQ(mixture_for({0, {7}, {0.2}, {1}, {{1, 0.8, 0.01}}}, 7).lower, 0u);
 }
 
-// Henyey and Greenstein's function of .9, cut after 64 moments: 129 x .9^63 = .17 is left of its terms, the half of
-// which rings at 180 degrees, where the function itself is .028.
+// Henyey and Greenstein's function of .9, cut after 64 moments: 129 x .9^63 = .17 is left of its terms. Half of that
+// oscillates at 180 degrees, at which the function itself is .028.
 TEST(DropletTable, RingingOfASeriesThatWasCutIsTold) {
   DropletTable table = two_rows();
   for (int l = 1; l < 64; ++l) {

@@ -1,5 +1,5 @@
-// What the fit on control points costs in the fluxes of a slab: the table's matrices in a doubling solver, against
-// azimuth-averaged doubling with 48 angles a hemisphere. No sweep, no voxel: the error of the angles alone.
+// Error of the fit on control points in the fluxes of a slab: the table's matrices in a doubling solver, against
+// azimuth-averaged doubling with 48 angles per hemisphere. No sweep, no voxel: the error of the angles alone.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ struct Level {
 void PrintTo(const Level& level, std::ostream* out) { *out << level.name; }
 
 class EveryLevel : public testing::TestWithParam<Level> {};
-// Limits: 1.3 times what was measured for these suns, so that a poorer fit shows and another path of the solver does
+// Limits: 1.3 times the errors measured for these suns. A poorer fit then shows and another path of the solver does
 // not.
 INSTANTIATE_TEST_SUITE_P(FitAccuracy, EveryLevel,
                          testing::Values(Level{"draft", "double-gauss-6x8", 42, 6, 8, 2, 0.40, 0.30},

@@ -55,7 +55,7 @@ TEST(ForwardPeak, CountsAsUnscatteredBelowTheCoarserOrder) {
     for (const int l : {0, 1, 2, 4, 8}) {
       EXPECT_NEAR(moment([&](double c) { return peak.peak(c); }, l) / peak.share(), 1, .1) << l;
     }
-    // What is beyond its order it spreads: moments of the phase function less the finer f.
+    // Beyond its order it spreads light: moments of the phase function less the finer f.
     EXPECT_LT(moment([&](double c) { return peak.peak(c); }, 30), .7 * peak.share());
   }
 }

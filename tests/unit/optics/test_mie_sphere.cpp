@@ -25,7 +25,7 @@ double intensity(const MieCoefficients& sphere, double cos_angle) {
 }
 
 // Closed form: Rayleigh's limit with its next term, Q_sca = 8/3 x^4 |K|^2 (1 + 6/5 x^2 (m^2 - 2)/(m^2 + 2)) for real m
-// (van de Hulst 1957, section 6.31). What follows is of order x^4; x^3 for the scattering loss.
+// (van de Hulst 1957, section 6.31). The next terms are of order x^4; x^3 for the scattering loss.
 TEST(MieSphere, SmallSpheresScatterAsRayleigh) {
   for (const double n : {1.05, 1.33, 2.5}) {
     const double k = (n * n - 1) / (n * n + 2);
@@ -41,8 +41,8 @@ TEST(MieSphere, SmallSpheresScatterAsRayleigh) {
   }
 }
 
-// Closed form: g is of order x^2 with the same coefficient for all small spheres of one index, so that g/x^2 at 1e-3
-// and 1e-2 agree to x^2. Digits lost by cancellation (1e-16/x^2 with textbook recurrences) would show.
+// Closed form: g is of order x^2 with the same coefficient for all small spheres of one index. Thus g/x^2 at 1e-3 and
+// 1e-2 agree to x^2. Digits lost by cancellation (1e-16/x^2 with textbook recurrences) would show.
 TEST(MieSphere, AsymmetryOfSmallSpheresKeepsItsDigits) {
   const double coarse = efficiencies(1e-2, 1.33).asymmetry_parameter / 1e-4;
   EXPECT_NEAR(efficiencies(1e-3, 1.33).asymmetry_parameter / 1e-6, coarse, 1e-3 * coarse);
@@ -80,8 +80,7 @@ TEST(MieSphere, ObeysTheOpticalTheorem) {
       const MieCoefficients sphere = mie_coefficients(x, m);
       const MieEfficiencies q = mie_efficiencies(sphere);
       const MieAmplitudes forward = mie_amplitudes(sphere, 1), backward = mie_amplitudes(sphere, -1);
-      // Where x is small, Re a_n is found against |a_n| of order x^3 / x^6: that is the theorem's cancellation, not
-      // Q's.
+      // If x is small, Re a_n is found against |a_n| of order x^3 / x^6: that is the theorem's cancellation, not Q's.
       const double slack = x < 0.1 ? 1e-6 : 1e-10;
       EXPECT_NEAR(4 / (x * x) * forward.s1.real() / q.extinction, 1, slack) << x << " " << m;
       EXPECT_LE(std::abs(forward.s1 - forward.s2), 1e-12 * std::abs(forward.s1));
@@ -152,9 +151,9 @@ void expect_published(const Published& table) {
   }
 }
 
-// Wiscombe, "Mie scattering calculations", NCAR/TN-140+STR (1979), appendix, and the output of the test problems of his
-// MIEV0 (version of 1996), as quoted by the tests of the public repositories scottprahl/miepython and miex. Every
-// printed digit, but for x = 10000, m = 1.5 + i: there the last digit of Q_sca and g differs by one.
+// Wiscombe, "Mie scattering calculations", NCAR/TN-140+STR (1979), appendix; the output of the test problems of his
+// MIEV0 (version of 1996). They are quoted by the tests of the public repositories scottprahl/miepython and miex. Every
+// printed digit, but for x = 10000, m = 1.5 + i: the last digit of Q_sca and g differs by one.
 TEST(MieSphere, AgreesWithWiscombesTestCases) {
   constexpr double digit = 1e-6;
   for (const Published& table : {

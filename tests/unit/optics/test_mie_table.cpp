@@ -144,8 +144,8 @@ TEST(MieTable, DeirmendjianC1IsAsPublished) {
 }
 
 // Independent program: SHDOM's make_mie_table (Evans), gamma distribution of alpha = 7 (v = 0.1), water at 0.672 um, as
-// in its RICO example rico32x36x26w672.prp, first cloud phase function. The file does not say the radius: 11.74 um fits
-// all 738 moments to 1.5e-4, of which five stand here.
+// in its RICO example rico32x36x26w672.prp, first cloud phase function. The file does not give the radius: 11.74 um
+// fits all 738 moments to 1.5e-4, of which five are here.
 TEST(MieTable, AgreesWithShdomsTable) {
   DropletRecipe recipe;
   recipe.wavelength_um = 0.672;

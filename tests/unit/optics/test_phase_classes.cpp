@@ -1,5 +1,5 @@
-// Few phase functions for many. Truths: mixtures that are exact by construction, and what the class promises (asymmetry
-// kept, tolerance kept, error 0 with every function).
+// Few phase functions for many. Truths: mixtures that are exact by construction, and the guarantees of the class
+// (asymmetry kept, tolerance kept, error 0 with every function).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,7 +72,7 @@ TEST(PhaseClasses, EstimateBoundsTheTurnedShareOfLight) {
   const PhaseClasses classes(family, std::vector<double>{1, 2, 1}, 0.1);
   ASSERT_EQ(classes.members().size(), 2U);
   const ClassMixture mixture = classes.mixture(1);
-  // int P_l P_0 halves: weights 1/2 (2l+1) a_l^2 with a_l = int_0^1 P_l: a_1 = 1/2, a_3 = -1/8, a_5 = 1/16, a_7 =
+  // Half of int P_l P_0: weights 1/2 (2l+1) a_l^2 with a_l = int_0^1 P_l: a_1 = 1/2, a_3 = -1/8, a_5 = 1/16, a_7 =
   // -5/128.
   double change = 0;
   for (const auto& [l, a] : {std::pair{3, -1.0 / 8}, std::pair{5, 1.0 / 16}, std::pair{7, -5.0 / 128}}) {

@@ -61,7 +61,7 @@ TEST_F(SphereFitTest, LeastSquaresLeavesAResidualThatNoChangeOfAControlPointRedu
   }
 }
 
-// The problem is convex: what no small change improves is the optimum.
+// The problem is convex: a point that no small change improves is the optimum.
 TEST_F(SphereFitTest, NoChangeImprovesAMinimaxFit) {
   const Eigen::VectorXd value = values_of(PhaseFunction::henyey_greenstein(0.7), fit.samples(), {0, 0.6, 0.8});
   std::mt19937 random(1);
@@ -127,7 +127,7 @@ TEST_F(SphereFitTest, NoChangeImprovesAConstrainedFit) {
       if (changed.minCoeff() < of.lower) continue;
       if (largest_error(changed) > bound) continue;
       ++tried;
-      EXPECT_GE(objective(of, changed), objective(of, *x) * (1 - 1e-6));  // where the solver stops
+      EXPECT_GE(objective(of, changed), objective(of, *x) * (1 - 1e-6));  // tolerance at which the solver stops
     }
     EXPECT_GT(tried, 20);
   };
@@ -140,7 +140,7 @@ TEST_F(SphereFitTest, NoChangeImprovesAConstrainedFit) {
   expect_no_improvement(problem, *problem.bound + 1e-6);
 }
 
-// Light as strongly peaked as the rows ask for is more than non-negative values give.
+// Non-negative values cannot give light as strongly peaked as the rows require.
 TEST_F(SphereFitTest, SaysThatRowsHaveNoSolution) {
   const Eigen::VectorXd value = values_of(PhaseFunction::henyey_greenstein(0.7), fit.samples(), {0, 0.6, 0.8});
   ConstrainedFit problem;
@@ -250,7 +250,7 @@ TEST_P(EveryFunction, EachFitIsBestInItsOwnMeasure) {
     EXPECT_LE(errors(Method::least_squares).rms_error, rounding * fit.errors.rms_error + 1e-14);
     EXPECT_LE(errors(Method::minimax_absolute).max_error, rounding * fit.errors.max_error + 1e-9);
   }
-  // The bound is what the two-stage fit is for.
+  // The bound is the purpose of the two-stage fit.
   EXPECT_LE(errors(Method::linear_programming_bounded).max_error,
             1.2 * rounding * errors(Method::minimax_absolute).max_error + 1e-9);
 }
@@ -305,7 +305,7 @@ TEST(PhaseFit, MorePointsFollowASmoothFunctionMoreClosely) {
         .errors.max_error_between;
   };
   for (const Method method : every_method()) {
-    if (method == Method::minimax_relative) continue;  // free to err where the function is large
+    if (method == Method::minimax_relative) continue;  // larger errors allowed for large values of the function
     EXPECT_LT(error(162, "double-gauss-8x16", method), error(42, "double-gauss-6x8", method)) << name_of(method);
   }
 }

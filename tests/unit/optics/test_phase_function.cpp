@@ -85,7 +85,7 @@ TEST(PhaseFunction, LegendreSumIsTheFunctionOfItsMoments) {
   for (int l = 0; l < 200; ++l) moments.push_back(std::pow(0.85, l));
   const auto sum = PhaseFunction::legendre(moments);
   const auto exact = PhaseFunction::henyey_greenstein(0.85);
-  // what is left out: sum over l >= 200 of (2l+1) .85^l < 1e-10
+  // the remainder: sum over l >= 200 of (2l+1) .85^l < 1e-10
   for (const double mu : {-1.0, -0.6, 0.0, 0.9, 1.0}) EXPECT_NEAR(sum(mu), exact(mu), 1e-10);
   EXPECT_EQ(sum.moment(200), 0);
   EXPECT_DOUBLE_EQ(sum.moment(7), std::pow(0.85, 7));

@@ -17,7 +17,7 @@ double bodhaine_optical_depth(double wavelength_um) {
 }
 
 TEST(Rayleigh, AgreesWithBodhaine) {
-  // The two agree to 0.3 % in visible light, where the depolarisation of air differs between them.
+  // The two agree to 0.3 % in visible light; they differ in the depolarisation of air there.
   for (const double um : {0.35, 0.4, 0.45, 0.55, 0.67, 0.85}) {
     EXPECT_NEAR(rayleigh_optical_depth(um) / bodhaine_optical_depth(um), 1, 5e-3) << um;
   }

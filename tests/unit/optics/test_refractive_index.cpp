@@ -16,7 +16,7 @@ void expect_index(Substance substance, double um, double n, double n_slack, doub
   EXPECT_NEAR(m.imag() / k, 1, k_relative) << um;
 }
 
-// Rows of Segelstein (1981) that the table leaves out or rounds: what thinning costs.
+// Rows of Segelstein (1981) that the table leaves out or rounds: the error of thinning.
 TEST(RefractiveIndex, WaterKeepsToTheRowsLeftOut) {
   expect_index(Substance::water, 0.34514374, 1.359231, 2e-5, 2.6533231e-9, 0.01);
   expect_index(Substance::water, 0.46025657, 1.342858, 2e-5, 7.5995897e-10, 0.01);
@@ -30,8 +30,8 @@ TEST(RefractiveIndex, WaterKeepsToTheRowsLeftOut) {
   expect_index(Substance::water, 15.100802, 1.251704, 1e-3, 4.0531264e-1, 0.01);
 }
 
-// Hale & Querry, Appl. Opt. 12, 555 (1973), a compilation of its own, at wavelengths of both. The slack is what the two
-// sources differ by: k is known worst at its minimum in the visible.
+// Hale & Querry, Appl. Opt. 12, 555 (1973), an independent compilation, at wavelengths of both. The slack is the
+// difference of the two sources: k is least certain at its minimum in the visible.
 TEST(RefractiveIndex, WaterAgreesWithHaleAndQuerry) {
   expect_index(Substance::water, 0.45, 1.337, 0.008, 1.02e-9, 0.25);
   expect_index(Substance::water, 0.55, 1.333, 0.004, 1.96e-9, 0.3);

@@ -202,7 +202,7 @@ TEST(ScatteringTable, BackwardPeakKeepsItsMomentsAndConservesLight) {
                                                       sun_at(0.2, 1), FitOptions{});
   EXPECT_EQ(table.forward_fraction, 0);
   EXPECT_EQ(table.beam_forward_fraction, 0);
-  EXPECT_GE(table.report.least_value, 0);  // where the rows have no positive solution, rows give way and not the sign
+  EXPECT_GE(table.report.least_value, 0);  // without positive solution the rows are relaxed, not the sign
   EXPECT_LE(table.report.closure, 1e-13);
   for (int d = 0; d < set.size(); ++d) {
     EXPECT_NEAR(moment_about(set.direction[d], 1, table.ordinates_from_ordinates.col(d), set) / set.weight[d], -0.95,
@@ -309,7 +309,7 @@ TEST_F(TableCacheTest, RemakesTablesOfAnotherVersion) {
       const std::string begin = "cloudbow scattering table ";
       ASSERT_EQ(text.substr(0, begin.size() + 1), begin + from);
       text[begin.size()] = to;
-      // The hash of all before it ends the file: only the version tells this one from a table of today.
+      // The hash of all before it ends the file: only the version distinguishes this one from a current table.
       text.resize(text.size() - sizeof(std::uint64_t));
       Digest digest;
       digest.add_bytes(text.data(), text.size());

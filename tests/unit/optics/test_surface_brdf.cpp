@@ -165,7 +165,8 @@ TEST(ReflectionTable, ReturnsTheModelsAlbedoUnderTheQuadrature) {
 }
 
 TEST(ReflectionTable, NeverReturnsMoreThanArrives) {
-  // Far beyond what the model was fitted to: k = .3 and rho0 = .9 return several times what arrives near the horizon.
+  // Far beyond the range of the model's fit: k = .3 and rho0 = .9 reflect several times the incident light near the
+  // horizon.
   const ReflectionTable table =
       make_reflection_table(SurfaceBrdf::rpv(.9, .3, 0, 1), {}, make_ordinate_set("double-gauss-8x16"), travel(-.1, 0));
   EXPECT_GT(table.largest_albedo, 1.5);

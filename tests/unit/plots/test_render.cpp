@@ -1,5 +1,5 @@
-// Truth: pictures small enough to know every pixel; for the colours the definition of the CIE 1976 lightness, inverted
-// here.
+// Truth: pictures small enough to compute every pixel by hand; for the colours the definition of the CIE 1976
+// lightness, inverted here.
 #include <gmock/gmock.h>
 #include <hdf5.h>
 #include <png.h>
@@ -265,8 +265,8 @@ TEST_F(Render, RefusesFilesWhosePartsDoNotFit) {
   expect("attribute units has 8 values, allowed one text");
 }
 
-/// Reflectance factors of a camera of 2 x 2 and an image of 1 x 2 pixels, in the sun of a day on which pi I / (mu0 F0)
-/// is the number given.
+/// Reflectance factors of a camera of 2 x 2 and an image of 1 x 2 pixels. The sun is such that pi I / (mu0 F0) is the
+/// number given.
 Solution natural(const std::vector<float>& camera, const std::vector<float>& image) {
   Solution solution = sample::solution(2, 2, 1);
   solution.sun = Sun{Direction(0, 0, -1), std::acos(-1.)};
@@ -451,7 +451,7 @@ TEST_F(NaturalColours, ExrHoldsTheNumbers) {
   EXPECT_EQ(at(first + 8 + 20, float{}), 2);       // red
   EXPECT_EQ(at(first + line, std::int32_t{}), 1);  // the line below it
   EXPECT_EQ(at(first + line + 8, float{}), 1);
-  EXPECT_EQ(at(first + line + 12, float{}), 0);  // where there is no value
+  EXPECT_EQ(at(first + line + 12, float{}), 0);  // if there is no value
 }
 
 }  // namespace

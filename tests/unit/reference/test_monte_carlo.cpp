@@ -19,8 +19,8 @@ using std::numbers::pi;
 
 double degrees(double cosine) { return std::acos(cosine) * 180 / pi; }
 
-/// A slab of 500 m in layers of different height, as 4 x 3 columns. The extinction of one cell is off by nothing that
-/// matters, so that photons walk through cells instead of through one uniform layer.
+/// A slab of 500 m in layers of different height, as 4 x 3 columns. The extinction of one cell differs negligibly, so
+/// that photons cross cells instead of one uniform layer.
 MonteCarloScene slab(double optical_depth, double ssa, const Scatterer& scatterer, double mu0) {
   MonteCarloScene scene;
   scene.columns = {4, 3};
@@ -132,7 +132,7 @@ TEST(MonteCarlo, LedgerOfPowerCloses) {
   // Roulette keeps power on average only.
   const double all = result.up[3].mean + 0.6 * result.down[0].mean + total_absorbed(result);
   EXPECT_NEAR(all, 1, 2e-3);
-  // Between two levels: what goes in less what comes out is what the layer absorbed; the weights are the same.
+  // Between two levels: incoming less outgoing power is the power that the layer absorbed; the weights are the same.
   for (int k = 1; k < 3; ++k) {
     const double net_in = result.down[k + 1].mean - result.up[k + 1].mean - result.down[k].mean + result.up[k].mean;
     EXPECT_NEAR(net_in, result.absorbed[k].mean, 2e-3);
@@ -232,7 +232,8 @@ TEST(MonteCarlo, SunCastsTheShadowOfAnAbsorberWhereItBelongs) {
 }
 
 TEST(MonteCarlo, OpenSidesLetLightOut) {
-  // Up and down through the ends and what is lost at the sides make up what comes in: less than in the periodic box.
+  // The fluxes up and down through the ends and the loss at the sides sum to the incident flux: less than in the
+  // periodic box.
   auto scene = slab(4, 1, Scatterer::henyey_greenstein(0.5), 1);
   const auto periodic = solve_by_monte_carlo(scene, {50000, 10, 2, 1});
   scene.open_sides = true;

@@ -59,7 +59,7 @@ TEST(PlaneParallel, ThinSlabScattersOnce) {
 }
 
 TEST(PlaneParallel, SurfaceReflectsThroughAnAbsorber) {
-  // What comes back is A T(mu0) 2 E3(tau): 2 E3(1) = .2193839 (Abramowitz & Stegun, table 5.1).
+  // The reflected light is A T(mu0) 2 E3(tau): 2 E3(1) = .2193839 (Abramowitz & Stegun, table 5.1).
   const std::vector<double> mu = {0.5};
   const auto fluxes = plane_parallel_fluxes(isotropic_moment, mu, 1, 0, 0.3);
   EXPECT_NEAR(fluxes[0].reflectance, 0.3 * std::exp(-2) * 0.2193839, 1e-7);
@@ -112,7 +112,7 @@ TEST(PlaneParallel, FurnaceHasTheSkysRadiance) {
   EXPECT_LT((solution.radiance_down_bottom.array() - 1).abs().maxCoeff(), 1e-8);
 }
 
-// Where a layer is cut changes nothing; nor do slices.
+// Neither the position of a cut of a layer nor slices change anything.
 TEST(PlaneParallel, CutsChangeNothing) {
   PlaneParallelScene whole, cut;
   whole.layers = {{2, 0.95, henyey_greenstein_moment}};

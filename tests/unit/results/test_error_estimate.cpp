@@ -99,7 +99,7 @@ TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
   EXPECT_EQ(error_line(of_two).find("between"), std::string::npos);
 }
 
-// What companions on the same cells do not see.
+// Errors that coarse solves on the same cells do not show.
 TEST(ErrorEstimate, CountsProbesAsSpatialWhereTheyAreTheLargerPart) {
   CoarseSolves coarse_solves{made_up(.1, .3), made_up(.14, .3), CoarseSolves::Probe{made_up(0, 0), made_up(.2, .12)}};
   const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {0, 0, 0}};

@@ -20,8 +20,8 @@ double least_side(const ControlPoints& points, const std::array<int, 3>& triangl
   return std::min({side(triangle[0], triangle[1]), side(triangle[1], triangle[2]), side(triangle[2], triangle[0])});
 }
 
-/// Poles, axes, vertices, points on edges, each also a hair (1e-15 to 1e-7) to the side: where point location goes
-/// wrong if it does.
+/// Poles, axes, vertices, points on edges, each also displaced by 1e-15 to 1e-7: faults of point location appear at
+/// these.
 std::vector<Direction> awkward_directions(const ControlPoints& points) {
   std::vector<Direction> exact = {{0, 0, 1},
                                   {0, 0, -1},
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(EveryPolyhedron, CoversTheSphereOnce) {
   ASSERT_EQ(points_.size(), GetParam().vertices);
   EXPECT_EQ(static_cast<int>(points_.triangles().size()), 2 * points_.size() - 4);  // Euler
-  // Summed by Neumaier's method: what is left is the rounding of the areas themselves.
+  // Summed by Neumaier's method: the rest is the rounding of the areas themselves.
   double area = 0, lost = 0;
   for (const auto& [a, b, c] : points_.triangles()) {
     const auto v = points_.directions();

@@ -139,7 +139,7 @@ TEST(Rotation, ByReweightingInterpolatesTheOldValues) {
   for (int m = 0; m < points->size(); ++m) {
     EXPECT_NEAR(rotated[m], f(rotation.transpose() * points->directions()[m]), 1e-13);
   }
-  // The sense of the rotation: the peak goes where R takes it.
+  // The sense of the rotation: the peak moves to its image under R.
   const auto top = std::max_element(rotated.begin(), rotated.end()) - rotated.begin();
   EXPECT_GT(points->directions()[top].dot(rotation * Direction(0.6, 0, 0.8)), std::cos(0.32));  // one side
 }

@@ -93,7 +93,7 @@ TEST_F(OnControlPoints, DeformedTakesTheValueGivenAndKeepsWhatIsOutOfReach) {
   }
 }
 
-// Truth: the definition, that the value there moves by the change and nothing else does, and the closed form of the
+// Truth: the definition, that the value there moves by the change and nothing else does. Also the closed form of the
 // least-norm solution of one equation w . d = change, whose norm is |change| / |w|.
 TEST_F(OnControlPoints, MovesTheValueAtADirectionByTheSmallestChange) {
   const double change = 2.5;
@@ -121,7 +121,7 @@ TEST_F(OnControlPoints, MovesTheValueAtADirectionByTheSmallestChange) {
       larger += other[k] * other[k];
     }
     EXPECT_NEAR(weight[0] * other[0] + weight[1] * other[1] + weight[2] * other[2], change, 1e-13);
-    EXPECT_GE(larger, squares - 1e-12);  // equal where all weights are
+    EXPECT_GE(larger, squares - 1e-12);  // equal if all weights are
   }
 }
 

@@ -94,7 +94,7 @@ inline Direction travel_along(double mu, double azimuth_deg) {
   return {sine * std::cos(azimuth), sine * std::sin(azimuth), mu};
 }
 
-/// Few directions of everything, so that dozens of problems take seconds: for what holds at any accuracy.
+/// Few directions of everything, so that dozens of problems take seconds: for properties that hold at any accuracy.
 inline SolverOptions coarse_options() {
   SolverOptions options;
   options.control_points = 42;

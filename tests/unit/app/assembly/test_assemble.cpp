@@ -148,7 +148,7 @@ void write_map(const std::filesystem::path& file, std::array<double, 2> x, const
   nc_close(id);
 }
 
-// Two halves of four columns. In metres the map has the size of the domain, 100 m.
+// Two parts of four columns each. In metres the map has the size of the domain, 100 m.
 TEST_F(AssembleTest, MapsOfAlbedoCoverTheDomain) {
   const auto row = [&] { return assembled("[surface]\nalbedo_map = \"map.nc\"\n").problem.surface.albedo_map; };
   const auto expect_row = [&](float west, float east) {
@@ -223,7 +223,7 @@ TEST_F(AssembleTest, DoubtsAndNotesAreToldOnce) {
                                          AllOf(HasSubstr("warning: "), HasSubstr("optical depth 7.519e+05"))));
 }
 
-// Extinction with a phase function of its own has no use for radii: the user is told, and the grid need not be there.
+// Extinction with a phase function of its own does not need radii: a note is printed, and the grid may be absent.
 TEST_F(AssembleTest, ARadiusThatNothingUsesIsTold) {
   write_cloud("extinction");
   for (const std::string key : {"effective_radius_um = 7", "effective_radius_grid = \"nowhere\""}) {
@@ -280,7 +280,7 @@ TEST_F(MieSceneTest, DropletsOfOneRadius) {
   EXPECT_FLOAT_EQ(scene.problem.grid.scattering[0][0], 0.02f);
   EXPECT_EQ(scene.problem.grid.absorption[0], 0);
   EXPECT_EQ(scene.problem.phase[0].moment(1), 0.2);
-  // What the scene says itself wins over the table.
+  // Values in the scene itself take precedence over the table.
   EXPECT_FLOAT_EQ(mie("effective_radius_um = 10\nsingle_scattering_albedo = 0.75").problem.grid.absorption[0], 0.005f);
 }
 

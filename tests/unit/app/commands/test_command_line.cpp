@@ -148,7 +148,7 @@ TEST(CommandLine, ImportsACloudWithItsPhaseFunctions) {
   }
 }
 
-/// What a run printed on lines that begin with a word.
+/// Text that a run printed on lines that begin with a word.
 std::vector<std::string> lines_of(const std::string& text, const std::string& word) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -384,7 +384,7 @@ TEST(CommandLine, TradeoffLeavesOutWhatDoesNotFit) {
                   AllOf(HasSubstr("draft"), HasSubstr("reference"), HasSubstr("there are 0.00 GB"))));
 }
 
-// An image is what columns under a slanted beam do not know.
+// Columns under a slanted beam give no image.
 TEST(CommandLine, TradeoffLeavesOutWhatCannotDoTheScene) {
   const TemporaryFolder folder;
   ASSERT_EQ(cloudbow({"cloud", "make", "sphere", "--cells", "4", "4", "4", "--voxel-size-m", "50", "50", "50", "-o",
@@ -398,7 +398,7 @@ TEST(CommandLine, TradeoffLeavesOutWhatCannotDoTheScene) {
                    "zenith_deg = 0\n");
   TradeoffOptions options;
   options.scene = scene;
-  options.memory_bytes = 1'000'000;  // so that nothing is solved, and all levels are told of
+  options.memory_bytes = 1'000'000;  // so that nothing is solved, and all levels are listed
   EXPECT_THAT([&] { tradeoff(options); },
               testing::ThrowsMessage<InputError>(AllOf(HasSubstr("independent-columns left out: needs"),
                                                        HasSubstr("independent-diffuse left out: /"),

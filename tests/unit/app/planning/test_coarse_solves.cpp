@@ -1,4 +1,4 @@
-// What companions are counted as. Truth: how many solves there are.
+// Count of coarse solves. Truth: the number of solves.
 #include <gtest/gtest.h>
 
 #include "app/planning/coarse_solves.hpp"

@@ -1,5 +1,5 @@
-// What a stored factor of this machine counts for. Truth: the file as written here, and the prediction of the version
-// that gave the header its number.
+// Meaning of a stored factor of this machine. Truth: the file as written here, and the prediction of the version that
+// gave the header its number.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

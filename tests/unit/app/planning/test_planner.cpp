@@ -1,4 +1,4 @@
-// Truth: the rule itself, on forecasts made up so that the answer is plain.
+// Truth: the rule itself, on invented cost estimates for which the answer is obvious.
 #include <gtest/gtest.h>
 
 #include "app/planning/planner.hpp"

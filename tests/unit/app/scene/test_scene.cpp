@@ -1,5 +1,5 @@
-// Reading of scene files: every key arrives, every mistake is told with its place. Truth: the table of keys that the
-// scene format promises.
+// Reading of scene files: every key is read, every mistake is reported with its location. Truth: the table of keys that
+// the scene format promises.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// TOML before the scene in it: what nests too deeply, and what to do about faults. Truth: the grammar of TOML 1.0, and
-// the stack of 8 MB that a parser without limits overflows.
+// TOML before the scene in it: too deep nesting, and remedies for faults. Truth: the grammar of TOML 1.0, and the stack
+// of 8 MB that a parser without limits overflows.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -88,7 +88,7 @@ TEST(Toml, DotsAndBracketsInTextAreNoLevels) {
   }
 }
 
-// What new users write.
+// Typical mistakes of new users.
 TEST(Toml, FaultsComeWithAWayOut) {
   const std::vector<std::pair<std::string, std::string>> lines{
       {"file = cloud.vdb", "text stands in quotes: file = \"cloud.vdb\""},

@@ -1,5 +1,5 @@
-// `cloudbow verify` where checks hold and where they do not. Truth: the exit codes promised (0 all hold, 3 some do not,
-// 2 wrong usage). That the checks themselves hold is tested on the program, by check_verify.py.
+// `cloudbow verify` if checks hold and if they do not. Truth: the exit codes promised (0 all hold, 3 some do not, 2
+// wrong usage). That the checks themselves hold is tested on the program, by check_verify.py.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -44,9 +44,9 @@ struct LinearMap {
 };
 
 TEST(AndersonMixer, SolvesALinearProblemInItsDimensionAndOneSteps) {
-  // Then the changes span the whole space, as in Krylov's methods (Walker and Ni 2011), but for the 1e-7 that keeps
-  // dependent changes solvable: it is multiplied by the square of their condition (1e2). Plain iteration would leave
-  // .95^(n+1).
+  // Then the changes span the whole space, as in Krylov's methods (Walker and Ni 2011). The exception is the 1e-7 that
+  // keeps dependent changes solvable: it is multiplied by the square of their condition (1e2). Plain iteration would
+  // leave .95^(n+1).
   for (const int n : {1, 2, 4}) {
     const LinearMap map(n, .95);
     AndersonMixer<double> mixer(5);

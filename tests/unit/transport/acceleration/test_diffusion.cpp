@@ -113,7 +113,7 @@ TEST_P(DiffusionIn, AgreesWithADenseFactorisation) {
   // Residuals of 1e-11, magnified by the condition of the matrix (1e3 and more).
   EXPECT_LT((solved - truth).norm(), 1e-7 * truth.norm());
   EXPECT_LT((matrix * solved - source).norm(), 2e-11 * source.norm());
-  // The few per cent that acceleration asks for are met as well.
+  // The few per cent that acceleration requires are met as well.
   diffusion.solve({source.data(), cells_of(box)}, {solved.data(), cells_of(box)});
   EXPECT_LT((matrix * solved - source).norm(), .02 * source.norm());
 }

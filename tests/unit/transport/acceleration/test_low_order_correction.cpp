@@ -55,7 +55,7 @@ struct Fixture {
 };
 
 TEST(LowMoments, ShapesHaveTheirOwnMoments) {
-  // Orthonormal where the quadrature tells all nine apart: weights times shape is the identity.
+  // Orthonormal if the quadrature separates all nine: weights times shape is the identity.
   const LowMoments<double> low(make_ordinate_set("double-gauss-8x16"));
   EXPECT_LT((low.weights * low.shape - DenseMatrix<double>::Identity(low_moments, low_moments)).cwiseAbs().maxCoeff(),
             1e-12);

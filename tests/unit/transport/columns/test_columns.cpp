@@ -99,8 +99,8 @@ TEST(Columns, SlabsHaveTheFluxesOfDiscreteOrdinates) {
     for (const int cells : {1, 20}) {
       const Solution solution =
           solve(slab(c.optical_depth, c.single_scattering_albedo, phase, c.mu0, cells), by_columns(16));
-      // Sixteen streams a hemisphere are good to 1e-5 of the incident flux in these cases; float in deep columns to
-      // 1e-5.
+      // Sixteen streams per hemisphere are accurate to 1e-5 of the incident flux in these cases; float in deep columns
+      // to 1e-5.
       EXPECT_NEAR(solution.upwelling_flux.back(), c.up, 1e-4 * c.mu0) << c.optical_depth << " " << c.mu0;
       EXPECT_NEAR(solution.downwelling_diffuse_flux[0] + solution.direct_flux[0], c.down, 1e-4 * c.mu0)
           << c.optical_depth << " " << c.mu0;
@@ -244,7 +244,7 @@ TEST(Columns, HaveTheFluxesOfOrdinates) {
   Problem problem = random_columns(true, 2, .99, .3);
   SolverOptions options = by_columns(16);
   const Solution columns = solve(problem, options);
-  options.views = {{"up", Direction::UnitZ(), 0, 0}};  // asks for azimuths
+  options.views = {{"up", Direction::UnitZ(), 0, 0}};  // requests azimuths
   options.directions = "double-gauss-12x24";
   options.fit.delta_m_order = 10;
   options.fit.beam_delta_m_order = 14;
@@ -257,7 +257,7 @@ TEST(Columns, HaveTheFluxesOfOrdinates) {
     squares += std::pow(static_cast<double>(columns.upwelling_flux[7 * 30 + c]) - up, 2) / 30;
     mean += up / 30;
   }
-  // Cells of optical depth 2, where sources linear in the cell are off by half a per cent.
+  // Cells of optical depth 2, for which sources linear in the cell have an error of half a per cent.
   EXPECT_LT(std::sqrt(squares) / mean, .01);
 }
 
@@ -290,7 +290,7 @@ TEST(Columns, ShadowsThatPassBetweenLevelsTellColumnsApart) {
   options.beam_crosses_columns = true;
   options.actinic = true;
   const Solution solution = solve(problem, options);
-  // What passes the level between them goes through the empty cells below, at the sun's slant.
+  // Light that crosses the level between them goes through the empty cells below, at the sun's slant.
   double actinic = 0, direct = 0;
   for (std::size_t c = 0; c < 12; ++c) {
     actinic += static_cast<double>(solution.actinic_flux[c]) / 12;

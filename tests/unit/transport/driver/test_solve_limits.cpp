@@ -1,4 +1,4 @@
-// What a solve refuses, and what it leaves as it was.
+// Input that a solve refuses, and state that it leaves as it was.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -166,7 +166,7 @@ TEST(SolveLimits, TablesOfReflectionAreForeseen) {
   EXPECT_GT(predicted_memory(sea, quick()), predicted_memory(cloudy(), quick()) + 20'000'000);
 }
 
-// The ledger is in terms of the power through the top, here a hundredth of what comes through the sides: in float its
+// The ledger is in terms of the power through the top, here a hundredth of the power through the sides: in float its
 // residual would be 1e-5.
 TEST(SolveLimits, OpenDomainsUnderALowSunCloseTheirLedgerOrAreRefused) {
   SolverOptions options = quick();

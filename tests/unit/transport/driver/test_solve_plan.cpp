@@ -1,4 +1,4 @@
-// What a plan says of a problem. Truth: the problem as it was made.
+// Properties of a problem in a plan. Truth: the problem as it was made.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -37,7 +37,7 @@ class FitCache {
   std::filesystem::path directory_;
 };
 
-// Coarse, so that dozens of problems take seconds: what is tested here holds at any accuracy.
+// Coarse, so that dozens of problems take seconds: the properties tested here hold at any accuracy.
 SolverOptions coarse() {
   static const FitCache cache;
   SolverOptions options = coarse_options();
@@ -102,7 +102,7 @@ struct SlabCase {
 
 TEST(Solve, SlabsHaveTheFluxesOfDiscreteOrdinates) {
   // cdisort 2.1.3, 64 and more streams, estimated error below 1e-9; F0 = 1, black surface. The first is also van de
-  // Hulst's (1980, table 9) reflection .4984 of what enters.
+  // Hulst's (1980, table 9) reflection .4984 of the incident light.
   const std::vector<SlabCase> cases{
       {"isotropic", PhaseFunction::isotropic(), 1, 1, .5, .2491877643, .1831445939},
       {"isotropic overhead", PhaseFunction::isotropic(), 1, 1, 1, .3413287597, .290791799},
@@ -121,7 +121,7 @@ TEST(Solve, SlabsHaveTheFluxesOfDiscreteOrdinates) {
     EXPECT_EQ(solution.report.mode, "1d");
     EXPECT_NEAR(solution.profile_direct_flux.front(), c.mu0 * std::exp(-c.optical_depth / c.mu0), 1e-7)
         << c.name;  // optics are kept in float
-    // 8 x 16 ordinates on levels of .02 and more: .1 % of the incident flux, .3 % where half the light is in a peak.
+    // 8 x 16 ordinates on levels of .02 and more: .1 % of the incident flux, .3 % if half the light is in a peak.
     const double limit = c.phase.asymmetry_parameter() > .5 ? 3e-3 : 1e-3;
     EXPECT_NEAR(solution.profile_upwelling_flux.back(), c.up_top, limit * c.mu0) << c.name;
     EXPECT_NEAR(solution.profile_downwelling_diffuse_flux.front(), c.down_diffuse_bottom, limit * c.mu0) << c.name;
@@ -145,7 +145,7 @@ void expect_ledger_closes(bool periodic, double albedo, double surface, double l
   expect_finite_and_closed(solution, 1e-5);
   const EnergyLedger& ledger = solution.ledger;
   const double top = .6;  // W m-2 through the top
-  // The fields tell what the ledger tells, but for their float.
+  // The fields agree with the energy ledger, but for their float.
   const double absorbed = std::accumulate(solution.absorbed_power.begin(), solution.absorbed_power.end(), 0.) /
                           static_cast<double>(problem.grid.box.columns());
   EXPECT_NEAR(absorbed / top, ledger.absorptance, 1e-6);  // cells of 1 m3
@@ -241,7 +241,7 @@ TEST(Solve, ExtremeOpticalDepthsAreFiniteAndClosed) {
       if (optical_depth < 1) {
         EXPECT_NEAR(solution.ledger.transmittance, 1, 2e-6);
       }
-      // Of a thick cloud that absorbs nothing 1 - R = (4/3) u(mu0) / ((1 - g) tau + 1.42), u about .8: below 1e-3.
+      // A thick cloud without absorption has 1 - R = (4/3) u(mu0) / ((1 - g) tau + 1.42), u about .8: below 1e-3.
       if (optical_depth > 1 && albedo == 1) {
         EXPECT_GT(solution.ledger.reflectance, .998);
       }
@@ -300,8 +300,8 @@ std::size_t moved_column(const Turn& turn, std::size_t column, int n) {
   return static_cast<std::size_t>(place(turn.yx, x, turn.yy, y) * n + place(turn.xx, x, turn.xy, y));
 }
 
-// Control points have the mirror planes of the box but not its quarter turns; spirals of the gather and the places
-// their rays start from have neither, so columns differ by what 4096 directions leave open (of 1024: 4e-3).
+// Control points have the mirror planes of the box but not its quarter turns. Spirals of the gather and the starting
+// points of their rays have neither. Columns thus differ by the error of 4096 directions (of 1024: 4e-3).
 void expect_symmetric(const PhaseFunction& phase, const Turn& turn, double mean_limit, double column_limit) {
   constexpr int n = 6;
   const BoxGrid box = make_box(n, n, 4);
@@ -352,7 +352,7 @@ TEST(Solve, TurnsAndMirrorImagesWithTheirSunHaveTheSameFluxes) {
   }
 }
 
-// What a linear source is worth falls with the square of the cells' size: by 4 a halving in the limit.
+// The effect of a linear source falls with the square of the cells' size: by 4 per halving in the limit.
 TEST(ConstantSource, TendsToTheLinearOneAsCellsShrink) {
   double before = 0;
   for (const int cells : {8, 16, 32}) {
@@ -396,8 +396,8 @@ TEST(Solve, LargeFieldsCloseTheirLedgerAlongAllAxes) {
     options.flux_levels = FluxLevels::all;
     const Solution solution = solve(problem, options);
     expect_finite_and_closed(solution, 1e-5);
-    // What passes through the levels is what the cells between them keep, by the profile and by the cells: to the
-    // iteration's tolerance of 1e-4 of some .9 W m-2 that come in, on either side.
+    // The net flux through the levels is the power absorbed between them, by the profile and by the cells. They agree
+    // to the iteration's tolerance of 1e-4 of some .9 W m-2 incident, on either side.
     const auto net = [&](std::size_t e) {
       return solution.profile_direct_flux[e] + solution.profile_downwelling_diffuse_flux[e] -
              solution.profile_upwelling_flux[e];
@@ -427,7 +427,7 @@ TEST(Solve, EnergyClosesOverEverySurface) {
       SCOPED_TRACE(name);
       expect_finite_and_closed(solution, 1e-5);
       EXPECT_GT(mean_of_level(solution.upwelling_flux, solution.box, 0), 0);
-      if (periodic) {  // what the surface keeps is the difference of the fluxes through it, which the gather shares out
+      if (periodic) {  // absorption by the surface: the difference of the fluxes, as the gather has them
         const double down = mean_of_level(solution.downwelling_diffuse_flux, solution.box, 0) +
                             mean_of_level(solution.direct_flux, solution.box, 0);
         const double kept = down - mean_of_level(solution.upwelling_flux, solution.box, 0);
@@ -477,7 +477,7 @@ TEST(Solve, ViewsThroughAbsorbersFollowBeer) {
   const Solution solution = solve(problem, options);
   ASSERT_EQ(solution.images.size(), 2U);
   const double ground = solution.upwelling_flux[0] / pi;
-  EXPECT_GT(ground, albedo / pi * mu0 * std::exp(-tau / mu0));  // and what the sky adds
+  EXPECT_GT(ground, albedo / pi * mu0 * std::exp(-tau / mu0));  // and the light of the sky
   EXPECT_NEAR(solution.images[0].radiance[0], ground * std::exp(-tau / mu), 2e-6 * ground);
   EXPECT_NEAR(solution.images[1].radiance[0], sky * std::exp(-tau / mu), 1e-5);
 }
@@ -602,8 +602,8 @@ TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
       options.collapse_uniform_axes = true;
       const Solution less = solve(problem, options);
       EXPECT_EQ(less.report.collapsed_axes, along_x ? (along_y ? "" : "y") : (along_y ? "x" : "x, y"));
-      // The final gather's own places of launch differ where there are fewer columns; it is scaled to the same means,
-      // so that of columns alone, which need none, the fluxes are the same. Elsewhere: its spread with 64 directions.
+      // The launch points of the final gather differ if there are fewer columns. It is scaled to the same means.
+      // Independent columns need no gather, so their fluxes are the same. Elsewhere: its spread with 64 directions.
       const double tolerance = along_x || along_y ? .02 : 1e-5;
       const auto expect_same = [&](const std::vector<float>& a, const std::vector<float>& b, double relative) {
         ASSERT_EQ(a.size(), b.size());
@@ -715,7 +715,7 @@ TEST(Solve, UniformCloudInThreeDimensionsIsTheSlab) {
   EXPECT_EQ(slab3d.report.mode, "3d");
   for (std::size_t e = 0; e <= 12; ++e)
     EXPECT_NEAR(slab3d.profile_upwelling_flux[e], slab1d.profile_upwelling_flux[e], 2e-6);
-  // Column by column the gather reproduces itself: all columns alike.
+  // Column by column the gather reproduces itself: all columns are equal.
   for (std::size_t c = 0; c < wide.columns(); ++c)
     EXPECT_NEAR(slab3d.upwelling_flux[wide.columns() + c] / slab3d.ledger.reflectance / .6, 1, 1e-5);
 }
@@ -814,8 +814,8 @@ TEST(Solve, ProgressIsToldAndMayStop) {
 }
 
 TEST(Solve, LayersShineInThroughOpenSides) {
-  // A box with open sides that holds nothing but a layer: the sides show what the layer itself shows, so the light is
-  // that of the layer without end (whose surface is black inside and outside).
+  // A box with open sides that holds nothing but a layer. Radiance at the sides is that of the layer itself. The light
+  // is thus that of the infinite layer (whose surface is black inside and outside).
   const Layer layer{0, 4, 1., .9, 0};
   const CloudField speck =
       make_cloud_field({4, 4, 16}, {2, 2, .25}, {0, 0, 0}, std::vector<float>(256, 1e-9F), "extinction");
@@ -827,7 +827,7 @@ TEST(Solve, LayersShineInThroughOpenSides) {
   const Solution open = solve(problem_of(grid(false), PhaseFunction::isotropic()), options);
   const Solution periodic = solve(problem_of(grid(true), PhaseFunction::isotropic()), options);
   expect_finite_and_closed(open, 1e-5);
-  // What shines in is linear between the 16 levels' interfaces, where radiance is concave: .1 % of it is missing.
+  // Incident light is linear between the 16 levels' interfaces, but radiance is concave: .1 % of it is missing.
   EXPECT_NEAR(open.ledger.reflectance, periodic.ledger.reflectance, 1e-3);
   EXPECT_NEAR(open.ledger.transmittance, periodic.ledger.transmittance, 1e-3);
   EXPECT_NEAR(open.ledger.side_gain / open.ledger.side_loss, 1, 2e-3);

@@ -27,8 +27,8 @@ TEST(Halves, HoldElevenBits) {
   }
 }
 
-// 1.0003 lies between halves 2^-10 apart. Rounded to the nearest, a thousand would be off by a fourth of that each;
-// places that are spread evenly leave a few of them.
+// 1.0003 lies between float16 values 2^-10 apart. Rounded to the nearest, a thousand would each have an error of a
+// fourth of that. Evenly spread rounding leaves the error of a few of them.
 TEST(Halves, RoundingKeepsTheMean) {
   for (const std::size_t lone : {std::size_t{0}, std::size_t{7}}) {  // and the way of those that fill no vector
     const std::vector<float> value(1024 + lone, 1.0003F);

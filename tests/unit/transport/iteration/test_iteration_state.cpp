@@ -102,7 +102,7 @@ void expect_same_bits(const IterationResult<Real>& a, const IterationResult<Real
   EXPECT_EQ(a.report.converged, b.report.converged);
 }
 
-// Stops after every possible sweep, goes on from there, and takes up the end from what that left.
+// Stops after every possible sweep, continues from there, and restores the final state that this wrote.
 template <class Real>
 void expect_to_go_on(const Case& of) {
   const TransportSystem<Real> system = of.system<Real>();

@@ -47,7 +47,7 @@ TEST(GatherDirections, WithASunTheMixtureStillHasThem) {
     EXPECT_GT(set.size(), 560U);
     EXPECT_LE(set.size(), 640U);
     for (const auto& d : set) EXPECT_LT(d.travel.z(), 0);
-    // Two point sets that know nothing of each other: 1 % with some six hundred.
+    // Two independent point sets: 1 % with some six hundred.
     EXPECT_NEAR(cosine_weighted(set, [](const Direction&) { return 1.; }) / pi, 1, .01) << mu0;
     EXPECT_NEAR(cosine_weighted(set, [](const Direction& d) { return d.z() * d.z(); }) / (pi / 2), 1, .01) << mu0;
     EXPECT_NEAR(cosine_weighted(set, [](const Direction& d) { return d.x() * d.x(); }) / (pi / 4), 1, .02) << mu0;
@@ -200,9 +200,9 @@ TEST_F(GatherFlux, AnInterfaceIsTheSameWhateverOthersAreAskedFor) {
 }
 
 TEST_F(GatherFlux, InVacuumAboveCloudTheForwardMarchIsAsSmoothAsTheEnds) {
-  // Bright cells here and there in two levels, seen 18 and 28 levels above: the two methods differ in where their rays
-  // start, and by a half in how wide they blur. Without blur the forward march is off by .11 to .12 of the mean, twelve
-  // times as much.
+  // Scattered bright cells in two levels, seen 18 and 28 levels above. The two methods differ in the starting points of
+  // their rays, and by a half in the width of their blur. Without blur the error of the forward march is .11 to .12 of
+  // the mean, twelve times as much.
   const BoxGrid box = make_box(24, 20, 30);
   Random random(9);
   std::vector<float> extinction(cells_of(box), 0.F);
@@ -249,7 +249,7 @@ TEST_F(GatherFlux, FurnaceGivesPiWhateverIsBetween) {
 }
 
 TEST_F(GatherFlux, BlurMovesLightButMakesNone) {
-  // Sources that differ from column to column around a mean give on average what the mean gives: transmission is the
+  // Sources that differ from column to column around a mean give on average the flux of the mean. Transmission is the
   // same everywhere, so the flux is linear in the source (contrasts too low for the limiter).
   const BoxGrid box = unequal_box(true);
   Random random(3);

@@ -52,7 +52,7 @@ TEST(SightLine, UniformSourceFillsWhatIsNotTransmitted) {
     const Direction up(std::sqrt(1 - mu * mu) * .8, std::sqrt(1 - mu * mu) * -.6, mu);
     const double through = std::exp(-.02 * (50 - 7) / mu);
     EXPECT_NEAR(radiance_along(sight, {3, 29, 7}, up, bright), 3 * (1 - through) + 5 * through,
-                5e-4);  // where less than 1e-4 is transmitted, the rest is taken to be as bright
+                5e-4);  // if less than 1e-4 is transmitted, the rest is taken to be as bright
   }
 }
 
@@ -71,7 +71,7 @@ TEST(SightLine, OpenSidesShowWhatStandsThere) {
   const Scene scene(false, .01);
   std::vector<double> by_edge{10, 11, 12, 13, 14, 15};
   const auto sight = scene.sight(2., [&](const Direction&) { return by_edge; });
-  // Level with z = 25: leaves through x = 40 after 12 m, where the side shows 12.5.
+  // Level with z = 25: leaves through x = 40 after 12 m, with a side radiance of 12.5.
   EXPECT_NEAR(radiance_along(sight, {28, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.12), 1e-6);
   // From outside: nothing until the domain, all 40 m of it, and the other side.
   EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.4), 1e-6);

@@ -27,7 +27,7 @@ double mean(double t) {
 TEST(Crossing, LinearSourceHasTheClosedForm) {
   for (const double t : {.05, .69, .71, 3., 40., 1e4}) {
     const Crossing<double> crossing(t);
-    // The closed form loses 1/t^2 of its digits; so does 1/t of what it is compared with.
+    // The closed form loses 1/t^2 of its digits; the function compared with it loses 1/t.
     EXPECT_NEAR(crossing.leaving(in, crossing.emitted(entry, exit_source)), leaving(t), 1e-12) << t;
     EXPECT_NEAR(crossing.mean(in, entry, exit_source), mean(t), 1e-12) << t;
     EXPECT_NEAR(crossing.absorbed(), -std::expm1(-t), 1e-15) << t;

@@ -65,14 +65,15 @@ class DirectBeamOf : public testing::Test {
  public:
   // Mean transmissions of thin cells are a series to t^7, off by t^8/9! < 1.1e-8 at t = 1/2; float adds its rounding.
   static constexpr double tolerance = std::is_same_v<Real, float> ? 1e-6 : 2e-8;
-  // In float an optical path of up to ten, summed over some fifty cells, is good to 2e-6; what is left of light is too.
+  // In float an optical path of up to ten, summed over some fifty cells, is accurate to 2e-6; so is the transmitted
+  // light.
   static constexpr double closed_form_tolerance = std::is_same_v<Real, float> ? 3e-6 : 2e-8;
 };
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(DirectBeamOf, Precisions);
 
 TYPED_TEST(DirectBeamOf, SlabFollowsBeerAndLambert) {
-  // Through open sides of a box full of one layer the layer shines in as deep as the ray has come: the same closed
+  // At open sides of a box full of one layer, incident light has crossed the layer to the ray's depth: the same closed
   // form.
   for (const bool periodic : {true, false}) {
     const BoxGrid box = unequal_box(periodic);
@@ -132,7 +133,7 @@ TYPED_TEST(DirectBeamOf, LosesWhatTheCellsTake) {
 }
 
 TEST(DirectBeam, OpenSidesLetInWhatTheGeometrySays) {
-  // An empty box: of each metre of height, the sunlit sides of dy x depth and dx x depth catch F0 |Ox| and F0 |Oy|.
+  // An empty box: per metre of height, the sunlit sides of dy x depth and dx x depth receive F0 |Ox| and F0 |Oy|.
   const BoxGrid box = unequal_box(false);
   const OpticalGrid grid = make_grid(box, std::vector<float>(cells_of(box), 0.F), 1.);
   for (const Sun& sun : suns()) {
@@ -141,7 +142,7 @@ TEST(DirectBeam, OpenSidesLetInWhatTheGeometrySays) {
     const double truth =
         sun.irradiance * depth *
         (std::abs(sun.travel.x()) / (box.nx * box.dx_m) + std::abs(sun.travel.y()) / (box.ny * box.dy_m));
-    // Four rays a column and axis count the sides they cross to an eighth of the three or more columns they move.
+    // Four rays per column and axis count the sides they cross to an eighth of the three or more columns they move.
     EXPECT_NEAR(beam.side_gain, truth, .05 * truth + 1e-12);
     EXPECT_NEAR(beam.side_gain, beam.side_loss, 1e-12 * sun.irradiance);
     for (const double f : beam.level_flux) EXPECT_NEAR(f, -sun.travel.z() * sun.irradiance, 1e-12 * sun.irradiance);
@@ -163,9 +164,9 @@ TEST(DirectBeam, ColumnsByThemselvesSeeOnlyTheirOwnExtinction) {
 }
 
 TEST(DirectBeam, ShadowFallsWhereTheSunSays) {
-  // Fluxes to 1e-6: rays are held off the faces by 1e-7 of a column. One opaque cell at height 80 to 120 and a sun in
-  // the west (light travels towards +x) with a slope of 3 columns of 30 m in 80 m of height: its shadow on the ground
-  // lies three columns to the east of its base.
+  // Fluxes to 1e-6: rays are held off the faces by 1e-7 of a column. One opaque cell is at height 80 to 120, and the
+  // sun in the west (light travels towards +x). The slope is 3 columns of 30 m in 80 m of height: the shadow on the
+  // ground lies three columns to the east of the base.
   const BoxGrid box = unequal_box(true);
   std::vector<float> extinction(cells_of(box), 0.F);
   extinction[(4 * 5 + 2) * 6 + 1] = 10.F;
@@ -182,7 +183,7 @@ TEST(DirectBeam, ShadowFallsWhereTheSunSays) {
 
 TEST(DirectBeam, NoShadowComesRoundAnOpenSide) {
   // The light travels towards +x, and an opaque tower stands in the last column there: its shadow leaves the box. Rays
-  // in its column and their neighbours share footprints; at the ground, three columns of travel further, they stand
+  // in its column and their neighbours share footprints. At the ground, three columns of travel further, they are
   // within their columns again, but for the 1e-7 that holds them off the faces.
   const BoxGrid box = unequal_box(false);
   std::vector<float> extinction(cells_of(box), 0.F);

@@ -16,8 +16,8 @@ std::vector<double> optical_paths(double first, double last) {
   return paths;
 }
 
-// Truth: phi_k(t) = sum_n (-t)^n / (n + k)! where that converges fast, the closed forms where they do not cancel, both
-// in long double.
+// Truth: phi_k(t) = sum_n (-t)^n / (n + k)! if that converges fast, the closed forms if they do not cancel, both in
+// long double.
 ExponentialFunctions<long double> exact(long double t) {
   if (t < 1) {
     const auto series = [t](int k) {
@@ -38,7 +38,7 @@ ExponentialFunctions<long double> exact(long double t) {
 }
 
 TEST(ExponentialFunctions, DoubleIsExactToRounding) {
-  // The closed forms lose a factor 1/(1 - phi1) and 1/(1/2 - phi2) of digits: ten at t = .7, where they begin.
+  // The closed forms lose a factor 1/(1 - phi1) and 1/(1/2 - phi2) of digits: ten at t = .7, from which they are used.
   constexpr double tolerance = 20 * std::numeric_limits<double>::epsilon();
   for (const double t : optical_paths(1e-9, 2e4)) {
     const auto phi = exponential_functions(t);
@@ -81,8 +81,8 @@ using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(ExponentialFunctionsOf, Precisions);
 
 TYPED_TEST(ExponentialFunctionsOf, ConserveLightWhateverTheErrorOfTheFit) {
-  // phi1 + t phi2 = 1: what enters stays or leaves. 1/2 - t phi3 = phi2: what is emitted does. Both hold in the
-  // coefficients themselves, so what is left is a handful of roundings.
+  // phi1 + t phi2 = 1: incident light stays or leaves. 1/2 - t phi3 = phi2: so does emitted light. Both hold in the
+  // coefficients themselves, so the rest is a few roundings.
   constexpr double tolerance = 6 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
   for (const double path : optical_paths(1e-9, 2e4)) {
     const auto t = static_cast<TypeParam>(path);
@@ -95,7 +95,7 @@ TYPED_TEST(ExponentialFunctionsOf, ConserveLightWhateverTheErrorOfTheFit) {
 }
 
 TYPED_TEST(ExponentialFunctionsOf, KeepRadiancesPositive) {
-  // The weights of light that enters, of the source where the ray enters and of that where it leaves.
+  // The weights of light that enters, of the source at the ray's entry and of that at its exit.
   for (const double path : optical_paths(1e-9, 1e6)) {
     const auto t = static_cast<TypeParam>(path);
     const auto phi = exponential_functions(t);
@@ -114,7 +114,7 @@ TYPED_TEST(ExponentialFunctionsOf, StartAtTheirLimits) {
 }
 
 TEST(Transmission, FloatFollowsTheExponential) {
-  // Degree 7 on +-ln 2 / 2 leaves 5e-9; two roundings of the last steps of the polynomial are what is seen.
+  // Degree 7 on +-ln 2 / 2 leaves 5e-9; the difference is two roundings of the last steps of the polynomial.
   double worst = 0;
   const auto check = [&worst](float x) {
     worst = std::max(worst, std::abs(static_cast<double>(transmission(x)) / std::exp(-static_cast<double>(x)) - 1));

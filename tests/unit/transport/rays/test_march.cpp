@@ -129,12 +129,12 @@ TYPED_TEST(MarchOf, FurnaceStaysAtOneRadiance) {
 }
 
 TYPED_TEST(MarchOf, OpaqueCellShowsItsOwnSource) {
-  // Beyond 5e6 too, where the optical path is held.
+  // Beyond 5e6 too, the limit of the optical path.
   const BoxGrid box = make_box(1, 1, 1);
   for (const float extinction : {1e4F, 1e6F, 1e9F}) {
     const auto cells = make_cells<TypeParam>(make_grid(box, {extinction}, 1.), untruncated, false);
     const auto marched = march_once<TypeParam>(box, cells, travel_along(-.5, 10), {TypeParam(2)}, {TypeParam(5)});
-    // What enters is still seen as 1/t of the mean: at most 3/2e4.
+    // Light that enters still contributes 1/t of the mean: at most 3/2e4.
     EXPECT_NEAR(static_cast<double>(marched.rays[0]), 2, 1e-3) << extinction;
     EXPECT_NEAR(static_cast<double>(marched.mean[0]), 2, 1e-3) << extinction;
   }
@@ -221,8 +221,8 @@ TEST(March, UniformSlabHasTheClosedForm) {
 }
 
 TEST(March, SourceThatIsLinearInHeightIsMarchedExactly) {
-  // dI/ds = sigma (S - I) with S = 1 + b z has I = S - S' / sigma + const e^(-sigma s), S' the slope along the ray:
-  // differences over unequal levels, one-sided ones at both ends included, reproduce a linear source.
+  // dI/ds = sigma (S - I) with S = 1 + b z has I = S - S' / sigma + const e^(-sigma s), S' the slope along the ray.
+  // Differences over unequal levels, one-sided ones at both ends included, reproduce a linear source.
   const BoxGrid box = unequal_box(true);
   const double sigma = .015625;
   const double b = .01;
@@ -245,7 +245,8 @@ TEST(March, SourceThatIsLinearInHeightIsMarchedExactly) {
 }
 
 TEST(March, CyclicShiftOfAPeriodicFieldShiftsTheAnswer) {
-  // The same light in other places: only where runs of cells break at the edge differs, hence rounding (1e-14 of 1).
+  // The same light at other locations: only the breaks of runs of cells at the edge differ, hence rounding (1e-14 of
+  // 1).
   const BoxGrid box = unequal_box(true);
   const auto extinction = random_extinction(box, .1, 6);
   const auto moved = [&](const std::vector<float>& field, int by_x, int by_y) {

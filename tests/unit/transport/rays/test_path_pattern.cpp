@@ -83,8 +83,8 @@ TEST(PathPattern, FollowsTheStraightLineThroughItsCells) {
 }
 
 TEST(PathPattern, LinearSourcesKeepTheCellsMean) {
-  // The chord-weighted mean of the place within the cell is zero (what a slope of the source adds to the cell's
-  // emission), and ends of segments join: both to rounding of places up to 500 columns away.
+  // The chord-weighted mean of the location within the cell is zero (effect of a slope of the source on the cell's
+  // emission). Ends of segments join. Both hold to rounding of locations up to 500 columns away.
   const BoxGrid box = unequal_box(7, 5);
   for (const Direction& travel : directions()) {
     const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});

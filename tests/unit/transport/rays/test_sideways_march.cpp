@@ -117,8 +117,8 @@ TYPED_TEST(SidewaysMarchOf, FurnaceStaysAtOneRadiance) {
 }
 
 TYPED_TEST(SidewaysMarchOf, LightOfOneDirectionIsConserved) {
-  // In + emitted = out + absorbed with uneven light from below or above and linear sources, to rounding: every cell has
-  // all of its chord, every part of the plane its ray, and what changes rows and columns at the seam keeps its power.
+  // In + emitted = out + absorbed with uneven light from below or above and linear sources, to rounding. Every cell has
+  // all of its chord, every part of the plane its ray. Light that changes rows and columns at the seam keeps its power.
   constexpr double tolerance = 400 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
   const BoxGrid box = even_box();
   for (const double largest : {1e-3, .1, 3.}) {
@@ -141,16 +141,17 @@ TYPED_TEST(SidewaysMarchOf, LightOfOneDirectionIsConserved) {
         out += optical_path * static_cast<double>(marched.mean[c]);
       }
       EXPECT_NEAR(in / out, 1, tolerance);
-      // A steep source may be slightly negative where a segment ends.
+      // A steep source may be slightly negative at the end of a segment.
       for (const TypeParam j : marched.mean) EXPECT_GE(j, -.01);
     });
   }
 }
 
 TEST(SidewaysMarch, UniformSlabHasTheClosedForm) {
-  // A cell sees its few rays at the heights where they pass, so its own mean is off by what the light changes over up
-  // to half a level; over a level that averages out, and what is left is the seam's interpolation between rows a level
-  // apart, off by the curvature of the exponential: (path of a level)^2 / 8 of what is left, at each of few seams.
+  // A cell has only few rays, at their own heights. The error of its mean is thus the change of the light over up to
+  // half a level. Over a level that averages out. The remaining error is that of the seam's interpolation between rows
+  // one level apart. It is the curvature of the exponential: (path of a level)^2 / 8 of the remaining light, at each of
+  // few seams.
   const BoxGrid box = even_box();
   constexpr double sigma = .0078125 / 4;
   std::vector<float> extinction(cells_of(box), static_cast<float>(sigma));

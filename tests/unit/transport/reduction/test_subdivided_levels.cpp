@@ -29,7 +29,7 @@ TEST(ThickLevels, ThinOnesDarkOnesAndThoseWithoutSunStayWhole) {
   SolverOptions options = coarse_options();
   options.max_level_optical_depth = 1;
   EXPECT_EQ(subdivide_thick_levels(thick_top(.3, .6), options).added(make_box(3, 2, 4)), 0);
-  Problem dark = thick_top(20, .6);  // what is thick lies below what has taken the light
+  Problem dark = thick_top(20, .6);  // the thick part lies below the part that has absorbed the light
   for (float& s : dark.grid.scattering[0]) s = 20;
   const SubdividedLevels cut = subdivide_thick_levels(dark, options);
   EXPECT_GT(cut.added(dark.grid.box), 0);
@@ -72,7 +72,7 @@ TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
   EXPECT_EQ(cut.absorbed_power.size(), plain.absorbed_power.size());
   EXPECT_EQ(cut.radiance_field->voxel, plain.radiance_field->voxel);
   EXPECT_EQ(cut.radiance_field->radiance.size(), plain.radiance_field->radiance.size());
-  // Energy: what is absorbed, cell by cell, is what the ledger says, with means of the parts, too.
+  // Energy: absorption summed over cells is that of the ledger, with means of the parts, too.
   for (const Solution* solution : {&plain, &cut}) {
     double absorbed = 0;
     for (const float power : solution->absorbed_power) absorbed += power / 6.;
