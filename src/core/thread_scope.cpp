@@ -49,7 +49,7 @@ ThreadScope::ThreadScope(int threads) : before_(omp_get_max_threads()) {
   if (count > started_so_far) {
     count = std::max(started_so_far, startable(count));
     omp_set_num_threads(count);
-    // This region throws no exception.
+    // Nothing throws here.
 #pragma omp parallel
     static_cast<void>(omp_get_thread_num());
     started_so_far = count;
