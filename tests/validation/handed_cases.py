@@ -164,7 +164,7 @@ CASES = [
     *[scene_of(f"robust/{name}.toml", {}, "--resume", f"{{cases}}/robust/{checkpoint}.h5", words=(f"{checkpoint}.h5", *words),
                note=f"--resume {checkpoint}.h5")
       for name, checkpoint, words in (("ck15", "checkpoint_self", ("virtual dataset",)), ("ck15", "checkpoint_attr", ("attribute source",)),
-                                      ("ck_crash", "ck_crash", ("damaged",)))],
+                                      ("ck_crash", "ck_crash", ("another version",)))],
     *[scene_of(f"robust/{name}.toml", {}, words=("a ray crosses too many cells", "independent-columns")) for name in ("low_sun", "thin_voxels")],
 ]
 # Of how well and how fast the solver converges, which other drivers judge.
