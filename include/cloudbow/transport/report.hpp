@@ -30,7 +30,7 @@ struct SolverReport {
   std::string directions;
   std::string mode;            ///< "1d", "2d", "3d", "independent-columns" or "independent-diffuse"
   std::string collapsed_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
-  int added_levels = 0;        ///< by cutting levels in which the direct beam fades
+  int added_levels = 0;        ///< by subdividing levels in which the direct beam fades
   std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;
   int threads = 1;

@@ -16,7 +16,7 @@ namespace cloudbow {
 struct RadianceImage {
   View view;
   std::vector<float> radiance;  ///< [height][width] of the view, else [ny][nx]; y ascending; W m-2 sr-1, mean over the
-                                /// < pixel at which the line of sight crosses that plane
+                                ///< pixel at which the line of sight crosses that plane
 };
 
 struct RadianceField {

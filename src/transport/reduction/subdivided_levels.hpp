@@ -10,8 +10,8 @@ namespace cloudbow {
 /// The first part of a level, from above, has the slant optical depth options.max_level_optical_depth. That depth is
 /// delta-M scaled, over mu0; mean over the cells by the power that the beam loses there. Each further part has twice
 /// that of the part above it. Six parts at most; they are thicker if these do not suffice. Levels in which less than a
-/// hundredth of the incident beam is scattered or absorbed stay whole. All do if that option is 0, without sun, and if
-/// columns are solved without azimuths: that solution includes light at every depth.
+/// hundredth of the incident beam is scattered or absorbed stay whole. All do if that option is 0, and
+/// without sun.
 SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOptions& options);
 
 /// The same problem with cells for each part.
