@@ -70,7 +70,7 @@ void write_large_result(benchmark::State& state) {
   std::filesystem::remove_all(directory);
 }
 
-BENCHMARK(write_large_result)->Unit(benchmark::millisecond)->UseRealTime();
+BENCHMARK(write_large_result)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
   }
   for (const auto& file : clouds) {
     benchmark::RegisterBenchmark(("load_cloud/" + file.filename().string()).c_str(), load_cloud, file)
-        ->Unit(benchmark::millisecond)
+        ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   }
   benchmark::Initialize(&argc, argv);

@@ -78,9 +78,9 @@ void reflection_table(benchmark::State& state, const SurfaceBrdf& brdf) {
   for (auto _ : state) benchmark::DoNotOptimize(make_reflection_table(brdf, {}, ordinates, beam));
 }
 
-BENCHMARK_CAPTURE(reflection_table, rpv, SurfaceBrdf::rpv(0.1, 0.7, -0.2, 0.1))->Unit(benchmark::millisecond);
-BENCHMARK_CAPTURE(reflection_table, ross_li, SurfaceBrdf::ross_li(0.1, 0.05, 0.02))->Unit(benchmark::millisecond);
-BENCHMARK_CAPTURE(reflection_table, cox_munk, SurfaceBrdf::cox_munk(5, 1.34))->Unit(benchmark::millisecond);
+BENCHMARK_CAPTURE(reflection_table, rpv, SurfaceBrdf::rpv(0.1, 0.7, -0.2, 0.1))->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(reflection_table, ross_li, SurfaceBrdf::ross_li(0.1, 0.05, 0.02))->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(reflection_table, cox_munk, SurfaceBrdf::cox_munk(5, 1.34))->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fit_column, linear_programming, PhaseFitMethod::linear_programming)
     ->Arg(42)
     ->Arg(162)
@@ -90,7 +90,7 @@ BENCHMARK_CAPTURE(fit_column, bounded, PhaseFitMethod::linear_programming_bounde
     ->Arg(162)
     ->UseManualTime()
     ->Iterations(10);
-BENCHMARK(cold_table)->DenseRange(0, 3)->Unit(benchmark::millisecond);
-BENCHMARK(table_from_cache)->DenseRange(0, 3)->Unit(benchmark::millisecond);
+BENCHMARK(cold_table)->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
+BENCHMARK(table_from_cache)->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -175,12 +175,12 @@ void direct_light(benchmark::State& state) {
   scene.report(state, static_cast<std::int64_t>(scene.system.cells->size()) * scene.options.beam_rays);
 }
 
-BENCHMARK(sweep_all)->Arg(32)->Arg(96)->Unit(benchmark::millisecond);
-BENCHMARK(scatter_all)->Arg(32)->Arg(96)->Unit(benchmark::millisecond);
-BENCHMARK(moments_all)->Arg(32)->Arg(96)->Unit(benchmark::millisecond);
-BENCHMARK(low_order)->Arg(32)->Arg(96)->Unit(benchmark::millisecond);
-BENCHMARK(gather_plane)->Arg(32)->Arg(96)->Unit(benchmark::millisecond);
-BENCHMARK(direct_light)->Arg(32)->Arg(96)->Unit(benchmark::millisecond);
+BENCHMARK(sweep_all)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
+BENCHMARK(scatter_all)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
+BENCHMARK(moments_all)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
+BENCHMARK(low_order)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
+BENCHMARK(gather_plane)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
+BENCHMARK(direct_light)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace cloudbow
