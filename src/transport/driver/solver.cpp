@@ -95,22 +95,21 @@ void report_iteration(const IterationResult<Real>& solved, Solution& solution) {
                                                             : "float64";
 }
 
-/// All that is computed from the converged radiance, whose memory the source takes over.
+/// All that is computed from the converged field.
+/// @param radiance of the field, whose memory the source takes over.
 template <class Real>
-void observe(const Problem& problem, const Discretisation& discretisation, const SolverOptions& options,
-             const TransportSystem<Real>& system, const LateralBoundary* lateral_boundary,
-             IterationResult<Real>& solved, const ProgressCallback& progress, Solution& solution) {
-  const ConvergedField<Real> field{problem, discretisation, options, system, solved, lateral_boundary};
+void observe(const ConvergedField<Real>& field, AngularField<Real>& radiance, const ProgressCallback& progress,
+             Solution& solution) {
   const Images<Real> images(field);
   // Independent columns have their fluxes from the iteration.
-  const bool gathers = solved.fluxes.column_up.empty();
+  const bool gathers = field.result.fluxes.column_up.empty();
   std::optional<DirectionalSource<Real>> source;
-  if (gathers || options.radiance_field)
-    source.emplace(scattered_source(discretisation, system, std::move(solved.radiance)));
+  if (gathers || field.options.radiance_field)
+    source.emplace(scattered_source(field.discretisation, field.system, std::move(radiance)));
   fill_flux_fields(field, gathers ? &*source : nullptr, progress, solution);
   images.fill(solution);
   fill_cell_fields(field, solution);
-  if (options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
+  if (field.options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
 }
 
 template <class Real>
@@ -151,8 +150,9 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   report_iteration(solved, solution);
 
   phase_start = Clock::now();
-  observe(problem, discretisation, options, system, lateral_boundary ? &*lateral_boundary : nullptr, solved, progress,
-          solution);
+  const ConvergedField<Real> field{problem, discretisation, options,
+                                   system,  solved,         lateral_boundary ? &*lateral_boundary : nullptr};
+  observe(field, solved.radiance, progress, solution);
   report.seconds_gather = seconds_since(phase_start);
 
   report.control_points = options.control_points;
