@@ -21,6 +21,8 @@ namespace {
 constexpr int anderson_depth = 3;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
+// Slopes of light that still change upset the mixing of iterates. From this estimated error on they change no more.
+constexpr double error_of_frozen_slopes = .02;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
@@ -107,6 +109,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   IterationResult<Real>& result = state.result;
   result.radiance = AngularField<Real>(system.ordinates.size(), n, float16_unit(system, options));
   result.moments.assign(low_moments * n, Real(0));
+  if (system.slopes) result.slopes = system.slopes->none(n);
   IterationReport& report = result.report;
   const bool restored = checkpoints != nullptr && restore_state(system, options, state, *checkpoints);
   if (state.done) return std::move(result);
@@ -139,7 +142,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
-      result.fluxes = sweep(system, result.radiance, record, work);
+      result.fluxes = sweep(system, result.radiance, record, work, result.slopes ? &*result.slopes : nullptr);
       system.moments(result.radiance, result.moments);
     }
     result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n));
@@ -160,6 +163,8 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     report.estimated_error = estimated_error(state.steps);
     check_finite(report, result.ledger);
+    if (result.slopes && report.sweeps > 2 && report.estimated_error < error_of_frozen_slopes)
+      result.slopes->frozen = true;
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
     const double imbalance = std::abs(result.ledger.residual);

@@ -114,7 +114,9 @@ class FluxFields {
             .source = &*peak_source_,
             .own_extinction = carried_extinction_,
             .fill_columns = true,
-            .linear_source = system_.linear_source};
+            .linear_source = system_.linear_source,
+            .beam_slope = system_.slopes ? &system_.slopes->beam() : nullptr,
+            .slopes = solved_.slopes ? &*solved_.slopes : nullptr};
   }
 
   // Spreads the light of the beam that is not direct, at a plane, as in the gathered `peak`. On entry `flux` holds this
@@ -133,7 +135,9 @@ class FluxFields {
             .side_radiance = side_radiance_,
             .sky_radiance = problem_.sky_radiance,
             .ground = ground_ ? &*ground_ : nullptr,
-            .linear_source = system_.linear_source};
+            .linear_source = system_.linear_source,
+            .beam_slope = system_.slopes ? &system_.slopes->beam() : nullptr,
+            .slopes = solved_.slopes ? &*solved_.slopes : nullptr};
   }
 
   void report_progress(double fraction) const {

@@ -131,9 +131,9 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
           for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
             const Direction& travel = sorted[q].travel;
             const LaunchPlace start = launch_place(q, filling);
-            march_back(scene, make_path_pattern(box, -travel, start.x, start.y, false, levels), bands, travel,
-                       scene.source->along(travel), static_cast<Real>(power(sorted[q])), gradients.along(travel, own),
-                       work, sums[g]);
+            march_back(scene, scene.path(make_path_pattern(box, -travel, start.x, start.y, false, levels)), bands,
+                       travel, scene.source->along(travel), static_cast<Real>(power(sorted[q])),
+                       gradients.along(travel, own), work, sums[g]);
           }
         });
       }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cloudbow/optics/forward_peak.hpp"
@@ -12,6 +13,7 @@
 #include "transport/rays/march.hpp"
 #include "transport/scattering/directional_source.hpp"
 #include "transport/system/ground.hpp"
+#include "transport/system/source_slopes.hpp"
 
 namespace cloudbow {
 
@@ -42,9 +44,15 @@ struct GatherScene {
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
   std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
 
-  bool fill_columns = false;  ///< rays start in another place of their columns for each direction
-  bool linear_source = true;  ///< as the system's
+  bool fill_columns = false;                  ///< rays start in another place of their columns for each direction
+  bool linear_source = true;                  ///< as the system's
+  const Slope<Real>* beam_slope = nullptr;    ///< of the direct beam's irradiance, and
+  const LightSlopes<Real>* slopes = nullptr;  ///< those of multiply scattered light; null: from differences
 
+  /// The path of rays that see the source as `slopes` describe it.
+  PathPattern path(PathPattern pattern) const {
+    return slopes != nullptr ? at_true_places(std::move(pattern)) : std::move(pattern);
+  }
   const Real* extinction() const { return own_extinction.empty() ? cells.extinction.data() : own_extinction.data(); }
 };
 

@@ -47,7 +47,7 @@ std::vector<double> LateralBoundary::march_in(const DirectionalSource<double>& f
   if (system_.linear_source) source.make_gradient(*system_.cells);
   std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
   march<double, false>(
-      pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), nullptr,
+      pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), {},
       [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
   return at_edge;
 }

@@ -269,7 +269,7 @@ class LevelGather {
     const LaunchPlace start = launch_place(place, true);
     const int count = static_cast<int>(plan_.steps.size());
     const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
-    const PathPattern pattern = make_path_pattern(box_, travel, start.x, start.y, false, range);
+    const PathPattern pattern = scene_.path(make_path_pattern(box_, travel, start.x, start.y, false, range));
     const SourceAlong<Real> source = scene_.source->along(travel, power(direction));
     const CellView<Real> cells = gradients.along(travel, work.own);
     const Real weight = static_cast<Real>(power(direction));

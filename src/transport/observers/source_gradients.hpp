@@ -21,7 +21,7 @@ class SourceGradients {
 
   /// For the directions of the next calls of along().
   void prepare(std::span<const GatherDirection> directions) {
-    if (!scene_.linear_source || !scene_.cells.heterogeneous) return;
+    if (!scene_.linear_source || scene_.slopes != nullptr || !scene_.cells.heterogeneous) return;
     const DirectionalSource<Real>& source = *scene_.source;
     for (int q = 0; q < quadrants; ++q) {
       std::vector<double> of_point(source.points.size(), 0.);
@@ -44,6 +44,7 @@ class SourceGradients {
   CellView<Real> along(const Direction& travel, LinearSource<Real>& own) const {
     const Cells<Real>& cells = scene_.cells;
     if (!scene_.linear_source) return {scene_.extinction(), {}};
+    if (scene_.slopes != nullptr) return along_own_slopes(travel, own);
     if (cells.heterogeneous) {
       const Gradient& gradient = gradient_[quadrant(travel)];
       return {scene_.extinction(), gradient[0], gradient[1], gradient[2]};
@@ -59,6 +60,21 @@ class SourceGradients {
   }
 
  private:
+  CellView<Real> along_own_slopes(const Direction& travel, LinearSource<Real>& own) const {
+    const std::size_t n = scene_.cells.size();
+    const SourceAlong<Real> source = scene_.source->along(travel);
+    own.resize(n);
+    source.fill(0, n, own.value.data());
+    std::vector<Real>& from_beam = own.from_beam;
+    from_beam.resize(n);
+    SourceAlong<Real>{false, {}, source.first_order}.fill(0, n, from_beam.data());
+    mix_slopes(scene_.slopes->of_octant[octant_of(travel)], *scene_.beam_slope, own.value.data(), from_beam.data(), n,
+               own.gradient);
+    CellView<Real> view = own.view(scene_.cells);
+    view.extinction = scene_.extinction();
+    return view;
+  }
+
   static constexpr int quadrants = 4;
   static constexpr std::size_t block_cells = 4096;    // a thread's share of loops over cells
   using Gradient = std::array<std::vector<Real>, 3>;  // [n + lane_padding] along x, y, z

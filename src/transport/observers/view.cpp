@@ -43,10 +43,17 @@ void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* so
 
 template <class Real>
 std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
-                                          const TransportSystem<Real>& system, const AngularField<Real>& source,
+                                          const TransportSystem<Real>& system, const LightSlopes<Real>* slopes,
+                                          const AngularField<Real>& source, std::span<const ViewingBeam<Real>> beams,
                                           const GroundRadiance<Real>& ground, const SideRadiance& side) {
   const BoxGrid& box = system.box;
-  const GatherScene<Real> scene{box, *system.cells, nullptr, side, problem.sky_radiance, &ground};
+  const GatherScene<Real> scene{.box = box,
+                                .cells = *system.cells,
+                                .source = nullptr,
+                                .side_radiance = side,
+                                .sky_radiance = problem.sky_radiance,
+                                .ground = &ground,
+                                .slopes = slopes};
   const LevelRange levels{0, box.nz()};
   const std::vector<Band> all{{0, box.nz(), 0., false}};
   const bool one_column = box.periodic && box.columns() == 1;
@@ -61,7 +68,15 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
     LinearSource<Real> linear;
     linear.resize(system.cells->size());
     std::copy_n(row, system.cells->size(), linear.value.begin());
-    if (system.linear_source) linear.make_gradient(*system.cells);
+    if (slopes != nullptr) {
+      linear.from_beam.assign(system.cells->size(), Real(0));
+      for (const ViewingBeam<Real>& beam : beams)
+        add_first_order<Real>(beam, view.travel.dot(problem.sun->travel), linear.from_beam);
+      mix_slopes(slopes->of_octant[octant_of(view.travel)], system.slopes->beam(), row, linear.from_beam.data(),
+                 system.cells->size(), linear.gradient);
+    } else if (system.linear_source) {
+      linear.make_gradient(*system.cells);
+    }
     if (view.width > 0) {
       const SightScene<Real> exact(box, *system.cells, linear.view(*system.cells).gradient, ground,
                                    problem.sky_radiance, side);
@@ -78,8 +93,8 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
 #pragma omp for schedule(dynamic, 1)
       for (int r = 0; r < rays * rays; ++r) {
         errors.run([&] {
-          const PathPattern pattern = make_path_pattern(box, -view.travel, (r % rays + .5) / rays,
-                                                        (r / rays + .5) / rays, system.independent_columns, levels);
+          const PathPattern pattern = scene.path(make_path_pattern(
+              box, -view.travel, (r % rays + .5) / rays, (r / rays + .5) / rays, system.independent_columns, levels));
           seen.clear(all.size(), box.columns());
           march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
           of_ray[r].resize(box.columns());
@@ -100,10 +115,10 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
-  template std::vector<RadianceImage> view_radiances<Real>(const Problem&, const SolverOptions&,                    \
-                                                           const TransportSystem<Real>&, const AngularField<Real>&, \
-                                                           const GroundRadiance<Real>&, const SideRadiance&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                  \
+  template std::vector<RadianceImage> view_radiances<Real>(                                         \
+      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const LightSlopes<Real>*, \
+      const AngularField<Real>&, std::span<const ViewingBeam<Real>>, const GroundRadiance<Real>&, const SideRadiance&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -44,6 +44,12 @@ struct Crossing {
     return phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit);
   }
 
+  /// Mean of s I(s), with s = 0 at the entry and 1 at the exit (Eq. 20b).
+  [[gnu::always_inline]] Value first_moment(const Value& in, const Value& entry, const Value& exit) const {
+    return (phi.phi1 - phi.phi2) * in +
+           t * ((phi.phi2 - 2 * phi.phi3 + phi.phi4) * entry + (phi.phi3 - phi.phi4) * exit);
+  }
+
   /// I_out of a constant source.
   [[gnu::always_inline]] Value leaving_constant(const Value& in, const Value& source) const {
     return in + t * phi.phi1 * (source - in);

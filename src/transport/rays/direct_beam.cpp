@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cloudbow/core/parallel_errors.hpp"
+#include "transport/rays/slope_fit.hpp"
 
 namespace cloudbow {
 namespace {
@@ -23,10 +24,50 @@ template <class Real>
 template <class Real>
 struct Accumulator {
   std::vector<Real> irradiance;
+  std::array<std::vector<Real>, 3> moment;  // first moments of the irradiance about the cells' centres
+  std::vector<Eigen::Vector3d> place;       // [nz] of the rays' mean places
+  std::vector<Eigen::Matrix3d> spread;      // [nz] of their places' second moments
   std::vector<double> level_flux;
   double gain = 0;
   double loss = 0;
+
+  void note_places(const PathPattern& pattern, int step) {
+    const int level = pattern.level(step);
+    for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+      const Segment& segment = pattern.segments[s];
+      for (int axis = 0; axis < 3; ++axis)
+        place[level][axis] += segment.fraction * .5 * (segment.from[axis] + segment.to[axis]);
+    }
+    spread[level] += spread_of_places(pattern, step);
+  }
 };
+
+// Slopes relative to the irradiance, from the sums over all rays. Cells that the beam does not reach have none.
+template <class Real>
+std::array<std::vector<Real>, 3> slopes_from(const std::vector<Accumulator<Real>>& sums, const ActiveRows& rows,
+                                             std::span<const Real> irradiance, int rays, double sun_irradiance) {
+  std::array<std::vector<Real>, 3> slope;
+  for (auto& axis : slope) axis.assign(rows.size() + lane_padding, Real(0));
+  for (int k = 0; k < rows.nz; ++k) {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const auto& sum : sums) {
+      place += sum.place[k] / rays;
+      spread += sum.spread[k] / rays;
+    }
+    const Eigen::Matrix3d inverse = regular_inverse(spread - place * place.transpose());
+    constexpr double dark = 1e-20;
+    for (std::uint32_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c) {
+      const double here = static_cast<double>(irradiance[c]);
+      if (here <= dark * sun_irradiance) continue;
+      Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+      for (const auto& sum : sums) moment += Eigen::Vector3d(sum.moment[0][c], sum.moment[1][c], sum.moment[2][c]);
+      const Eigen::Vector3d g = inverse * (moment / here - place);
+      for (int axis = 0; axis < 3; ++axis) slope[axis][c] = static_cast<Real>(g[axis]);
+    }
+  }
+  return slope;
+}
 
 }  // namespace
 
@@ -60,15 +101,18 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     errors.run([&] {
       Accumulator<Real>& sum = sums[g];
       sum.irradiance.assign(options.irradiance ? rows.size() + lane_padding : 0, Real(0));
+      for (auto& moment : sum.moment) moment.assign(options.slopes ? rows.size() + lane_padding : 0, Real(0));
+      sum.place.assign(box.nz(), Eigen::Vector3d::Zero());
+      sum.spread.assign(box.nz(), Eigen::Matrix3d::Zero());
       sum.level_flux.assign(columns * (box.nz() + 1), 0.);
       // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
       std::vector<Real> path(columns + lane_padding);
       std::vector<Real> light(columns);
       for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
         // The offset keeps rays off the faces if the sun's azimuth is along an axis.
-        const PathPattern pattern =
+        const PathPattern pattern = at_true_places(
             make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
-                              options.independent_columns, {0, box.nz()});
+                              options.independent_columns, {0, box.nz()}));
         std::fill(path.begin(), path.end(), Real(0));
         double landed = 0;  // at the interface recorded last
         const auto record = [&](int step) {
@@ -103,6 +147,29 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
               });
             };
           };
+          const auto light_up_with_moments = [&](const Segment& segment) {
+            const SegmentGeometry<Real> of(segment, pattern.chord_m[step]);
+            return [&, of](std::size_t m, std::size_t cell, int count) {
+              Real* __restrict const before = path.data() + m;
+              const Real* __restrict const sigma = padded.data() + cell;
+              Real* __restrict const mean = sum.irradiance.data() + cell;
+              Real* __restrict const x = sum.moment[0].data() + cell;
+              Real* __restrict const y = sum.moment[1].data() + cell;
+              Real* __restrict const z = sum.moment[2].data() + cell;
+              for_lanes<Real>(count, [=](int i, bool active) {
+                const Real t = active ? sigma[i] * of.length : Real(0);
+                const Real entering = (active ? of.share * irradiance_of_ray : Real(0)) * transmission(before[i]);
+                const auto phi = exponential_functions(std::min(t, static_cast<Real>(largest_optical_path)));
+                const Real held = entering * mean_transmission(t);
+                const Real along = entering * (phi.phi1 - phi.phi2);
+                mean[i] += held;
+                x[i] += of.from_x * held + (of.to_x - of.from_x) * along;
+                y[i] += of.from_y * held + (of.to_y - of.from_y) * along;
+                z[i] += of.from_z * held + (of.to_z - of.from_z) * along;
+                before[i] += t;
+              });
+            };
+          };
           const auto dim = [&](const Segment& segment) {
             return [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell,
                                                                              int count) {
@@ -120,7 +187,10 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
               path[m] = outside;
             });
           };
-          if (options.irradiance) {
+          if (options.slopes) {
+            sum.note_places(pattern, step);
+            cross_level(pattern, step, level, rows, light_up_with_moments, enter);
+          } else if (options.irradiance) {
             cross_level(pattern, step, level, rows, light_up, enter);
           } else {
             cross_level(pattern, step, level, rows, dim, enter);
@@ -146,6 +216,7 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
     for (std::size_t c = 0; c < result.irradiance.size(); ++c) result.irradiance[c] += sum.irradiance[c];
     for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sum.level_flux[c];
   }
+  if (options.slopes) result.slope = slopes_from<Real>(sums, rows, result.irradiance, rays, sun.irradiance);
   for (const auto& sum : sums) {
     result.side_gain += sum.gain * mu0 * sun.irradiance / rays / static_cast<double>(columns);
     result.side_loss += sum.loss * mu0 * sun.irradiance / rays / static_cast<double>(columns);

@@ -2,6 +2,7 @@
 // column and no source.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,9 @@ template <class Real>
 struct DirectBeam {
   std::vector<Real> irradiance;  ///< [n] voxel-mean irradiance on a surface facing the sun, W m-2; empty: not requested
   std::vector<double> level_flux;  ///< [nz+1][ny*nx] through a horizontal surface, mean over the column, W m-2
-  double side_gain = 0;            ///< power through the sunlit open sides per area of the top, W m-2
+  /// [n + lane_padding] slope of the irradiance from face to face along x, y, z, relative to it; empty: not requested
+  std::array<std::vector<Real>, 3> slope;
+  double side_gain = 0;  ///< power through the sunlit open sides per area of the top, W m-2
   double side_loss = 0;
 };
 
@@ -22,6 +25,7 @@ struct BeamOptions {
   int rays = 16;                     ///< a column, a square number
   bool independent_columns = false;  ///< independent columns: the beam stays in its column
   bool irradiance = true;            ///< else level fluxes alone, which cost a fraction
+  bool slopes = false;               ///< of the irradiance too
 };
 
 /// @param extinction [n] 1/m of the active cells; @param layer_extinction [nz] of the layers alone, which light coming

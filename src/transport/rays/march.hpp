@@ -170,6 +170,7 @@ template <class Real>
 struct LinearSource {
   std::vector<Real> value;                    ///< [n + lane_padding]
   std::array<std::vector<Real>, 3> gradient;  ///< [n + lane_padding] relative, along x, y, z; empty: constant in cells
+  std::vector<Real> from_beam;                ///< [n] its part from the direct beam alone; empty: not needed
 
   void resize(std::size_t n) { value.resize(n + lane_padding); }
   void make_gradient(const Cells<Real>& cells) {
@@ -230,48 +231,84 @@ template <class Real, class Use>
   }
 }
 
+/// What rays leave behind in the cells [n + lane_padding] that they cross; null: not kept. It is added to.
+template <class Real>
+struct CellSums {
+  Real* mean = nullptr;           ///< voxel-mean radiance
+  std::array<Real*, 3> moment{};  ///< its first moments along the march's axes, in cell sizes from the cell's centre
+
+  bool keeps_moments() const { return moment[0] != nullptr; }
+};
+
+/// What a kernel does, known when it is compiled.
+template <bool with_mean, bool with_moments, bool with_linear_source>
+struct CrossingKind {
+  static constexpr bool keep_mean = with_mean;
+  static constexpr bool keep_moments = with_moments;  ///< only of a linear source
+  static constexpr bool linear = with_linear_source;
+};
+
+/// Calls use(kind) with the CrossingKind that the cells and sums require.
+template <bool keep_mean, class Real, class Use>
+[[gnu::always_inline]] inline auto for_kind_of(const CellView<Real>& cells, const CellSums<Real>& sums,
+                                               const Use& use) {
+  if (!cells.is_linear()) return use(CrossingKind<keep_mean, false, false>());
+  if (keep_mean && sums.keeps_moments()) return use(CrossingKind<keep_mean, keep_mean, true>());
+  return use(CrossingKind<keep_mean, false, true>());
+}
+
 /// `count` <= lanes rays cross as many cells. In float all arrays can be read and written up to lane_padding elements
 /// beyond.
-/// @param linear false: the source is constant in the cell, and no gradient is read.
-template <class Real, bool keep_mean, bool linear>
+template <class Kind, class Real>
 [[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
-                                               std::size_t cell, const Real* source, Real* ray, Real* mean) {
+                                               std::size_t cell, const Real* source, Real* ray,
+                                               const CellSums<Real>& sums) {
   using Cell = Pack<Real>;
   using Value = typename Cell::Value;
   const auto active = Cell::first(count);
   for (int i = 0; i < Cell::steps(count); ++i) {
+    const auto add = [&](const Value& more, Real* to) { Cell::store(active, Cell::load(to) + more, to); };
     const Crossing<Value> crossing(optical_path(Cell::load(cells.extinction + cell + i), g.length));
     const Value s = Cell::load(source + cell + i);
     const Value in = Cell::load(ray + i);
     Value out, held;
-    if constexpr (linear) {
+    if constexpr (Kind::linear) {
       const Value x = Cell::load(cells.gradient[0] + cell + i);
       const Value y = Cell::load(cells.gradient[1] + cell + i);
       const Value z = Cell::load(cells.gradient[2] + cell + i);
       const Value entry = s * g.at_entry(x, y, z);
       const Value exit = s * g.at_exit(x, y, z);
-      held = crossing.mean(in, entry, exit);
+      held = g.share * crossing.mean(in, entry, exit);
       out = crossing.leaving(in, crossing.emitted(entry, exit));
+      if constexpr (Kind::keep_moments) {
+        const Value along = g.share * crossing.first_moment(in, entry, exit);
+        add(g.from_x * held + (g.to_x - g.from_x) * along, sums.moment[0] + cell + i);
+        add(g.from_y * held + (g.to_y - g.from_y) * along, sums.moment[1] + cell + i);
+        add(g.from_z * held + (g.to_z - g.from_z) * along, sums.moment[2] + cell + i);
+      }
     } else {
-      held = crossing.mean_constant(in, s);
+      held = g.share * crossing.mean_constant(in, s);
       out = crossing.leaving_constant(in, s);
     }
-    if constexpr (keep_mean) Cell::store(active, Cell::load(mean + cell + i) + g.share * held, mean + cell + i);
+    if constexpr (Kind::keep_mean) add(held, sums.mean + cell + i);
     Cell::store(active, out, ray + i);
   }
 }
 
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
-template <bool linear, class Real>
+template <class Kind, class Real>
 [[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
-                                           const Real* mean) {
+                                           const CellSums<Real>& sums) {
   const std::size_t cell = chunk->cell;
   __builtin_prefetch(cells.extinction + cell);
   __builtin_prefetch(source + cell);
-  if constexpr (linear) {
+  if constexpr (Kind::linear) {
     for (const Real* gradient : cells.gradient) __builtin_prefetch(gradient + cell);
   }
-  if (mean != nullptr) __builtin_prefetch(mean + cell, 1);
+  if constexpr (Kind::keep_mean) __builtin_prefetch(sums.mean + cell, 1);
+  if constexpr (Kind::keep_moments) {
+    for (const Real* moment : sums.moment) __builtin_prefetch(moment + cell, 1);
+  }
 }
 
 /// Results of one direction's march.
@@ -285,10 +322,10 @@ struct MarchTotals {
 /// the first level and after each.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
-/// @param mean [n] voxel-mean radiance is added to it if keep_mean.
+/// @param sums read only if keep_mean.
 template <class Real, bool keep_mean, class AtLevel>
 MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
-                  std::span<const Real> side_radiance, const Real* source, Real* rays, Real* mean,
+                  std::span<const Real> side_radiance, const Real* source, Real* rays, const CellSums<Real>& sums,
                   const AtLevel& at_level) {
   MarchTotals totals;
   at_level(0, rays);
@@ -305,10 +342,10 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
         rays[ray] = outside;
       });
     };
-    for_source_of(cells, [&](auto linear) {
+    for_kind_of<keep_mean>(cells, sums, [&](auto kind) {
       const auto begin = [&](const Segment& segment) {
         return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          cross_cells<Real, keep_mean, linear>(geometry, count, cells, cell, source, rays + ray, mean);
+          cross_cells<decltype(kind)>(geometry, count, cells, cell, source, rays + ray, sums);
         };
       };
       cross_level(pattern, step, pattern.level(step), rows, begin, enter);

@@ -49,6 +49,7 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
   Entry entry = Entry::none;
   const int count = levels.last - levels.first;
   pattern.segments.reserve(static_cast<std::size_t>(pattern_segments(box, travel, independent_columns, levels)));
+  pattern.mean_place.reserve(static_cast<std::size_t>(count));
   for (auto* list : {&pattern.chord_m, &pattern.x, &pattern.y}) list->reserve(static_cast<std::size_t>(count) + 1);
   pattern.level_begin.reserve(static_cast<std::size_t>(count) + 1);
   pattern.x.push_back(x);
@@ -101,12 +102,26 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
         (*end)[2] -= mean_z;
       }
     }
+    pattern.mean_place.push_back({mean_x, mean_y});
     x += tx;
     y += ty;
     pattern.x.push_back(x);
     pattern.y.push_back(y);
   }
   pattern.level_begin.push_back(static_cast<std::uint32_t>(pattern.segments.size()));
+  return pattern;
+}
+
+PathPattern at_true_places(PathPattern pattern) {
+  for (int step = 0; step < pattern.levels(); ++step) {
+    for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+      for (auto* end : {&pattern.segments[s].from, &pattern.segments[s].to}) {
+        (*end)[0] += pattern.mean_place[step][0];
+        (*end)[1] += pattern.mean_place[step][1];
+      }
+    }
+    pattern.mean_place[step] = {0., 0.};
+  }
   return pattern;
 }
 

@@ -3,6 +3,7 @@
 // (docs/theory.md, "Shared pattern").
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct PathPattern {
   std::vector<std::uint32_t> level_begin;  ///< in marching order, levels() + 1
   std::vector<Segment> segments;
   std::vector<double> chord_m;  ///< [level in marching order] thickness / |mu|
+  /// [level in marching order] the mean, along x and y, that the places of its segments lack.
+  std::vector<std::array<double, 2>> mean_place;
   /// Position after each level (levels() + 1, the first is the start) in columns from the launch column's lower corner.
   std::vector<double> x;
   std::vector<double> y;
@@ -51,6 +54,10 @@ struct PathPattern {
 /// not. A periodic axis of one column is not crossed either: the field does not vary along it.
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
                               bool independent_columns, LevelRange levels);
+
+/// The same with the places of its segments from the centres of their cells. For rays of many directions: they fill a
+/// cell together, and each of them sees the linear source as it is.
+PathPattern at_true_places(PathPattern pattern);
 
 /// Segments of that pattern, at most: known before it is made.
 double pattern_segments(const BoxGrid& box, const Direction& travel, bool independent_columns, LevelRange levels);

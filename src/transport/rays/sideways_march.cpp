@@ -16,17 +16,17 @@ static_assert(ahead <= Sheets::padding);
 // it.
 double centred_start(double rest, bool ascending) { return ascending ? (1 - rest) / 2 : (1 + rest) / 2; }
 
-template <class Real, bool linear>
+template <class Real, class Kind>
 class SidewaysMarch {
  public:
   SidewaysMarch(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work)
+                SidewaysPlanes<Real>& planes, const CellSums<Real>& sums, SidewaysWorkspace<Real>& work)
       : path_(path),
         sheets_(sheets),
         cells_(cells),
         source_(source),
         planes_(planes),
-        mean_(mean),
+        sums_(sums),
         work_(work),
         levels_(path.levels.last - path.levels.first),
         columns_(sheets.columns),
@@ -158,10 +158,10 @@ class SidewaysMarch {
         const int slope = path_.upward ? 1 : -1;
         const int base = (path_.upward ? -path_.levels.first : path_.levels.last - 1) - crossed - first_row_;
         for (const Chunk& chunk : chunks) {
-          ask_for<linear>(&chunk + ahead, cells_, source_, mean_);
+          ask_for<Kind>(&chunk + ahead, cells_, source_, sums_);
           const std::size_t row = static_cast<std::size_t>(base + slope * chunk.row) * columns_;
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
-            cross_cells<Real, true, linear>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, mean_);
+            cross_cells<Kind>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, sums_);
           });
         }
       }
@@ -193,7 +193,7 @@ class SidewaysMarch {
   const CellView<Real>& cells_;
   const Real* source_;
   SidewaysPlanes<Real>& planes_;
-  Real* mean_;
+  CellSums<Real> sums_;
   SidewaysWorkspace<Real>& work_;
   int levels_;
   int columns_;
@@ -244,14 +244,15 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
 
 template <class Real>
 void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work) {
-  for_source_of(
-      cells, [&](auto linear) { SidewaysMarch<Real, linear>(path, sheets, cells, source, planes, mean, work).run(); });
+                    SidewaysPlanes<Real>& planes, const CellSums<Real>& sums, SidewaysWorkspace<Real>& work) {
+  for_kind_of<true>(cells, sums, [&](auto kind) {
+    SidewaysMarch<Real, decltype(kind)>(path, sheets, cells, source, planes, sums, work).run();
+  });
 }
 
 template void march_sideways<float>(const SidewaysPath&, const Sheets&, const CellView<float>&, const float*,
-                                    SidewaysPlanes<float>&, float*, SidewaysWorkspace<float>&);
+                                    SidewaysPlanes<float>&, const CellSums<float>&, SidewaysWorkspace<float>&);
 template void march_sideways<double>(const SidewaysPath&, const Sheets&, const CellView<double>&, const double*,
-                                     SidewaysPlanes<double>&, double*, SidewaysWorkspace<double>&);
+                                     SidewaysPlanes<double>&, const CellSums<double>&, SidewaysWorkspace<double>&);
 
 }  // namespace cloudbow

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "transport/grid/cells.hpp"
+#include "transport/rays/march.hpp"
 #include "transport/rays/path_pattern.hpp"
 
 namespace cloudbow {
@@ -53,9 +54,9 @@ struct SidewaysWorkspace {
 };
 
 /// @param sheets along the axis, rows by level of the box, columns across.
-/// @param source, mean [n] as for march(), in the sheets' order of cells.
+/// @param source [n], sums as for march(), in the sheets' order of cells.
 template <class Real>
 void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    SidewaysPlanes<Real>& planes, Real* mean, SidewaysWorkspace<Real>& work);
+                    SidewaysPlanes<Real>& planes, const CellSums<Real>& sums, SidewaysWorkspace<Real>& work);
 
 }  // namespace cloudbow

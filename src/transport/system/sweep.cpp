@@ -17,10 +17,10 @@ constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cel
 // Whether the ordinates of an octant share the gradient of their mean source; else each has its own, or there is none.
 template <class Real>
 bool shares_gradients(const TransportSystem<Real>& system) {
-  return system.linear_source && system.cells->heterogeneous;
+  return system.linear_source && !system.slopes && system.cells->heterogeneous;
 }
 
-// Ordinates that are marched side by side: those that share a gradient, or all.
+// Ordinates that are marched side by side: an octant's if they share slopes or a gradient, else all.
 template <class Real>
 std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& system, bool upward) {
   std::vector<std::vector<int>> groups;
@@ -28,7 +28,7 @@ std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& s
   for (int d = 0; d < system.ordinates.size(); ++d) {
     const Direction& o = system.ordinates.direction[d];
     if ((o.z() > 0) != upward) continue;
-    int& group = of_quadrant[shares_gradients(system) ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
+    int& group = of_quadrant[system.slopes || shares_gradients(system) ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
     if (group < 0) {
       group = static_cast<int>(groups.size());
       groups.emplace_back();
@@ -104,6 +104,41 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
   }
 }
 
+// Values of cells in the order of a march along x.
+template <class Real>
+void transpose_cells(const Cells<Real>& cells, const Real* __restrict from, Real* __restrict to) {
+  const std::uint32_t* __restrict const cell = cells.transposed[0].cell.data();
+  for (std::size_t c = 0; c < cells.size(); ++c) to[c] = from[cell[c]];
+}
+
+// Adds such values to those of the cells.
+template <class Real>
+void add_transposed(const Cells<Real>& cells, const Real* __restrict from, Real* __restrict to) {
+  const std::uint32_t* __restrict const cell = cells.transposed[0].cell.data();
+  for (std::size_t c = 0; c < cells.size(); ++c) to[cell[c]] += from[c];
+}
+
+// Slopes of an ordinate's source, from those of its octant and of the beam.
+template <class Real>
+void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlopes<Real>& slopes, int d,
+                            const Real* source, typename SweepWorkspace<Real>::Thread& work) {
+  const std::size_t n = system.cells->size();
+  work.from_beam.assign(n, Real(0));
+  for (const BeamSource<Real>& beam : system.beam.source) {
+    const Real phase = beam.direction[d];
+    const Real* __restrict const intensity = beam.intensity.data();
+    Real* __restrict const to = work.from_beam.data();
+    for (std::size_t c = 0; c < n; ++c) to[c] += phase * intensity[c];
+  }
+  mix_slopes(slopes.of_octant[octant_of(system.ordinates.direction[d])], system.slopes->beam(), source,
+             work.from_beam.data(), n, work.gradient.axis);
+  const bool along_x = system.paths[d].sideways && system.paths[d].sideways->axis == 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    work.gradient.transposed[axis].resize(along_x ? n + lane_padding : 0);
+    if (along_x) transpose_cells(*system.cells, work.gradient.axis[axis].data(), work.gradient.transposed[axis].data());
+  }
+}
+
 // Contribution of one ordinate's march; summed over ordinates in their order.
 struct OrdinateFluxes {
   double out = 0;  // through the far end, sum of radiances
@@ -142,10 +177,16 @@ class OrdinateMarch {
   // `rays` [columns + lane_padding] come in and go out, by column; of those that go out through the top only the sum is
   // kept.
   // @param passing [levels + 1][columns] radiance at each interface; null: not kept.
+  // @param keep_moments of the radiance, in work.moment.
   void cross_box(int d, const GroupGradient<Real>& gradient, std::vector<Real>& source, std::vector<Real>& rays,
-                 bool record, Real* passing, OrdinateFluxes& totals) {
+                 bool record, bool keep_moments, Real* passing, OrdinateFluxes& totals) {
     const OrdinatePath& path = system_.paths[d];
     work_.mean.assign(source.size(), Real(0));
+    sums_ = {work_.mean.data(), {}};
+    for (std::size_t axis = 0; keep_moments && axis < 3; ++axis) {
+      work_.moment[axis].assign(source.size(), Real(0));
+      sums_.moment[axis] = work_.moment[axis].data();
+    }
     if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
     go_along_z(d, path.along_z.front(), gradient, source, rays, record, passing, totals);
     if (path.sideways) {
@@ -175,7 +216,7 @@ class OrdinateMarch {
     };
     const CellView<Real> cells = view_along_z(*system_.cells, gradient);
     const MarchTotals sides = march<Real, true>(pattern, system_.cells->rows, cells, system_.box.periodic, side,
-                                                source.data(), rays.data(), work_.mean.data(), at_level);
+                                                source.data(), rays.data(), sums_, at_level);
     totals.sides.entered_sides += sides.entered_sides;
     totals.sides.left_sides += sides.left_sides;
     work_.plane.resize(columns + lane_padding);
@@ -210,13 +251,22 @@ class OrdinateMarch {
       const std::size_t n = cells.size();
       work_.transposed_source.resize(n + lane_padding);
       work_.transposed_mean.assign(n + lane_padding, Real(0));
-      const std::uint32_t* __restrict const cell = transposed.cell.data();
-      for (std::size_t c = 0; c < n; ++c) work_.transposed_source[c] = source[cell[c]];
+      transpose_cells(cells, source.data(), work_.transposed_source.data());
+      // The axes of a march along x are y, z, x.
+      constexpr std::array<std::size_t, 3> axis_of_box{1, 2, 0};
+      CellSums<Real> sums{work_.transposed_mean.data(), {}};
+      for (std::size_t axis = 0; sums_.keeps_moments() && axis < 3; ++axis) {
+        work_.transposed_moment[axis].assign(n + lane_padding, Real(0));
+        sums.moment[axis] = work_.transposed_moment[axis].data();
+      }
       march_sideways(path, transposed.sheets, view_along_x(cells, gradient), work_.transposed_source.data(), planes,
-                     work_.transposed_mean.data(), work_.sideways);
-      for (std::size_t c = 0; c < n; ++c) work_.mean[cell[c]] += work_.transposed_mean[c];
+                     sums, work_.sideways);
+      add_transposed(cells, work_.transposed_mean.data(), work_.mean.data());
+      for (std::size_t axis = 0; sums_.keeps_moments() && axis < 3; ++axis)
+        add_transposed(cells, work_.transposed_moment[axis].data(), work_.moment[axis_of_box[axis]].data());
     } else {
-      march_sideways(path, transposed.sheets, view_along_y(cells, gradient), source.data(), planes, work_.mean.data(),
+      const CellSums<Real> sums{sums_.mean, {sums_.moment[0], sums_.moment[2], sums_.moment[1]}};
+      march_sideways(path, transposed.sheets, view_along_y(cells, gradient), source.data(), planes, sums,
                      work_.sideways);
     }
     std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
@@ -231,13 +281,14 @@ class OrdinateMarch {
 
   const TransportSystem<Real>& system_;
   typename SweepWorkspace<Real>::Thread& work_;
+  CellSums<Real> sums_;
 };
 
 }  // namespace
 
 template <class Real>
 SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
-                        SweepWorkspace<Real>& work) {
+                        SweepWorkspace<Real>& work, LightSlopes<Real>* slopes) {
   const BoxGrid& box = system.box;
   const OrdinateSet& ordinates = system.ordinates;
   const std::size_t columns = box.columns();
@@ -248,6 +299,13 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
   typename Ground<Real>::Reflection ground;
   work.of_thread.resize(omp_get_max_threads());
+  const std::size_t n = system.cells->size();
+  if (slopes != nullptr && !slopes->relative)
+    system.slopes->make_relative(*system.cells, field, system.beam.source, *slopes);
+  const bool new_slopes = slopes != nullptr && !slopes->frozen;
+  if (new_slopes) {
+    for (auto& axis : work.moment) axis.resize(n + lane_padding);
+  }
 
   const auto march_ordinates = [&](bool upward) {
     const auto groups = groups_side_by_side(system, upward);
@@ -262,10 +320,8 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
         });
         const bool shared = shares_gradients(system);
         if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
-#pragma omp for schedule(dynamic, 1)
-        for (std::size_t q = 0; q < group.size(); ++q) {
+        const auto march_one = [&](int d) {
           errors.run([&] {
-            const int d = group[q];
             std::vector<Real>& rays = exit[d];
             if (upward) {
               const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
@@ -275,23 +331,49 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
               rays.assign(columns + lane_padding, static_cast<Real>(system.sky_radiance));
             }
             if (keep_columns) passing[d].resize(columns * levels);
-            const std::size_t n = system.cells->size();
             if (field.packed()) {
               own.unpacked.resize(n + lane_padding);
               field.stored_row(d).read(0, n, own.unpacked.data());
             }
             std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
-            if (system.linear_source && !shared) {
+            if (slopes != nullptr) {
+              mix_slopes_of_ordinate(system, *slopes, d, source.data(), own);
+            } else if (system.linear_source && !shared) {
               for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
               source_gradient(*system.cells, 0, n, source.data(), own.gradient.axis[0].data(),
                               own.gradient.axis[1].data(), own.gradient.axis[2].data());
             }
-            march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record,
+            march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record, new_slopes,
                             keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
             if (field.packed()) field.store(d, 0, n, source.data());
             rays.resize(upward ? 0 : columns);
           });
+        };
+        if (!new_slopes) {
+#pragma omp for schedule(dynamic, 1)
+          for (std::size_t q = 0; q < group.size(); ++q) march_one(group[q]);
+          continue;
         }
+        // Moments are added in the order of the ordinates, whichever threads march them.
+#pragma omp for schedule(dynamic, 1) ordered
+        for (std::size_t q = 0; q < group.size(); ++q) {
+          march_one(group[q]);
+#pragma omp ordered
+          errors.run([&] {
+            const Real weight = static_cast<Real>(ordinates.weight[group[q]]);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+              const Real* __restrict const from = own.moment[axis].data();
+              Real* __restrict const to = work.moment[axis].data();
+              if (q == 0) {
+                for (std::size_t c = 0; c < n; ++c) to[c] = weight * from[c];
+              } else {
+                for (std::size_t c = 0; c < n; ++c) to[c] += weight * from[c];
+              }
+            }
+          });
+        }
+        const int octant = octant_of(ordinates.direction[group.front()]);
+        system.slopes->team_fit(system.cells->rows, octant, work.moment, slopes->of_octant[octant]);
       }
     }
     errors.rethrow();
@@ -304,6 +386,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   fluxes.surface_absorbed = ground.absorbed;
   if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
   march_ordinates(true);
+  if (new_slopes) slopes->relative = false;
 
   if (record) {
     fluxes.profile_up.assign(levels, 0.);
@@ -333,8 +416,8 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 }
 
 template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool,
-                                         SweepWorkspace<float>&);
+                                         SweepWorkspace<float>&, LightSlopes<float>*);
 template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool,
-                                           SweepWorkspace<double>&);
+                                           SweepWorkspace<double>&, LightSlopes<double>*);
 
 }  // namespace cloudbow

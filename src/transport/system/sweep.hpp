@@ -10,6 +10,7 @@
 #include "transport/rays/ordinate_path.hpp"
 #include "transport/scattering/ordinate_scattering.hpp"
 #include "transport/system/ground.hpp"
+#include "transport/system/source_slopes.hpp"
 
 namespace cloudbow {
 
@@ -33,6 +34,8 @@ struct TransportSystem {
   OrdinateSet ordinates;
   std::vector<OrdinatePath> paths;  ///< [D]
   bool linear_source = true;        ///< within a cell; false: constant, and no gradient of any source is made
+  /// For slopes of the source from the light's own moments; empty: from differences between neighbours.
+  std::optional<SlopeTables<Real>> slopes = {};
   OrdinateScattering<Real> scattering;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
   std::vector<double> absorption;           ///< [n] 1/m
@@ -85,17 +88,21 @@ struct GroupGradient {
 template <class Real>
 struct SweepWorkspace {
   struct Thread {
-    std::vector<Real> unpacked, mean, plane, transposed_source, transposed_mean;
+    std::vector<Real> unpacked, mean, plane, transposed_source, transposed_mean, from_beam;
+    Slope<Real> moment, transposed_moment;  ///< of one ordinate's radiance
     SidewaysWorkspace<Real> sideways;
     GroupGradient<Real> gradient;  ///< of one ordinate, if none is shared
   };
   std::vector<Thread> of_thread;
   GroupGradient<Real> gradient;
+  Slope<Real> moment;  ///< of an octant's radiance
 };
 
 /// One sweep: source at the ordinates becomes voxel-mean radiance.
+/// @param slopes of the radiance that was scattered; they become those of the new radiance, unless they are frozen.
+/// Null if the system has no tables for them.
 template <class Real>
 SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
-                        SweepWorkspace<Real>& work);
+                        SweepWorkspace<Real>& work, LightSlopes<Real>* slopes = nullptr);
 
 }  // namespace cloudbow

@@ -34,10 +34,10 @@ std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<d
 
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options, bool irradiance) {
+                           const SolverOptions& options, bool irradiance, bool slopes) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
   return direct_beam<Real>(problem.grid.box, rows, extinction, scaled_layer_extinction(problem.grid, forward_fraction),
-                           *problem.sun, {options.beam_rays, options.independent_columns, irradiance});
+                           *problem.sun, {options.beam_rays, options.independent_columns, irradiance, slopes});
 }
 
 namespace {
@@ -53,11 +53,12 @@ OrdinateScattering<Real> ordinate_scattering(const Discretisation& discretisatio
 
 template <class Real>
 SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discretisation, const Cells<Real>& cells,
-                             const SolverOptions& options) {
+                             const SolverOptions& options, Slope<Real>* slope) {
   SystemBeam<Real> beam;
   if (!problem.sun) return beam;
   const std::vector<double> fraction = discretisation.beam_fraction();
-  DirectBeam<Real> direct = beam_with<Real>(problem, cells.rows, fraction, options);
+  DirectBeam<Real> direct = beam_with<Real>(problem, cells.rows, fraction, options, true, slope != nullptr);
+  if (slope != nullptr) *slope = std::move(direct.slope);
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
     BeamSource<Real> source;
     source.direction = discretisation.table[p].ordinates_from_beam.template cast<Real>();
@@ -100,16 +101,29 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
     sun = problem.sun->travel;
     power_in += -sun->z() * problem.sun->irradiance;
   }
+  std::vector<OrdinatePath> paths = make_ordinate_paths(box, *cells, ordinates.direction, independent);
+  OrdinateScattering<Real> scattering = ordinate_scattering<Real>(discretisation);
+  // Light that does not change across columns has the slopes along z alone, which differences give as well.
+  const bool own_slopes = options.linear_source && !independent && box.columns() > 1;
+  Slope<Real> beam_slope;
+  SystemBeam<Real> beam =
+      system_beam<Real>(problem, discretisation, *cells, options, own_slopes ? &beam_slope : nullptr);
+  std::optional<SlopeTables<Real>> slopes;
+  if (own_slopes) {
+    for (auto& axis : beam_slope) axis.resize(cells->size() + lane_padding);
+    slopes.emplace(box, *cells, ordinates, paths, scattering.matrix(), std::move(beam_slope));
+  }
   return {.box = box,
           .independent_columns = independent,
           .cells = cells,
           .ordinates = ordinates,
-          .paths = make_ordinate_paths(box, *cells, ordinates.direction, independent),
+          .paths = std::move(paths),
           .linear_source = options.linear_source,
-          .scattering = ordinate_scattering<Real>(discretisation),
+          .slopes = std::move(slopes),
+          .scattering = std::move(scattering),
           .truncated_asymmetry = std::move(asymmetry),
           .absorption = {problem.grid.absorption.begin(), problem.grid.absorption.end()},
-          .beam = system_beam<Real>(problem, discretisation, *cells, options),
+          .beam = std::move(beam),
           .sky_radiance = problem.sky_radiance,
           .ground = Ground<Real>(problem.surface, ordinates, sun),
           .power_in = power_in,
@@ -179,7 +193,7 @@ void set_first_order_beside_peak(const Problem& problem, const Discretisation& d
 
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
   template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,             \
-                                            const SolverOptions&, bool);                                               \
+                                            const SolverOptions&, bool, bool);                                         \
   template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&,        \
                                                    std::vector<std::vector<Real>>);                                    \
   template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,             \

@@ -13,10 +13,10 @@
 namespace cloudbow {
 
 /// The direct beam if the fraction f_p of the scattering by phase function p counts as unscattered. @param irradiance
-/// whether it is computed too, beside the fluxes.
+/// whether it is computed too, beside the fluxes; @param slopes and its slopes.
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options, bool irradiance = true);
+                           const SolverOptions& options, bool irradiance = true, bool slopes = false);
 
 /// @param side_radiance as TransportSystem::side_radiance
 template <class Real>

@@ -1,0 +1,226 @@
+#include "transport/system/source_slopes.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/rays/slope_fit.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr std::size_t block_cells = 1024;  // a thread's share of loops over cells
+
+// A march along x has the axes (y, z, x), one along y the axes (x, z, y).
+Eigen::Matrix3d in_axes_of_box(const Eigen::Matrix3d& spread, int axis) {
+  const std::array<int, 3> place = axis == 0 ? std::array{1, 2, 0} : std::array{0, 2, 1};
+  Eigen::Matrix3d turned;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) turned(place[a], place[b]) = spread(a, b);
+  }
+  return turned;
+}
+
+// 1 / max(the change from the middle to a corner, here): relative slopes then leave the source positive.
+template <class Real>
+[[gnu::always_inline]] inline Real limited_inverse(Real x, Real y, Real z, Real here) {
+  const Real swing = Real(.5) * (std::abs(x) + std::abs(y) + std::abs(z));
+  return here > std::numeric_limits<Real>::min() ? Real(1) / std::max(swing, here) : Real(0);
+}
+
+}  // namespace
+
+template <class Real>
+SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
+                               const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering,
+                               Slope<Real> beam)
+    : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)) {
+  for (int d = 0; d < ordinates.size(); ++d) {
+    Spread& spread = spread_[octant_of(ordinates.direction[d])];
+    const double weight = ordinates.weight[d];
+    spread.weight += weight;
+    spread.by_level.resize(box.nz(), Eigen::Matrix3d::Zero());
+    for (const PathPattern& pattern : paths[d].along_z) {
+      for (int step = 0; step < pattern.levels(); ++step)
+        spread.by_level[pattern.level(step)] += weight * spread_of_places(pattern, step);
+    }
+    if (!paths[d].sideways) continue;
+    const SidewaysPath& path = *paths[d].sideways;
+    auto& by_sheet = spread.by_sheet[path.axis];
+    by_sheet.resize(path.axis == 0 ? box.nx : box.ny, Eigen::Matrix3d::Zero());
+    for (int step = 0; step < path.pattern.levels(); ++step)
+      by_sheet[path.pattern.level(step)] += weight * in_axes_of_box(spread_of_places(path.pattern, step), path.axis);
+  }
+  for (const DenseMatrix<Real>& matrix : scattering) {
+    auto& table = between_.emplace_back();
+    for (auto& row : table) row.fill(Real(0));
+    for (int to = 0; to < ordinates.size(); ++to) {
+      const int octant = octant_of(ordinates.direction[to]);
+      const Real share = static_cast<Real>(ordinates.weight[to] / spread_[octant].weight);
+      for (int from = 0; from < ordinates.size(); ++from)
+        table[octant][octant_of(ordinates.direction[from])] += share * matrix(to, from);
+    }
+  }
+}
+
+template <class Real>
+LightSlopes<Real> SlopeTables<Real>::none(std::size_t cells) const {
+  LightSlopes<Real> slopes;
+  for (auto& octant : slopes.of_octant) {
+    for (auto& axis : octant) axis.assign(cells + lane_padding, Real(0));
+  }
+  return slopes;
+}
+
+template <class Real>
+void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment,
+                                 Slope<Real>& slope) const {
+  const Spread& spread = spread_[octant];
+  const auto apply = [&](const Eigen::Matrix<Real, 3, 3>& inverse, std::uint32_t c) {
+    const Eigen::Matrix<Real, 3, 1> g = inverse * Eigen::Matrix<Real, 3, 1>(moment[0][c], moment[1][c], moment[2][c]);
+    for (int axis = 0; axis < 3; ++axis) slope[axis][c] = g[axis];
+  };
+  // Nothing throws here.
+#pragma omp for schedule(static)
+  for (int k = 0; k < rows.nz; ++k) {
+    if (spread.only_along_z() || k < even_levels_.first || k >= even_levels_.last) {
+      const Eigen::Matrix<Real, 3, 3> inverse =
+          regular_inverse(spread.by_level[k], spread.weight).template cast<Real>();
+      for (std::uint32_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c) apply(inverse, c);
+      continue;
+    }
+    for (std::uint32_t r = rows.level_row[k]; r < rows.level_row[k + 1]; ++r) {
+      const ActiveRow& row = rows.rows[r];
+      Eigen::Matrix3d of_row = spread.by_level[k];
+      if (!spread.by_sheet[1].empty()) of_row += spread.by_sheet[1][row.j];
+      for (std::uint32_t s = row.first_span; s < row.last_span; ++s) {
+        const RowSpan& span = rows.spans[s];
+        for (std::int32_t i = 0; i < span.n; ++i) {
+          Eigen::Matrix3d of_cell = of_row;
+          if (!spread.by_sheet[0].empty()) of_cell += spread.by_sheet[0][span.i + i];
+          apply(regular_inverse(of_cell, spread.weight).template cast<Real>(),
+                span.offset + static_cast<std::uint32_t>(i));
+        }
+      }
+    }
+  }
+}
+
+template <class Real>
+void SlopeTables<Real>::make_relative(const Cells<Real>& cells, const AngularField<Real>& source,
+                                      std::span<const BeamSource<Real>> beam, LightSlopes<Real>& slopes) const {
+  const std::size_t n = cells.size();
+  std::vector<std::array<Real, octants>> from_beam(beam.size());
+  for (std::size_t b = 0; b < beam.size(); ++b) {
+    from_beam[b].fill(Real(0));
+    for (int d = 0; d < ordinates_.size(); ++d) {
+      const int octant = octant_of(ordinates_.direction[d]);
+      from_beam[b][octant] += static_cast<Real>(ordinates_.weight[d] / spread_[octant].weight) * beam[b].direction[d];
+    }
+  }
+  ParallelErrors errors;
+#pragma omp parallel
+  {
+    using Block = std::array<Real, block_cells>;
+    std::vector<Block> mean, sloped;
+    Block room;
+    errors.run([&] {
+      mean.resize(octants);
+      sloped.resize(3 * octants);
+    });
+#pragma omp for schedule(static)
+    for (std::size_t first = 0; first < n; first += block_cells) {
+      errors.run([&] {
+        const std::size_t count = std::min(block_cells, n - first);
+        for (Block& octant : mean) std::fill_n(octant.begin(), count, Real(0));
+        for (int d = 0; d < ordinates_.size(); ++d) {
+          const int octant = octant_of(ordinates_.direction[d]);
+          const Real share = static_cast<Real>(ordinates_.weight[d] / spread_[octant].weight);
+          const Real* __restrict const from = source.stored_row(d).read(first, count, room.data());
+          Real* __restrict const to = mean[octant].data();
+          for (std::size_t c = 0; c < count; ++c) to[c] += share * from[c];
+        }
+        for (std::size_t b = 0; b < beam.size(); ++b) {
+          const Real* __restrict const intensity = beam[b].intensity.data() + first;
+          for (int q = 0; q < octants; ++q) {
+            Real* __restrict const to = mean[q].data();
+            for (std::size_t c = 0; c < count; ++c) to[c] -= from_beam[b][q] * intensity[c];
+          }
+        }
+        for (Block& block : sloped) std::fill_n(block.begin(), count, Real(0));
+        for (std::size_t p = 0; p < between_.size(); ++p) {
+          const Real* __restrict const scattered = cells.scattered[p].data() + first;
+          for (int axis = 0; axis < 3; ++axis) {
+            for (int to = 0; to < octants; ++to) {
+              Real* __restrict const sum = sloped[octants * axis + to].data();
+              for (int from = 0; from < octants; ++from) {
+                const Real share = between_[p][to][from];
+                const Real* __restrict const g = slopes.of_octant[from][axis].data() + first;
+                for (std::size_t c = 0; c < count; ++c) sum[c] += share * scattered[c] * g[c];
+              }
+            }
+          }
+        }
+        for (int q = 0; q < octants; ++q) {
+          const Real* __restrict const x = sloped[q].data();
+          const Real* __restrict const y = sloped[octants + q].data();
+          const Real* __restrict const z = sloped[2 * octants + q].data();
+          const Real* __restrict const here = mean[q].data();
+          Real* __restrict const to_x = slopes.of_octant[q][0].data() + first;
+          Real* __restrict const to_y = slopes.of_octant[q][1].data() + first;
+          Real* __restrict const to_z = slopes.of_octant[q][2].data() + first;
+          for (std::size_t c = 0; c < count; ++c) {
+            const Real relative = limited_inverse(x[c], y[c], z[c], here[c]);
+            to_x[c] = x[c] * relative;
+            to_y[c] = y[c] * relative;
+            to_z[c] = z[c] * relative;
+          }
+        }
+      });
+    }
+  }
+  errors.rethrow();
+  slopes.relative = true;
+}
+
+template <class Real>
+void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real* __restrict source,
+                const Real* __restrict from_beam, std::size_t n, Slope<Real>& slope) {
+  for (auto& axis : slope) axis.resize(n + lane_padding);
+  const Real* __restrict const mx = multiple[0].data();
+  const Real* __restrict const my = multiple[1].data();
+  const Real* __restrict const mz = multiple[2].data();
+  const Real* __restrict const bx = beam[0].data();
+  const Real* __restrict const by = beam[1].data();
+  const Real* __restrict const bz = beam[2].data();
+  Real* __restrict const to_x = slope[0].data();
+  Real* __restrict const to_y = slope[1].data();
+  Real* __restrict const to_z = slope[2].data();
+#pragma omp simd
+  for (std::size_t c = 0; c < n; ++c) {
+    const Real b = from_beam[c];
+    const Real rest = source[c] - b;
+    const Real x = mx[c] * rest + bx[c] * b;
+    const Real y = my[c] * rest + by[c] * b;
+    const Real z = mz[c] * rest + bz[c] * b;
+    // A truncated phase function can be negative in some directions; slopes relative to it are the same.
+    const Real size = limited_inverse(x, y, z, std::abs(source[c]));
+    const Real relative = source[c] < 0 ? -size : size;
+    to_x[c] = x * relative;
+    to_y[c] = y * relative;
+    to_z[c] = z * relative;
+  }
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                              \
+  template class SlopeTables<Real>;                                                                             \
+  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const Real*, const Real*, std::size_t, \
+                                 Slope<Real>&)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
+
+}  // namespace cloudbow

@@ -1,0 +1,80 @@
+// Slopes of the source within cells, from the spatial moments of the light itself (docs/theory.md, "Slopes within
+// cells"). In a cell that light enters from a side, the source falls within the first metres; differences between
+// neighbours do not see that. So each octant of ordinates has the slope of its own light, and the direct beam its own.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "transport/rays/direct_beam.hpp"
+#include "transport/rays/ordinate_path.hpp"
+#include "transport/scattering/ordinate_scattering.hpp"
+
+namespace cloudbow {
+
+inline constexpr int octants = 8;
+
+/// Index of the octant that a direction of travel lies in.
+inline int octant_of(const Direction& travel) {
+  return (travel.x() > 0 ? 1 : 0) + (travel.y() > 0 ? 2 : 0) + (travel.z() > 0 ? 4 : 0);
+}
+
+/// [n + lane_padding] slopes from face to face along x, y, z.
+template <class Real>
+using Slope = std::array<std::vector<Real>, 3>;
+
+/// Slopes in each octant between two sweeps.
+template <class Real>
+struct LightSlopes {
+  std::array<Slope<Real>, octants> of_octant;
+  bool relative = true;  ///< of the multiply scattered source, relative to it; false: of the radiance, W m-2 sr-1
+  bool frozen = false;   ///< sweeps leave them as they are
+};
+
+/// What slopes require that stays the same during the iteration.
+template <class Real>
+class SlopeTables {
+ public:
+  SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
+              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam);
+
+  /// Of the direct beam's irradiance, relative to it.
+  const Slope<Real>& beam() const { return beam_; }
+
+  /// Slopes of zero, relative.
+  LightSlopes<Real> none(std::size_t cells) const;
+
+  /// First moments of the radiance of an octant, summed over its ordinates with their weights, become the slopes of
+  /// its radiance. Called by all threads of a team.
+  void team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment, Slope<Real>& slope) const;
+
+  /// Slopes of the radiance become those of the multiply scattered source, relative to it.
+  /// @param source at the ordinates, of all orders of scattering; @param beam its part that the beam alone makes.
+  void make_relative(const Cells<Real>& cells, const AngularField<Real>& source, std::span<const BeamSource<Real>> beam,
+                     LightSlopes<Real>& slopes) const;
+
+ private:
+  struct Spread {  // second moments of the places of an octant's rays, summed over its ordinates with their weights
+    double weight = 0;
+    std::vector<Eigen::Matrix3d> by_level;                 // [nz] of marches along z
+    std::array<std::vector<Eigen::Matrix3d>, 2> by_sheet;  // [nx], [ny] of marches along x, y; empty: none
+
+    bool only_along_z() const { return by_sheet[0].empty() && by_sheet[1].empty(); }
+  };
+  OrdinateSet ordinates_;
+  LevelRange even_levels_;
+  std::array<Spread, octants> spread_;
+  std::vector<std::array<std::array<Real, octants>, octants>> between_;  // [p][to][from]
+  Slope<Real> beam_;
+};
+
+/// Slopes of a source of `n` cells, relative to it: its multiply scattered part has the slopes `multiple`, its part
+/// from the beam alone those of the beam. Limited so that the linear source stays positive in every cell.
+/// @param from_beam [n] that part; @param slope [3][n]
+template <class Real>
+void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real* source, const Real* from_beam,
+                std::size_t n, Slope<Real>& slope);
+
+}  // namespace cloudbow
