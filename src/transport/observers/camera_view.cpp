@@ -42,23 +42,60 @@ class AngleTable {
   std::vector<double> value_;
 };
 
-// The mean over the directions of view: its relative gradient is used for all of them.
+// The mean over directions of view of orders of scattering >= 2 in `rows`, and of the first order, which is in
+// from_beam.
 template <class Real>
-LinearSource<Real> mean_source(const Problem& problem, const Cells<Real>& cells, const SightPoints& sight,
-                               const AngularField<Real>& source, int first_row,
+LinearSource<Real> mean_source(const Problem& problem, std::size_t cells, const SightPoints& sight,
+                               const AngularField<Real>& source, int first_row, std::span<const int> rows,
                                std::span<const ViewingBeam<Real>> beams) {
   LinearSource<Real> mean;
-  mean.resize(cells.size());
-  const std::span<Real> sum = std::span<Real>(mean.value).first(cells.size());
+  mean.resize(cells);
   std::fill(mean.value.begin(), mean.value.end(), Real(0));
-  for (std::size_t i = 0; i < sight.travel.size(); ++i) {
-    const Real* const row = source.row(first_row + static_cast<int>(i));
-    for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += row[c];
+  mean.from_beam.assign(cells, Real(0));
+  for (const int i : rows) {
+    const Real* const row = source.row(first_row + i);
+    for (std::size_t c = 0; c < cells; ++c) mean.value[c] += row[c];
     for (const ViewingBeam<Real>& beam : beams)
-      add_first_order<Real>(beam, sight.travel[i].dot(problem.sun->travel), sum);
+      add_first_order<Real>(beam, sight.travel[static_cast<std::size_t>(i)].dot(problem.sun->travel), mean.from_beam);
   }
-  mean.make_gradient(cells);
+  const Real share = Real(1) / static_cast<Real>(rows.size());
+  for (std::size_t c = 0; c < cells; ++c) {
+    mean.from_beam[c] *= share;
+    mean.value[c] = share * mean.value[c] + mean.from_beam[c];
+  }
   return mean;
+}
+
+// The cells as lines of sight see them: with one slope for all lines, or one for each octant of them.
+template <class Real>
+SightScene<Real> sight_scene(const ConvergedField<Real>& field, const SightPoints& sight,
+                             const AngularField<Real>& source, int first_row, std::span<const ViewingBeam<Real>> beams,
+                             const GroundRadiance<Real>& ground, const SideRadiance& side) {
+  const TransportSystem<Real>& system = field.system;
+  const std::size_t n = system.cells->size();
+  std::array<std::vector<int>, octants> rows;
+  for (std::size_t i = 0; i < sight.travel.size(); ++i)
+    rows[system.slopes ? octant_of(sight.travel[i]) : 0].push_back(static_cast<int>(i));
+  const auto mean_over = [&](const std::vector<int>& some) {
+    return mean_source(field.problem, n, sight, source, first_row, std::span<const int>(some), beams);
+  };
+  LinearSource<Real> all;
+  if (system.linear_source && !system.slopes) {
+    all = mean_over(rows[0]);
+    all.make_gradient(*system.cells);
+  }
+  SightScene<Real> scene(system.box, *system.cells, all.view(*system.cells).gradient, ground,
+                         field.problem.sky_radiance, side);
+  for (int q = 0; system.slopes && q < octants; ++q) {
+    if (rows[q].empty()) continue;
+    const LinearSource<Real> mean = mean_over(rows[q]);
+    std::vector<Direction> travel;
+    for (const int i : rows[q]) travel.push_back(sight.travel[static_cast<std::size_t>(i)]);
+    const Slope<Real> slope =
+        slopes_seen<Real>(field, travel, std::span<const Real>(mean.value).first(n), mean.from_beam);
+    scene.set_octant(q, *system.cells, {slope[0].data(), slope[1].data(), slope[2].data()});
+  }
+  return scene;
 }
 
 }  // namespace
@@ -84,17 +121,15 @@ SightPoints sight_points(std::span<const Camera> cameras, std::size_t cells) {
 }
 
 template <class Real>
-std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptions& options,
-                                       const TransportSystem<Real>& system, const SightPoints& sight,
+std::vector<CameraImage> camera_images(const ConvergedField<Real>& field, const SightPoints& sight,
                                        const AngularField<Real>& source, int first_row,
                                        std::span<const ViewingBeam<Real>> beams, const GroundRadiance<Real>& ground,
                                        const SideRadiance& side) {
+  const Problem& problem = field.problem;
+  const SolverOptions& options = field.options;
   std::vector<CameraImage> images;
   if (options.cameras.empty()) return images;
-  LinearSource<Real> mean;
-  if (system.linear_source) mean = mean_source(problem, *system.cells, sight, source, first_row, beams);
-  const SightScene<Real> scene(system.box, *system.cells, mean.view(*system.cells).gradient, ground,
-                               problem.sky_radiance, side);
+  const SightScene<Real> scene = sight_scene(field, sight, source, first_row, beams, ground, side);
   // A beam's intensity and depth, side by side in memory.
   std::vector<std::vector<std::array<float, 2>>> lit(beams.size());
   for (std::size_t b = 0; b < beams.size(); ++b) {
@@ -147,11 +182,10 @@ std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptio
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                     \
-  template std::vector<CameraImage> camera_images<Real>(                                               \
-      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const SightPoints&,          \
-      const AngularField<Real>&, int, std::span<const ViewingBeam<Real>>, const GroundRadiance<Real>&, \
-      const SideRadiance&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                     \
+  template std::vector<CameraImage> camera_images<Real>(                               \
+      const ConvergedField<Real>&, const SightPoints&, const AngularField<Real>&, int, \
+      std::span<const ViewingBeam<Real>>, const GroundRadiance<Real>&, const SideRadiance&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -26,8 +26,7 @@ SightPoints sight_points(std::span<const Camera> cameras, std::size_t cells);
 /// @param source at sight.travel: orders of scattering >= 2, in its rows from `first_row` on.
 /// @param ground for cameras. @param side radiance at open sides; may be empty.
 template <class Real>
-std::vector<CameraImage> camera_images(const Problem& problem, const SolverOptions& options,
-                                       const TransportSystem<Real>& system, const SightPoints& sight,
+std::vector<CameraImage> camera_images(const ConvergedField<Real>& field, const SightPoints& sight,
                                        const AngularField<Real>& source, int first_row,
                                        std::span<const ViewingBeam<Real>> beams, const GroundRadiance<Real>& ground,
                                        const SideRadiance& side);

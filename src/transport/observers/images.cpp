@@ -51,11 +51,9 @@ void Images<Real>::fill(Solution& solution) const {
   SideRadiance side;
   if (const LateralBoundary* const outside = field_.lateral_boundary; outside != nullptr)
     side = [outside](const Direction& travel) { return outside->radiance(travel); };
-  solution.images =
-      view_radiances<Real>(field_.problem, field_.options, field_.system,
-                           field_.result.slopes ? &*field_.result.slopes : nullptr, source_, beams_, ground, side);
+  solution.images = view_radiances<Real>(field_, source_, beams_, ground, side);
   if (sight_) {
-    solution.camera_images = camera_images<Real>(field_.problem, field_.options, field_.system, *sight_, source_,
+    solution.camera_images = camera_images<Real>(field_, *sight_, source_,
                                                  static_cast<int>(field_.options.views.size()), beams_, ground, side);
   }
 }

@@ -30,9 +30,10 @@ struct SightScene {
   const BoxGrid& box;
   const GroundRadiance<Real>& ground;
   double sky_radiance = 0;
-  SideRadiance side_radiance;             ///< radiance at open sides, by interface; may be empty
-  std::vector<Cell> linear_cells;         ///< [n]; empty: the source is constant in each cell,
-  std::vector<Real> constant_extinction;  ///< [n] whose extinction, 1/m, is this
+  SideRadiance side_radiance;                              ///< radiance at open sides, by interface; may be empty
+  std::vector<Cell> linear_cells;                          ///< [n]; empty: the source is constant in each cell,
+  std::array<std::vector<Cell>, octants> cells_of_octant;  ///< in place of them for travel in an octant; empty: not
+  std::vector<Real> constant_extinction;                   ///< [n] whose extinction, 1/m, is this
   std::vector<std::uint32_t> cell_at;
   double x_max_m, y_max_m;
 
@@ -53,20 +54,22 @@ struct SightScene {
                                  cells_of.extinction.begin() + static_cast<std::ptrdiff_t>(dense.size()));
       return;
     }
-    linear_cells.reserve(dense.size());
-    for (std::size_t c = 0; c < dense.size(); ++c)
-      linear_cells.push_back({cells_of.extinction[c], {gradient[0][c], gradient[1][c], gradient[2][c]}});
+    linear_cells = joined(cells_of, gradient);
   }
 
-  Real extinction(std::uint32_t cell) const {
-    return linear_cells.empty() ? constant_extinction[cell] : linear_cells[cell].extinction;
+  /// For light that travels in this octant. @param gradient as that of the constructor, not null.
+  void set_octant(int octant, const Cells<Real>& cells_of, const std::array<const Real*, 3>& gradient) {
+    cells_of_octant[octant] = joined(cells_of, gradient);
+  }
+  /// The cells for light that travels so; empty: the source is constant in each cell.
+  const std::vector<Cell>& cells_along(const Direction& travel) const {
+    const std::vector<Cell>& own = cells_of_octant[octant_of(travel)];
+    return own.empty() ? linear_cells : own;
   }
 
   /// Crossing::emitted of the cell that the line crosses, relative to the cell's source. Light enters at the point at
   /// which the line leaves.
-  Real emitted(const Crossing<Real>& crossing, std::uint32_t cell, const CellWalk& walk) const {
-    if (linear_cells.empty()) return crossing.phi.phi1;
-    const auto& gradient = linear_cells[cell].gradient;
+  static Real emitted(const Crossing<Real>& crossing, const std::array<Real, 3>& gradient, const CellWalk& walk) {
     const auto relative_source = [&](double distance) {
       const Eigen::Vector3d place = walk.from_centre(distance);
       return not_negative(static_cast<Real>(1 + static_cast<double>(gradient[0]) * place.x() +
@@ -76,6 +79,15 @@ struct SightScene {
     const Real near = relative_source(walk.entry());
     const Real far = relative_source(walk.exit());
     return crossing.emitted(far, near);
+  }
+
+ private:
+  static std::vector<Cell> joined(const Cells<Real>& cells_of, const std::array<const Real*, 3>& gradient) {
+    std::vector<Cell> cells;
+    cells.reserve(cells_of.size());
+    for (std::size_t c = 0; c < cells_of.size(); ++c)
+      cells.push_back({cells_of.extinction[c], {gradient[0][c], gradient[1][c], gradient[2][c]}});
+    return cells;
   }
 };
 
@@ -121,12 +133,15 @@ double radiance_along(const SightScene<Real>& scene, const Eigen::Vector3d& eye,
                       const Source& source) {
   double transmitted = 1;
   double radiance = 0;
+  const auto& linear = scene.cells_along(-sight);
   CellWalk walk(scene.box, eye, sight);
   for (; walk.is_inside(); walk.advance()) {
     const std::uint32_t cell = scene.cell_at[walk.cell()];
     if (cell == SightScene<Real>::no_cell || walk.exit() <= walk.entry()) continue;
-    const Crossing<Real> crossing(optical_path(scene.extinction(cell), static_cast<Real>(walk.exit() - walk.entry())));
-    const Real emitted = crossing.t * scene.emitted(crossing, cell, walk);
+    const Real extinction = linear.empty() ? scene.constant_extinction[cell] : linear[cell].extinction;
+    const Crossing<Real> crossing(optical_path(extinction, static_cast<Real>(walk.exit() - walk.entry())));
+    const Real emitted =
+        crossing.t * (linear.empty() ? crossing.phi.phi1 : scene.emitted(crossing, linear[cell].gradient, walk));
     radiance += transmitted * static_cast<double>(emitted) * source(cell);
     transmitted -= transmitted * static_cast<double>(crossing.absorbed());
     if (transmitted < sight::seen_through) return radiance / (1 - transmitted);

@@ -42,10 +42,12 @@ void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* so
 }  // namespace
 
 template <class Real>
-std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
-                                          const TransportSystem<Real>& system, const LightSlopes<Real>* slopes,
-                                          const AngularField<Real>& source, std::span<const ViewingBeam<Real>> beams,
-                                          const GroundRadiance<Real>& ground, const SideRadiance& side) {
+std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, const AngularField<Real>& source,
+                                          std::span<const ViewingBeam<Real>> beams, const GroundRadiance<Real>& ground,
+                                          const SideRadiance& side) {
+  const Problem& problem = field.problem;
+  const SolverOptions& options = field.options;
+  const TransportSystem<Real>& system = field.system;
   const BoxGrid& box = system.box;
   const GatherScene<Real> scene{.box = box,
                                 .cells = *system.cells,
@@ -53,7 +55,7 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
                                 .side_radiance = side,
                                 .sky_radiance = problem.sky_radiance,
                                 .ground = &ground,
-                                .slopes = slopes};
+                                .slopes = field.result.slopes ? &*field.result.slopes : nullptr};
   const LevelRange levels{0, box.nz()};
   const std::vector<Band> all{{0, box.nz(), 0., false}};
   const bool one_column = box.periodic && box.columns() == 1;
@@ -68,12 +70,12 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
     LinearSource<Real> linear;
     linear.resize(system.cells->size());
     std::copy_n(row, system.cells->size(), linear.value.begin());
-    if (slopes != nullptr) {
+    if (system.slopes) {
       linear.from_beam.assign(system.cells->size(), Real(0));
       for (const ViewingBeam<Real>& beam : beams)
         add_first_order<Real>(beam, view.travel.dot(problem.sun->travel), linear.from_beam);
-      mix_slopes(slopes->of_octant[octant_of(view.travel)], system.slopes->beam(), row, linear.from_beam.data(),
-                 system.cells->size(), linear.gradient);
+      linear.gradient =
+          slopes_seen<Real>(field, std::span(&view.travel, 1), {row, system.cells->size()}, linear.from_beam);
     } else if (system.linear_source) {
       linear.make_gradient(*system.cells);
     }
@@ -115,10 +117,10 @@ std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOp
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                  \
-  template std::vector<RadianceImage> view_radiances<Real>(                                         \
-      const Problem&, const SolverOptions&, const TransportSystem<Real>&, const LightSlopes<Real>*, \
-      const AngularField<Real>&, std::span<const ViewingBeam<Real>>, const GroundRadiance<Real>&, const SideRadiance&)
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                 \
+  template std::vector<RadianceImage> view_radiances<Real>(const ConvergedField<Real>&, const AngularField<Real>&, \
+                                                           std::span<const ViewingBeam<Real>>,                     \
+                                                           const GroundRadiance<Real>&, const SideRadiance&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

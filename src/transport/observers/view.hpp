@@ -9,13 +9,11 @@
 namespace cloudbow {
 
 /// Images of options.views, in their order. The formal solution along each line of sight (docs/theory.md, "Radiance").
-/// @param slopes of multiply scattered light; null: from differences. @param beams for the part of the source from the
-/// direct beam. @param source along the views' directions, in its first rows.
+/// @param source along the views' directions, in its first rows. @param beams for the part of it from the direct beam.
 /// @param ground for instruments. @param side radiance at open sides; may be empty.
 template <class Real>
-std::vector<RadianceImage> view_radiances(const Problem& problem, const SolverOptions& options,
-                                          const TransportSystem<Real>& system, const LightSlopes<Real>* slopes,
-                                          const AngularField<Real>& source, std::span<const ViewingBeam<Real>> beams,
-                                          const GroundRadiance<Real>& ground, const SideRadiance& side);
+std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, const AngularField<Real>& source,
+                                          std::span<const ViewingBeam<Real>> beams, const GroundRadiance<Real>& ground,
+                                          const SideRadiance& side);
 
 }  // namespace cloudbow

@@ -1,6 +1,7 @@
 #include "transport/observers/viewing_source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -60,6 +61,31 @@ AngularField<Real> scattered_by(const std::vector<PhaseFunction>& phase, const s
   return scatter_towards<Real>(radiance, towards, cells);
 }
 
+// How much of the radiance scatters by the phase functions into a direction; the rest is in the peak.
+struct SeenScattering {
+  std::vector<PhaseFunction> phase;  // resolved by the gather
+  std::vector<double> share;         // of the scattering that transport counts
+
+  explicit SeenScattering(const Discretisation& discretisation) {
+    for (std::size_t p = 0; p < discretisation.gather.size(); ++p) {
+      phase.push_back(discretisation.gather[p].truncated);
+      share.push_back((1 - discretisation.gather[p].forward_fraction) /
+                      (1 - discretisation.diffuse[p].forward_fraction));
+    }
+  }
+  // Of the radiance at ordinate d into a direction.
+  double at(std::size_t p, const OrdinateSet& ordinates, int d, const Direction& travel) const {
+    return share[p] * phase[p](travel.dot(ordinates.direction[d])) * ordinates.weight[d] / (4 * std::numbers::pi);
+  }
+  // Of the radiance along the direction itself: what the sum over ordinates lacks.
+  double forward(std::size_t p, const OrdinateSet& ordinates, const Direction& travel) const {
+    double sum = 0;
+    for (int d = 0; d < ordinates.size(); ++d)
+      sum += ordinates.weight[d] * phase[p](travel.dot(ordinates.direction[d])) / (4 * std::numbers::pi);
+    return 1 - share[p] * sum;
+  }
+};
+
 // A line along the horizon never ends; the radiance just above or below replaces it.
 Direction off_the_horizon(const Direction& travel) {
   constexpr double least = .02;
@@ -80,13 +106,10 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
   const OrdinateSet& ordinates = discretisation.ordinates;
   const Cells<Real>& cells = *system.cells;
   const std::size_t phases = problem.phase.size();
-  std::vector<PhaseFunction> truncated, resolved;
-  std::vector<double> whole(phases, 1.), share;
-  for (std::size_t p = 0; p < phases; ++p) {
-    truncated.push_back(discretisation.diffuse[p].truncated);
-    resolved.push_back(discretisation.gather[p].truncated);
-    share.push_back((1 - discretisation.gather[p].forward_fraction) / (1 - discretisation.diffuse[p].forward_fraction));
-  }
+  std::vector<PhaseFunction> truncated;
+  std::vector<double> whole(phases, 1.);
+  for (std::size_t p = 0; p < phases; ++p) truncated.push_back(discretisation.diffuse[p].truncated);
+  const SeenScattering seen(discretisation);
   // The radiance along the directions in the approximation of the iteration: from the source of transport.
   AngularField<Real> radiance = scattered_by(truncated, whole, ordinates, cells, solved.radiance, travel);
   std::vector<SingleScattering<Real>> first_order;
@@ -118,13 +141,10 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
   }
   errors.rethrow();
 
-  AngularField<Real> source = scattered_by(resolved, share, ordinates, cells, solved.radiance, travel);
+  AngularField<Real> source = scattered_by(seen.phase, seen.share, ordinates, cells, solved.radiance, travel);
   for (std::size_t i = 0; i < travel.size(); ++i) {
     for (std::size_t p = 0; p < phases; ++p) {
-      double quadrature = 0;
-      for (int d = 0; d < ordinates.size(); ++d)
-        quadrature += ordinates.weight[d] * resolved[p](travel[i].dot(ordinates.direction[d])) / (4 * std::numbers::pi);
-      const Real forward = static_cast<Real>(1 - share[p] * quadrature);
+      const Real forward = static_cast<Real>(seen.forward(p, ordinates, travel[i]));
       const Real* __restrict const scattered = cells.scattered[p].data();
       const Real* __restrict const along = radiance.row(static_cast<int>(i));
       Real* __restrict const to = source.row(static_cast<int>(i));
@@ -134,6 +154,36 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
     std::transform(row, row + cells.size(), row, [](Real s) { return not_negative(s); });
   }
   return source;
+}
+
+template <class Real>
+Slope<Real> slopes_seen(const ConvergedField<Real>& field, std::span<const Direction> travel,
+                        std::span<const Real> source, std::span<const Real> from_beam) {
+  const OrdinateSet& ordinates = field.system.ordinates;
+  const Cells<Real>& cells = *field.system.cells;
+  const SeenScattering seen(field.discretisation);
+  Slope<Real> slope;
+  for (auto& axis : slope) axis.assign(cells.size() + lane_padding, Real(0));
+  for (std::size_t p = 0; p < seen.phase.size(); ++p) {
+    std::array<double, octants> from{};
+    for (const Direction& towards : travel) {
+      const double share = 1. / static_cast<double>(travel.size());
+      for (int d = 0; d < ordinates.size(); ++d)
+        from[octant_of(ordinates.direction[d])] += share * seen.at(p, ordinates, d, towards);
+      from[octant_of(towards)] += share * seen.forward(p, ordinates, towards);
+    }
+    const Real* __restrict const scattered = cells.scattered[p].data();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Real* __restrict const to = slope[axis].data();
+      for (int q = 0; q < octants; ++q) {
+        const Real weight = static_cast<Real>(from[q]);
+        const Real* __restrict const g = field.result.slopes->of_radiance[q][axis].data();
+        for (std::size_t c = 0; c < cells.size(); ++c) to[c] += weight * scattered[c] * g[c];
+      }
+    }
+  }
+  make_relative<Real>(field.system.slopes->beam(), source, from_beam, slope);
+  return slope;
 }
 
 template <class Real>
@@ -149,6 +199,8 @@ void add_first_order(const ViewingBeam<Real>& beam, double cos_angle, std::span<
 #define CLOUDBOW_INSTANTIATE(Real)                                                                               \
   template std::vector<ViewingBeam<Real>> viewing_beams<Real>(const ConvergedField<Real>&);                      \
   template AngularField<Real> higher_orders_seen<Real>(const ConvergedField<Real>&, std::span<const Direction>); \
+  template Slope<Real> slopes_seen<Real>(const ConvergedField<Real>&, std::span<const Direction>,                \
+                                         std::span<const Real>, std::span<const Real>);                          \
   template void add_first_order<Real>(const ViewingBeam<Real>&, double, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

@@ -36,6 +36,13 @@ std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 template <class Real>
 AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::span<const Direction> travel);
 
+/// Slopes of that source within cells, relative to the whole source and limited, from those of the radiance.
+/// @param travel directions of one octant: the source and its slopes are means over them.
+/// @param source, from_beam [n] the whole source and the first order of scattering in it.
+template <class Real>
+Slope<Real> slopes_seen(const ConvergedField<Real>& field, std::span<const Direction> travel,
+                        std::span<const Real> source, std::span<const Real> from_beam);
+
 /// Adds the first order of scattering into one direction.
 template <class Real>
 void add_first_order(const ViewingBeam<Real>& beam, double cos_angle, std::span<Real> source);

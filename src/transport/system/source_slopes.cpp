@@ -36,8 +36,8 @@ template <class Real>
 template <class Real>
 SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
                                const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering,
-                               Slope<Real> beam)
-    : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)) {
+                               Slope<Real> beam, bool keep_radiance)
+    : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)), keep_radiance_(keep_radiance) {
   for (int d = 0; d < ordinates.size(); ++d) {
     Spread& spread = spread_[octant_of(ordinates.direction[d])];
     const double weight = ordinates.weight[d];
@@ -69,8 +69,11 @@ SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, con
 template <class Real>
 LightSlopes<Real> SlopeTables<Real>::none(std::size_t cells) const {
   LightSlopes<Real> slopes;
-  for (auto& octant : slopes.of_octant) {
-    for (auto& axis : octant) axis.assign(cells + lane_padding, Real(0));
+  for (auto* of : {&slopes.of_octant, &slopes.of_radiance}) {
+    if (of == &slopes.of_radiance && !keep_radiance_) continue;
+    for (auto& octant : *of) {
+      for (auto& axis : octant) axis.assign(cells + lane_padding, Real(0));
+    }
   }
   return slopes;
 }
@@ -110,26 +113,21 @@ void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope
 }
 
 template <class Real>
-void SlopeTables<Real>::make_relative(const Cells<Real>& cells, const AngularField<Real>& source,
-                                      std::span<const BeamSource<Real>> beam, LightSlopes<Real>& slopes) const {
+void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Real>& radiance,
+                                LightSlopes<Real>& slopes) const {
   const std::size_t n = cells.size();
-  std::vector<std::array<Real, octants>> from_beam(beam.size());
-  for (std::size_t b = 0; b < beam.size(); ++b) {
-    from_beam[b].fill(Real(0));
-    for (int d = 0; d < ordinates_.size(); ++d) {
-      const int octant = octant_of(ordinates_.direction[d]);
-      from_beam[b][octant] += static_cast<Real>(ordinates_.weight[d] / spread_[octant].weight) * beam[b].direction[d];
-    }
-  }
+  const auto& of_radiance = keep_radiance_ ? slopes.of_radiance : slopes.of_octant;
   ParallelErrors errors;
 #pragma omp parallel
   {
+    // Mean radiance by octant; the source that it makes, and its slopes along x, y, z.
+    constexpr int quantities = 4;
     using Block = std::array<Real, block_cells>;
-    std::vector<Block> mean, sloped;
+    std::vector<Block> mean, scattered;
     Block room;
     errors.run([&] {
       mean.resize(octants);
-      sloped.resize(3 * octants);
+      scattered.resize(quantities * octants);
     });
 #pragma omp for schedule(static)
     for (std::size_t first = 0; first < n; first += block_cells) {
@@ -139,36 +137,30 @@ void SlopeTables<Real>::make_relative(const Cells<Real>& cells, const AngularFie
         for (int d = 0; d < ordinates_.size(); ++d) {
           const int octant = octant_of(ordinates_.direction[d]);
           const Real share = static_cast<Real>(ordinates_.weight[d] / spread_[octant].weight);
-          const Real* __restrict const from = source.stored_row(d).read(first, count, room.data());
+          const Real* __restrict const from = radiance.stored_row(d).read(first, count, room.data());
           Real* __restrict const to = mean[octant].data();
           for (std::size_t c = 0; c < count; ++c) to[c] += share * from[c];
         }
-        for (std::size_t b = 0; b < beam.size(); ++b) {
-          const Real* __restrict const intensity = beam[b].intensity.data() + first;
-          for (int q = 0; q < octants; ++q) {
-            Real* __restrict const to = mean[q].data();
-            for (std::size_t c = 0; c < count; ++c) to[c] -= from_beam[b][q] * intensity[c];
-          }
-        }
-        for (Block& block : sloped) std::fill_n(block.begin(), count, Real(0));
+        for (Block& block : scattered) std::fill_n(block.begin(), count, Real(0));
         for (std::size_t p = 0; p < between_.size(); ++p) {
-          const Real* __restrict const scattered = cells.scattered[p].data() + first;
-          for (int axis = 0; axis < 3; ++axis) {
+          const Real* __restrict const albedo = cells.scattered[p].data() + first;
+          for (int quantity = 0; quantity < quantities; ++quantity) {
             for (int to = 0; to < octants; ++to) {
-              Real* __restrict const sum = sloped[octants * axis + to].data();
+              Real* __restrict const sum = scattered[octants * quantity + to].data();
               for (int from = 0; from < octants; ++from) {
                 const Real share = between_[p][to][from];
-                const Real* __restrict const g = slopes.of_octant[from][axis].data() + first;
-                for (std::size_t c = 0; c < count; ++c) sum[c] += share * scattered[c] * g[c];
+                const Real* __restrict const light =
+                    quantity == 0 ? mean[from].data() : of_radiance[from][quantity - 1].data() + first;
+                for (std::size_t c = 0; c < count; ++c) sum[c] += share * albedo[c] * light[c];
               }
             }
           }
         }
         for (int q = 0; q < octants; ++q) {
-          const Real* __restrict const x = sloped[q].data();
-          const Real* __restrict const y = sloped[octants + q].data();
-          const Real* __restrict const z = sloped[2 * octants + q].data();
-          const Real* __restrict const here = mean[q].data();
+          const Real* __restrict const here = scattered[q].data();
+          const Real* __restrict const x = scattered[octants + q].data();
+          const Real* __restrict const y = scattered[2 * octants + q].data();
+          const Real* __restrict const z = scattered[3 * octants + q].data();
           Real* __restrict const to_x = slopes.of_octant[q][0].data() + first;
           Real* __restrict const to_y = slopes.of_octant[q][1].data() + first;
           Real* __restrict const to_z = slopes.of_octant[q][2].data() + first;
@@ -183,7 +175,21 @@ void SlopeTables<Real>::make_relative(const Cells<Real>& cells, const AngularFie
     }
   }
   errors.rethrow();
-  slopes.relative = true;
+}
+
+template <class Real>
+void make_relative(const Slope<Real>& beam, std::span<const Real> source, std::span<const Real> from_beam,
+                   Slope<Real>& slope) {
+  for (std::size_t c = 0; c < source.size(); ++c) {
+    const Real b = from_beam[c];
+    const Real x = slope[0][c] + beam[0][c] * b;
+    const Real y = slope[1][c] + beam[1][c] * b;
+    const Real z = slope[2][c] + beam[2][c] * b;
+    const Real relative = limited_inverse(x, y, z, source[c]);
+    slope[0][c] = x * relative;
+    slope[1][c] = y * relative;
+    slope[2][c] = z * relative;
+  }
 }
 
 template <class Real>
@@ -215,9 +221,10 @@ void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                              \
-  template class SlopeTables<Real>;                                                                             \
-  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const Real*, const Real*, std::size_t, \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
+  template class SlopeTables<Real>;                                                                                  \
+  template void make_relative<Real>(const Slope<Real>&, std::span<const Real>, std::span<const Real>, Slope<Real>&); \
+  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const Real*, const Real*, std::size_t,      \
                                  Slope<Real>&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

@@ -28,9 +28,11 @@ using Slope = std::array<std::vector<Real>, 3>;
 /// Slopes in each octant between two sweeps.
 template <class Real>
 struct LightSlopes {
+  /// Of the multiply scattered source towards each octant, relative to it.
   std::array<Slope<Real>, octants> of_octant;
-  bool relative = true;  ///< of the multiply scattered source, relative to it; false: of the radiance, W m-2 sr-1
-  bool frozen = false;   ///< sweeps leave them as they are
+  /// Of the radiance in each octant, W m-2 sr-1 from face to face: images require them. Else empty.
+  std::array<Slope<Real>, octants> of_radiance;
+  bool frozen = false;  ///< sweeps leave them as they are
 };
 
 /// What slopes require that stays the same during the iteration.
@@ -38,22 +40,25 @@ template <class Real>
 class SlopeTables {
  public:
   SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
-              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam);
+              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam,
+              bool keep_radiance);
 
   /// Of the direct beam's irradiance, relative to it.
   const Slope<Real>& beam() const { return beam_; }
 
-  /// Slopes of zero, relative.
+  /// Slopes of zero.
   LightSlopes<Real> none(std::size_t cells) const;
 
   /// First moments of the radiance of an octant, summed over its ordinates with their weights, become the slopes of
   /// its radiance. Called by all threads of a team.
   void team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment, Slope<Real>& slope) const;
 
-  /// Slopes of the radiance become those of the multiply scattered source, relative to it.
-  /// @param source at the ordinates, of all orders of scattering; @param beam its part that the beam alone makes.
-  void make_relative(const Cells<Real>& cells, const AngularField<Real>& source, std::span<const BeamSource<Real>> beam,
-                     LightSlopes<Real>& slopes) const;
+  /// The slopes that team_fit() fills.
+  Slope<Real>& radiance_slope(LightSlopes<Real>& slopes, int octant) const {
+    return keep_radiance_ ? slopes.of_radiance[octant] : slopes.of_octant[octant];
+  }
+  /// Slopes of the source that this radiance makes, from those of the radiance.
+  void scatter(const Cells<Real>& cells, const AngularField<Real>& radiance, LightSlopes<Real>& slopes) const;
 
  private:
   struct Spread {  // second moments of the places of an octant's rays, summed over its ordinates with their weights
@@ -68,7 +73,14 @@ class SlopeTables {
   std::array<Spread, octants> spread_;
   std::vector<std::array<std::array<Real, octants>, octants>> between_;  // [p][to][from]
   Slope<Real> beam_;
+  bool keep_radiance_;
 };
+
+/// Slopes of a source, relative to it and limited so that the linear source stays positive in every cell.
+/// @param source, from_beam [n] @param slope of its multiply scattered part, W m-2 sr-1 from face to face; in place.
+template <class Real>
+void make_relative(const Slope<Real>& beam, std::span<const Real> source, std::span<const Real> from_beam,
+                   Slope<Real>& slope);
 
 /// Slopes of a source of `n` cells, relative to it: its multiply scattered part has the slopes `multiple`, its part
 /// from the beam alone those of the beam. Limited so that the linear source stays positive in every cell.

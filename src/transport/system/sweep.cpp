@@ -300,8 +300,6 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   typename Ground<Real>::Reflection ground;
   work.of_thread.resize(omp_get_max_threads());
   const std::size_t n = system.cells->size();
-  if (slopes != nullptr && !slopes->relative)
-    system.slopes->make_relative(*system.cells, field, system.beam.source, *slopes);
   const bool new_slopes = slopes != nullptr && !slopes->frozen;
   if (new_slopes) {
     for (auto& axis : work.moment) axis.resize(n + lane_padding);
@@ -373,7 +371,8 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
           });
         }
         const int octant = octant_of(ordinates.direction[group.front()]);
-        system.slopes->team_fit(system.cells->rows, octant, work.moment, slopes->of_octant[octant]);
+        system.slopes->team_fit(system.cells->rows, octant, work.moment,
+                                system.slopes->radiance_slope(*slopes, octant));
       }
     }
     errors.rethrow();
@@ -386,7 +385,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   fluxes.surface_absorbed = ground.absorbed;
   if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
   march_ordinates(true);
-  if (new_slopes) slopes->relative = false;
+  if (new_slopes) system.slopes->scatter(*system.cells, field, *slopes);
 
   if (record) {
     fluxes.profile_up.assign(levels, 0.);
