@@ -439,6 +439,8 @@ class ResultWriter {
                                {"mode", first_.report.mode},
                                {"left_out_axes", first_.report.collapsed_axes},
                                {"added_levels", whole(&R::added_levels)},
+                               {"column_parts_x", whole(&R::column_parts_x)},
+                               {"column_parts_y", whole(&R::column_parts_y)},
                                {"active_voxels", size(&R::active_voxels)},
                                {"threads", whole(&R::threads)},
                                {"seconds_total", real(&R::seconds_total)},

@@ -42,6 +42,9 @@ struct SpatialOptions {
   /// Levels in which the direct beam fades are subdivided, the first part of this slant optical depth
   /// (SubdividedLevels); 0: as they are.
   double max_level_optical_depth = 0;
+  /// Columns of thick voxels are subdivided into parts of this optical depth from side to side (SubdividedColumns); 0:
+  /// as they are.
+  double max_column_optical_depth = 0;
 };
 
 /// Convergence criteria of the iteration, and its storage.

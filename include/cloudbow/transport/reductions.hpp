@@ -22,4 +22,12 @@ struct SubdividedLevels {
   int added(const BoxGrid& box) const { return static_cast<int>(level.size()) - box.nz(); }
 };
 
+/// Equal parts of every column along x and y.
+struct SubdividedColumns {
+  int x = 1;
+  int y = 1;
+  bool any() const { return x > 1 || y > 1; }
+  bool operator==(const SubdividedColumns&) const = default;
+};
+
 }  // namespace cloudbow

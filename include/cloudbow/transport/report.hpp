@@ -31,6 +31,8 @@ struct SolverReport {
   std::string mode;            ///< "1d", "2d", "3d", "independent-columns" or "independent-diffuse"
   std::string collapsed_axes;  ///< "x", "y", "x, y" or nothing: along which nothing varies, so that one cell was solved
   int added_levels = 0;        ///< by subdividing levels in which the direct beam fades
+  int column_parts_x = 1;      ///< parts of a column, subdivided because its voxels are thick
+  int column_parts_y = 1;
   std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;
   int threads = 1;

@@ -31,9 +31,14 @@ class SolvePlan {
   const SubdividedLevels& levels() const { return levels_; }
   int added_levels() const { return levels_.added(collapsed().grid.box); }
 
-  /// The problem and options as solved, without these axes and with these levels. If cells() is more than it has, the
-  /// solve adds its cells without matter.
-  const Problem& problem() const { return subdivided_ ? *subdivided_ : collapsed(); }
+  /// Subdivided columns of the collapsed problem.
+  SubdividedColumns column_parts() const { return column_parts_; }
+  /// The collapsed problem with these levels.
+  const Problem& with_levels() const { return subdivided_ ? *subdivided_ : collapsed(); }
+
+  /// The problem and options as solved, without these axes, with these levels and these columns. If cells() is more
+  /// than it has, the solve adds its cells without matter.
+  const Problem& problem() const { return in_parts_ ? *in_parts_ : with_levels(); }
   const SolverOptions& options() const { return options_; }
 
   /// One periodic column is all that is solved.
@@ -54,6 +59,8 @@ class SolvePlan {
   std::shared_ptr<const Problem> collapsed_;  // null: no axis is collapsed
   SubdividedLevels levels_;
   std::shared_ptr<const Problem> subdivided_;  // null: no level is subdivided
+  SubdividedColumns column_parts_;
+  std::shared_ptr<const Problem> in_parts_;  // null: no column is subdivided
   SolverOptions options_;
   bool by_polar_streams_ = false;
   bool too_thick_for_float_ = false;

@@ -163,6 +163,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.gather_directions = solver.gather_directions.value_or(options.gather_directions);
   options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
   options.max_level_optical_depth = solver.max_level_optical_depth.value_or(options.max_level_optical_depth);
+  options.max_column_optical_depth = solver.max_column_optical_depth.value_or(options.max_column_optical_depth);
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
   options.half_precision_radiance = solver.half_precision_radiance;

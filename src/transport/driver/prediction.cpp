@@ -202,6 +202,7 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
 std::size_t predict_memory(const SolvePlan& plan) {
   std::size_t bytes = memory_of_solve(plan);
   if (plan.added_levels() > 0) bytes += grid_bytes(plan.collapsed());
+  if (plan.column_parts().any()) bytes += grid_bytes(plan.with_levels());
   if (plan.collapsed_axes().any()) {
     const BoxGrid& box = plan.whole().grid.box;
     // Fluxes and absorption of the whole, and on their way into the file.

@@ -1,21 +1,33 @@
 #include "cloudbow/transport/solve_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "transport/driver/path_load.hpp"
 #include "transport/driver/precision.hpp"
 #include "transport/grid/threads.hpp"
+#include "transport/reduction/subdivided_columns.hpp"
 #include "transport/reduction/subdivided_levels.hpp"
 #include "transport/reduction/uniform_axes.hpp"
 
 namespace cloudbow {
 namespace {
 
-// Whether levels are subdivided in the same way.
+// Whether levels and columns are subdivided in the same way.
 bool subdivided_alike(const SolvePlan& plan, const SolverOptions& options, bool by_polar_streams) {
   const SolverOptions& other = plan.whole_options();
   return options.max_level_optical_depth == other.max_level_optical_depth &&
+         options.max_column_optical_depth == other.max_column_optical_depth &&
+         options.independent_columns == other.independent_columns &&
          options.fit.delta_m_order == other.fit.delta_m_order && by_polar_streams == plan.by_polar_streams();
+}
+
+// As many rays in a column as without parts, and no fewer than four in a part.
+int beam_rays_of_part(int rays, SubdividedColumns parts) {
+  const int across = static_cast<int>(std::lround(std::sqrt(rays)));
+  const int fewer = std::min(parts.x, parts.y);
+  const int of_part = std::min(across, std::max(2, (across + fewer - 1) / fewer));
+  return of_part * of_part;
 }
 
 }  // namespace
@@ -52,16 +64,22 @@ void SolvePlan::set(const SolverOptions& options, const SolvePlan* other) {
   if (same_levels) {
     levels_ = other->levels_;
     subdivided_ = other->subdivided_;
+    column_parts_ = other->column_parts_;
+    in_parts_ = other->in_parts_;
     too_thick_for_float_ = other->too_thick_for_float_;
   } else {
     SolverOptions how = options_;
     if (by_polar_streams_) how.max_level_optical_depth = 0;  // they are exact at every depth
     levels_ = subdivide_thick_levels(collapsed(), how);
     if (added_levels() > 0) subdivided_ = std::make_shared<const Problem>(with_subdivided_levels(collapsed(), levels_));
+    column_parts_ = subdivide_thick_columns(collapsed(), options_);
+    if (column_parts_.any())
+      in_parts_ = std::make_shared<const Problem>(with_subdivided_columns(with_levels(), column_parts_));
     too_thick_for_float_ = too_thick_for_float(problem().grid);
   }
   if (subdivided_) options_ = with_subdivided_levels(options_, levels_);
 
+  if (in_parts_) options_.beam_rays = beam_rays_of_part(options_.beam_rays, column_parts_);
   in_double_ = options_.double_precision || too_thick_for_float_ || beam_needs_double(problem(), options_);
   const std::size_t columns = problem().grid.box.columns();
   cells_ =

@@ -21,6 +21,7 @@
 #include "transport/observers/flux_fields.hpp"
 #include "transport/observers/images.hpp"
 #include "transport/problem/finite.hpp"
+#include "transport/reduction/subdivided_columns.hpp"
 #include "transport/reduction/subdivided_levels.hpp"
 #include "transport/reduction/uniform_axes.hpp"
 
@@ -223,6 +224,11 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
     check_paths(plan);
     solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
                                        : solve_by_ordinates(plan, progress, checkpoints);
+  }
+  if (plan.column_parts().any()) {
+    join_columns(plan.with_levels(), plan.column_parts(), solution);
+    solution.report.column_parts_x = plan.column_parts().x;
+    solution.report.column_parts_y = plan.column_parts().y;
   }
   if (plan.added_levels() > 0) {
     join_levels(plan.collapsed(), plan.levels(), solution);

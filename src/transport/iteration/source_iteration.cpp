@@ -22,7 +22,7 @@ constexpr int anderson_depth = 3;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
 // Slopes of light that still change upset the mixing of iterates. From this estimated error on they change no more.
-const double error_of_frozen_slopes = std::getenv("CB_F") ? std::atof(std::getenv("CB_F")) : .02;
+constexpr double error_of_frozen_slopes = .02;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
