@@ -21,7 +21,8 @@ constexpr double low_tolerance = .1;
 constexpr int most_low_sweeps = 12;
 // Below this transport optical depth diffusion does not pay: light leaves within the few sweeps that are needed anyway.
 constexpr double thin_for_diffusion = 2.5;
-// Least optical depth for transport scattering along longest_free_path() of the levels at the top and bottom of its box.
+// Least optical depth for transport scattering along longest_free_path() of the levels at the top and bottom of its
+// box.
 constexpr double least_to_diffuse = .1;
 // Optical depth of a cell beyond which its current is not corrected: light hardly crosses it within a sweep, and the
 // correction would overshoot.
@@ -297,6 +298,11 @@ LowOrderCorrection<Real>& LowOrderCorrection<Real>::operator=(LowOrderCorrection
 template <class Real>
 bool LowOrderCorrection<Real>::uses_diffusion() const {
   return diffusion_ != nullptr;
+}
+
+template <class Real>
+void LowOrderCorrection<Real>::drop_diffusion() {
+  diffusion_.reset();
 }
 
 // Fills one moment of low_.emission: source(to) adds it to [n] values of the problem's own cells.
