@@ -32,8 +32,6 @@ double rounding_of(const AngularField<Real>& radiance) {
   if (radiance.packed()) return 1e-3;
   return sizeof(Real) == sizeof(float) ? 3e-5 : 1e-11;
 }
-// Steps of an iteration that does not converge are larger, unless rounding is the cause.
-constexpr double largest_step_of_a_result = .01;
 // In fractions of the incident light: fluxes of an iteration that was stopped have no meaning beyond it.
 constexpr double largest_imbalance_of_a_result = 1;
 
@@ -110,11 +108,11 @@ void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
 }
 
 void check_meaningful(const IterationReport& report, const EnergyLedger& ledger, double step) {
-  if (step <= largest_step_of_a_result && std::abs(ledger.residual) <= largest_imbalance_of_a_result) return;
+  if (step <= StepWatch::large && std::abs(ledger.residual) <= largest_imbalance_of_a_result) return;
   throw std::runtime_error(
       fmt::format("the iteration diverges in sweep {} (found step {:.1e} and energy residual {:.1e}, allowed {} and "
                   "{}). Nothing is written. Another solver.max_level_optical_depth or solver.accuracy may converge",
-                  report.sweeps, step, ledger.residual, largest_step_of_a_result, largest_imbalance_of_a_result));
+                  report.sweeps, step, ledger.residual, StepWatch::large, largest_imbalance_of_a_result));
 }
 
 }  // namespace
@@ -143,7 +141,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   {
     const Stopwatch watch(report.seconds_acceleration);
     low_order.emplace(system);
-    if (StepWatch::of(state.steps, rounding).restarted) low_order->drop_diffusion();
+    if (StepWatch::of(state.steps, rounding).diverges) low_order->drop_diffusion();
     if (!restored) x.assign(low_moments * n, Real(0));
     if (!restored && !system.beam.source.empty()) {
       low_order->guess(x);
@@ -202,7 +200,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       const Stopwatch watch(report.seconds_acceleration);
       if (steps.restart_now) {
         state.mixer.history() = {};
-        low_order->drop_diffusion();
+        if (steps.diverges) low_order->drop_diffusion();
       }
       state.mixer.advance(std::span(x).first(mixed), std::span<const Real>(g).first(mixed));
       std::copy(g.begin() + static_cast<std::ptrdiff_t>(mixed), g.end(),

@@ -7,6 +7,7 @@ namespace cloudbow {
 
 StepWatch StepWatch::of(std::span<const double> steps, double rounding) {
   constexpr double progress = .9;
+  constexpr double growth = 10;  // a plateau of mixing rises less
   StepWatch watch;
   double mark = std::numeric_limits<double>::infinity();  // the next step of progress is below this
   int since = 0;
@@ -24,6 +25,7 @@ StepWatch StepWatch::of(std::span<const double> steps, double rounding) {
       watch.stuck = true;
     } else {
       watch.restarted = watch.restart_now = true;
+      watch.diverges = step > large || step > growth * watch.least;
       watch.least = mark = std::numeric_limits<double>::infinity();
       since = 0;
     }

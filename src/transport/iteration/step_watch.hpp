@@ -9,6 +9,7 @@ namespace cloudbow {
 struct StepWatch {
   bool restarted = false;    ///< in this sweep or before
   bool restart_now = false;  ///< after this sweep, for the first time
+  bool diverges = false;     ///< the restart was made at large or grown steps
   bool stuck = false;        ///< no longer comes closer, and a restart did not or cannot help
   double least = 0;          ///< smallest step since the restart, or of all
 
@@ -19,6 +20,7 @@ struct StepWatch {
   static StepWatch of(std::span<const double> steps, double rounding);
 
   static constexpr int patience = 8;
+  static constexpr double large = .01;  ///< steps beyond it are due to divergence: slow convergence has smaller ones
 };
 
 }  // namespace cloudbow

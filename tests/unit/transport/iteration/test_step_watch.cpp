@@ -52,7 +52,17 @@ TEST(StepWatch, ConvergenceAfterARestartIsNotStuck) {
   add(steps, 30, .5);
   const StepWatch watch = StepWatch::of(steps, 0);
   EXPECT_TRUE(watch.restarted);
+  EXPECT_TRUE(watch.diverges);
   EXPECT_FALSE(watch.stuck);
+}
+
+TEST(StepWatch, APlateauOfSmallStepsIsNoDivergence) {
+  std::vector<double> steps;
+  add(steps, 10, .5);
+  add(steps, StepWatch::patience, 1.);
+  const StepWatch watch = StepWatch::of(steps, rounding);
+  EXPECT_TRUE(watch.restart_now);
+  EXPECT_FALSE(watch.diverges);
 }
 
 TEST(StepWatch, RoundingIsNotWorthARestart) {
