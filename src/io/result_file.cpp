@@ -430,6 +430,7 @@ class ResultWriter {
     using R = SolverReport;
     netcdf4::write_attributes(group,
                               {{"converged", each([](const Solution& s) { return std::int32_t{s.report.converged}; })},
+                               {"stalled", each([](const Solution& s) { return std::int32_t{s.report.stalled}; })},
                                {"sweeps", whole(&R::sweeps)},
                                {"estimated_error", real(&R::estimated_error)},
                                {"gather_rescaling", real(&R::gather_rescaling)},

@@ -33,6 +33,7 @@ std::string summary_table(const Solution& solution) {
                            report.seconds_beam, report.seconds_sweeps, report.seconds_gather));
   line("memory", fmt::format("{:9.1f} MB at its peak", static_cast<double>(report.peak_memory_bytes) * 1e-6));
   table += report.converged ? "converged\n"
+           : report.stalled ? "NOT CONVERGED: the iteration stalled above its tolerance\n"
                             : "NOT CONVERGED: the estimated error or the energy residual is above its tolerance\n";
   return table;
 }

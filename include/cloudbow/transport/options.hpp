@@ -68,8 +68,10 @@ struct OutputOptions {
 };
 
 struct ExecutionOptions {
-  bool double_precision = false;  ///< 1D scenes cost nothing in double; very thick cells always use it
-  int threads = 0;                ///< 0: all that OpenMP gives
+  /// 1D scenes cost nothing in double. Very thick cells always use it, and thick media with a small tolerance if 2 GB
+  /// more are enough for that.
+  bool double_precision = false;
+  int threads = 0;  ///< 0: all that OpenMP gives
 };
 
 struct SolverOptions : AngularOptions, SpatialOptions, IterationOptions, OutputOptions, ExecutionOptions {};

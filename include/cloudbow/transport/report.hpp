@@ -22,6 +22,7 @@ struct EnergyLedger {
 
 struct SolverReport {
   bool converged = false;  ///< estimated error within tolerance and ledger within energy_tolerance
+  bool stalled = false;    ///< not converged, and more sweeps would not bring it closer in this precision
   int sweeps = 0;
   double estimated_error = 0;
   double gather_rescaling =

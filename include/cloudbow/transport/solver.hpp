@@ -11,7 +11,7 @@ namespace cloudbow {
 
 /// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points);
 /// for light out of range; and for cells too thick to be solved (thick_cells.hpp).
-/// @throws std::runtime_error if a value of the solution is not finite.
+/// @throws std::runtime_error if a value of the solution is not finite, or the iteration diverges.
 /// @param checkpoints from which the iteration begins and to which it writes its state, or null; solves without
 /// iteration leave none.
 Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, Checkpoints* checkpoints = nullptr);

@@ -152,9 +152,10 @@ int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solutio
     if (solution.report.converged) continue;
     const std::string at = which + (scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "");
     tell(
-        "cloudbow: not converged{}: estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
+        "cloudbow: not converged{}: {}estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
         "marked so\n",
-        at, solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
+        at, solution.report.stalled ? fmt::format("stalled in {}, ", solution.report.radiance_storage) : "",
+        solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
     code = exit_not_converged;
   }
   return code;

@@ -28,8 +28,8 @@ struct Level {
 constexpr std::array<Level, 4> ladder{{
     {"draft", 42, "double-gauss-6x8", 6, 8, 2, 2, true, 128, 4, 4, 0, 0, 1e-3, 3e-3},
     {"balanced", 162, "double-gauss-8x16", 8, 12, 3, 3, true, 512, 16, 8, 2, 2, 1e-4, 1e-3},
-    {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 64, 12, 1, 1, 1e-5, 2e-4},
-    {"reference", 642, "double-gauss-18x36", 16, 20, 5, 3, false, 4096, 64, 16, .5, .5, 1e-6, 2e-5},
+    {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 64, 12, 1, 1.5, 1e-5, 2e-4},
+    {"reference", 642, "double-gauss-18x36", 16, 20, 5, 3, false, 4096, 64, 16, .5, 1, 1e-6, 2e-5},
 }};
 // A single column costs next to nothing, so it gets more directions. Fewer azimuths near the pole serve vertical fluxes
 // well, horizontal ones worse: for columns only.

@@ -143,6 +143,19 @@ struct DiffusionOperator::Level {
   }
 };
 
+namespace {
+
+// h of (23): smallest edge of the cells of level k, of the axes that the field varies along.
+double smallest_edge(const BoxGrid& box, int k, double depth) {
+  return std::min({box.nx > 1 ? box.dx_m : depth, box.ny > 1 ? box.dy_m : depth, box.thickness_m(k)});
+}
+
+}  // namespace
+
+double longest_free_path(const BoxGrid& box, int k, double depth_m) {
+  return std::max(4 * smallest_edge(box, k, depth_m), .05 * depth_m);
+}
+
 DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoefficients& given) {
   auto level = std::make_unique<Level>();
   level->nx = box.nx;
@@ -154,12 +167,11 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
   // iteration diverge.
   std::vector<double> diffusivity(n);
   for (std::size_t c = 0; c < n; ++c) {
-    const double edge = std::min({box.nx > 1 ? box.dx_m : depth, box.ny > 1 ? box.dy_m : depth,
-                                  box.thickness_m(static_cast<int>(c / box.columns()))});
-    const double longest_free_path = std::max(4 * edge, .05 * depth);
+    const int k = static_cast<int>(c / box.columns());
+    const double edge = smallest_edge(box, k, depth);
     const double x = 1.5 * given.extinction[c] * edge;
     const double thick = x < 1e-2 ? x / 6 : 1 / std::tanh(x / 2) - 2 / x;
-    const double free = 1 / (3 * std::max<double>(given.transport[c], 1 / longest_free_path));
+    const double free = 1 / (3 * std::max<double>(given.transport[c], 1 / longest_free_path(box, k, depth)));
     diffusivity[c] = free + edge / 4 * thick;
     free_diffusivity_.push_back(static_cast<float>(free));
     diffusivity_.push_back(static_cast<float>(diffusivity[c]));

@@ -19,6 +19,9 @@ struct DiffusionCoefficients {
   bool independent_columns = false;  ///< independent columns: no coupling across
 };
 
+/// Limit of the free path in (23) for cells of level k, m: 4 h, or .05 of the depth of the medium if that is more.
+double longest_free_path(const BoxGrid& box, int k, double depth_m);
+
 /// Seven-point finite volumes with harmonic face coefficients, and Marshak conditions at top and bottom (and open
 /// sides). They are solved by conjugate gradients with one multigrid V-cycle (z-line smoothing, coarsening across) as
 /// preconditioner. The result is deterministic.

@@ -19,26 +19,32 @@ constexpr int low_mixing_depth = 5;
 // The correction is worth no more than its few directions are: it need not converge.
 constexpr double low_tolerance = .1;
 constexpr int most_low_sweeps = 12;
-// Below this transport optical depth (mean over the columns that hold cells) diffusion does not pay: light leaves
-// within the few sweeps that are needed anyway.
+// Below this transport optical depth diffusion does not pay: light leaves within the few sweeps that are needed anyway.
 constexpr double thin_for_diffusion = 2.5;
+// Least optical depth for transport scattering along longest_free_path() of the levels at the top and bottom of its
+// box.
+constexpr double least_to_diffuse = .1;
 // Optical depth of a cell beyond which its current is not corrected: light hardly crosses it within a sweep, and the
 // correction would overshoot.
 constexpr double thick_for_currents = 50;
 
 }  // namespace
 
-// Diffusion correction of scalar flux and current, on the levels that hold cells.
+// Diffusion correction of scalar flux and current, on the levels that diffuse light.
 template <class Real>
 class LowOrderCorrection<Real>::Diffusion {
  public:
-  explicit Diffusion(const TransportSystem<Real>& system)
-      : independent_columns_(system.independent_columns), box_(system.box), dense_(dense_indices(system.cells->rows)) {
+  Diffusion(const TransportSystem<Real>& system, const LevelRange& levels)
+      : independent_columns_(system.independent_columns),
+        box_(system.box),
+        all_(system.cells->size()),
+        first_(system.cells->rows.level_cell[levels.first]) {
     const std::size_t columns = box_.columns();
-    const int bottom = static_cast<int>(dense_.front() / columns);
-    const int top = static_cast<int>(dense_.back() / columns) + 1;
-    for (auto& place : dense_) place -= static_cast<std::uint32_t>(static_cast<std::size_t>(bottom) * columns);
-    box_.z_edge_m.assign(system.box.z_edge_m.begin() + bottom, system.box.z_edge_m.begin() + top + 1);
+    const std::uint32_t last = system.cells->rows.level_cell[levels.last];
+    const auto dense = dense_indices(system.cells->rows);
+    for (std::size_t c = first_; c < last; ++c)
+      dense_.push_back(dense[c] - static_cast<std::uint32_t>(static_cast<std::size_t>(levels.first) * columns));
+    box_.z_edge_m.assign(system.box.z_edge_m.begin() + levels.first, system.box.z_edge_m.begin() + levels.last + 1);
     const std::size_t places = columns * static_cast<std::size_t>(box_.nz());
     DiffusionCoefficients given;
     given.extinction.assign(places, 0.F);
@@ -52,18 +58,19 @@ class LowOrderCorrection<Real>::Diffusion {
     current_share_.resize(n);
     for (std::size_t c = 0; c < n; ++c) {
       const int level = static_cast<int>(dense_[c] / columns);
-      const double extinction = static_cast<double>(system.cells->extinction[c]);
+      const double extinction = static_cast<double>(system.cells->extinction[first_ + c]);
+      const double absorption = system.absorption[first_ + c];
       double scattering = 0;
       double forward = 0;
       for (std::size_t p = 0; p < system.cells->scattered.size(); ++p) {
-        const double share = static_cast<double>(system.cells->scattered[p][c]) * extinction;
+        const double share = static_cast<double>(system.cells->scattered[p][first_ + c]) * extinction;
         scattering += share;
         forward += share * system.truncated_asymmetry[p];
       }
-      const double transport = system.absorption[c] + scattering - forward;
+      const double transport = absorption + scattering - forward;
       given.extinction[dense_[c]] = static_cast<float>(extinction);
       given.transport[dense_[c]] = static_cast<float>(transport);
-      given.absorption[dense_[c]] = static_cast<float>(system.absorption[c]);
+      given.absorption[dense_[c]] = static_cast<float>(absorption);
       power_[c] = scattering * box_.dx_m * box_.dy_m * box_.thickness_m(level);
       const double thickness = extinction * box_.thickness_m(level) / thick_for_currents;
       current_share_[c] = 1 / (1 + thickness * thickness);
@@ -83,9 +90,10 @@ class LowOrderCorrection<Real>::Diffusion {
     std::fill(source_.begin(), source_.end(), 0.);
     for (auto& flow : flow_) std::fill(flow.begin(), flow.end(), 0.);
     for (std::size_t c = 0; c < n; ++c) {
-      source_[dense_[c]] = power_[c] * static_cast<double>(change[c]);
+      source_[dense_[c]] = power_[c] * static_cast<double>(change[first_ + c]);
       for (std::size_t axis = 0; axis < 3; ++axis)
-        flow_[axis][dense_[c]] = forward_[c] * static_cast<double>(change[(axis + 1) * n + c]) / std::sqrt(3.);
+        flow_[axis][dense_[c]] =
+            forward_[c] * static_cast<double>(change[(axis + 1) * all_ + first_ + c]) / std::sqrt(3.);
     }
     diverge();
     operator_->solve(source_, correction_);
@@ -95,10 +103,11 @@ class LowOrderCorrection<Real>::Diffusion {
       const int i = static_cast<int>(at % box_.nx);
       const int j = static_cast<int>(at / box_.nx % box_.ny);
       const int k = static_cast<int>(at / columns);
-      moments[c] += static_cast<Real>(correction_[at]);
+      moments[first_ + c] += static_cast<Real>(correction_[at]);
       const double slide = current_share_[c] * operator_->diffusivity(at);
       const auto add = [&](std::size_t axis, double gradient) {
-        moments[(axis + 1) * n + c] += static_cast<Real>(std::sqrt(3.) * (flow_[axis][at] - slide * gradient));
+        moments[(axis + 1) * all_ + first_ + c] +=
+            static_cast<Real>(std::sqrt(3.) * (flow_[axis][at] - slide * gradient));
       };
       const auto across = [&](int position, int count, std::size_t stride, double width) {
         const bool seam = box_.periodic;
@@ -150,7 +159,9 @@ class LowOrderCorrection<Real>::Diffusion {
 
   bool independent_columns_;
   BoxGrid box_;
-  std::vector<std::uint32_t> dense_;
+  std::size_t all_;                   // cells of the system
+  std::size_t first_;                 // of them, the first in the box
+  std::vector<std::uint32_t> dense_;  // [n] index in the box of each cell
   std::optional<DiffusionOperator> operator_;
   std::vector<double> power_;          // [n] scattered power per scalar flux
   std::vector<double> forward_;        // [n] current that a change of the current leads to
@@ -162,23 +173,57 @@ class LowOrderCorrection<Real>::Diffusion {
 
 namespace {
 
-// Mean over the columns that hold cells.
+// Part of the extinction of a cell that scatters light out of its direction, 1/m.
+template <class Real>
+double transport_scattering(const TransportSystem<Real>& system, std::size_t cell) {
+  double share = 0;
+  for (std::size_t p = 0; p < system.cells->scattered.size(); ++p)
+    share += static_cast<double>(system.cells->scattered[p][cell]) * (1 - system.truncated_asymmetry[p]);
+  return share * static_cast<double>(system.cells->extinction[cell]);
+}
+
+// Mean over the columns, each weighted with its own: clear columns do not count, nor columns of thin air alone.
 template <class Real>
 double transport_depth(const TransportSystem<Real>& system) {
   const std::size_t columns = system.box.columns();
   const auto dense = dense_indices(system.cells->rows);
-  std::vector<char> cloudy(columns, 0);
-  double sum = 0;
+  std::vector<double> depth(columns, 0.);
   for (std::size_t c = 0; c < dense.size(); ++c) {
-    double remains = 1;
-    for (std::size_t p = 0; p < system.cells->scattered.size(); ++p)
-      remains -= static_cast<double>(system.cells->scattered[p][c]) * system.truncated_asymmetry[p];
-    sum += remains * static_cast<double>(system.cells->extinction[c]) *
-           system.box.thickness_m(static_cast<int>(dense[c] / columns));
-    if (system.cells->extinction[c] > 0) cloudy[dense[c] % columns] = 1;
+    depth[dense[c] % columns] += (system.absorption[c] + transport_scattering(system, c)) *
+                                 system.box.thickness_m(static_cast<int>(dense[c] / columns));
   }
-  const auto count = std::count(cloudy.begin(), cloudy.end(), 1);
-  return count > 0 ? sum / static_cast<double>(count) : 0;
+  double sum = 0, weighted = 0;
+  for (const double d : depth) {
+    sum += d;
+    weighted += d * d;
+  }
+  return sum > 0 ? weighted / sum : 0;
+}
+
+// From the lowest to the highest level in which light diffuses. Above and below them light leaves freely. Diffusivity
+// has a limit: in the box of the diffusion problem such levels would scatter light back, and the iteration diverges.
+template <class Real>
+LevelRange diffusing_levels(const TransportSystem<Real>& system) {
+  const BoxGrid& box = system.box;
+  const std::vector<std::uint32_t>& level_cell = system.cells->rows.level_cell;
+  std::vector<double> most(box.nz(), 0.);
+  for (int k = 0; k < box.nz(); ++k)
+    for (std::size_t c = level_cell[k]; c < level_cell[k + 1]; ++c)
+      most[k] = std::max(most[k], transport_scattering(system, c));
+  // Without levels that count, the range stays.
+  const auto trimmed = [](LevelRange levels, const auto& counts) {
+    LevelRange inner = levels;
+    while (inner.first < inner.last && !counts(inner.first)) ++inner.first;
+    while (inner.first < inner.last && !counts(inner.last - 1)) --inner.last;
+    return inner.first < inner.last ? inner : levels;
+  };
+  LevelRange levels = trimmed({0, box.nz()}, [&](int k) { return most[k] > 0; });
+  for (int before = 0; before != levels.last - levels.first;) {
+    before = levels.last - levels.first;
+    const double depth = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
+    levels = trimmed(levels, [&](int k) { return most[k] * longest_free_path(box, k, depth) >= least_to_diffuse; });
+  }
+  return levels;
 }
 
 // [p] low_moments x low_moments: moments of the source from moments of the radiance.
@@ -239,7 +284,8 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
   }
   moments_.resize(low_.emission.size());
   radiance_ = AngularField<Real>(low_.ordinates.size(), low_.cells->size());
-  if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<Diffusion>(low_);
+  if (transport_depth(system) > thin_for_diffusion)
+    diffusion_ = std::make_unique<Diffusion>(low_, diffusing_levels(low_));
 }
 
 template <class Real>
@@ -252,6 +298,11 @@ LowOrderCorrection<Real>& LowOrderCorrection<Real>::operator=(LowOrderCorrection
 template <class Real>
 bool LowOrderCorrection<Real>::uses_diffusion() const {
   return diffusion_ != nullptr;
+}
+
+template <class Real>
+void LowOrderCorrection<Real>::drop_diffusion() {
+  diffusion_.reset();
 }
 
 // Fills one moment of low_.emission: source(to) adds it to [n] values of the problem's own cells.

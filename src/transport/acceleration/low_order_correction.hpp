@@ -27,6 +27,8 @@ class LowOrderCorrection {
 
   int sweeps() const { return sweeps_; }  ///< with few directions, so far
   bool uses_diffusion() const;
+  /// Slower from now on, but without the part that can diverge.
+  void drop_diffusion();
 
  private:
   class Diffusion;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "cloudbow/sphere/ordinate_set.hpp"
 
 namespace cloudbow {
 namespace {
@@ -12,6 +15,13 @@ namespace {
 // 200 is not; cells of optical depth 25 in absorbing air are fine, 250 are not.
 constexpr double thickest_cell_in_float = 50;
 constexpr double thickest_domain_in_float = 120;
+// Of 12 thick clouds, 9 are at estimated errors of 4e-6 to 1.1e-5 after 30 sweeps in float, and hardly improve. In
+// double these come below 1e-6 within 15 to 28 sweeps. Media of less optical depth than this were not measured (mean
+// over the columns, each weighted with its own).
+constexpr double finest_tolerance_in_float = 5e-6;
+constexpr double thickest_domain_for_it = 5;
+// Radiances for which double takes 2 GB more than float.
+constexpr double most_values_in_double = 5e8;
 
 }  // namespace
 
@@ -34,6 +44,24 @@ bool too_thick_for_float(const OpticalGrid& grid) {
   const double diffusion_length = absorbing > 0 ? std::sqrt(optical_depth / (3 * absorbing)) : HUGE_VAL;
   const double mean_depth = optical_depth / static_cast<double>(box.columns());
   return std::min(mean_depth, 3 * diffusion_length) > thickest_domain_in_float;
+}
+
+bool tolerance_needs_double(const OpticalGrid& grid, std::size_t cells, const SolverOptions& options) {
+  if (options.tolerance >= finest_tolerance_in_float || options.half_precision_radiance) return false;
+  const double ordinates = make_ordinate_set(options.directions).size();
+  if (static_cast<double>(cells) * ordinates > most_values_in_double) return false;
+  std::vector<double> depth(grid.box.columns(), 0.);
+  std::size_t cell = 0;
+  grid.for_each_span([&](int k, int j, const RowSpan& span) {
+    for (int i = span.i; i < span.i + span.n; ++i, ++cell)
+      depth[static_cast<std::size_t>(j) * grid.box.nx + i] += grid.extinction(cell) * grid.box.thickness_m(k);
+  });
+  double sum = 0, weighted = 0;
+  for (const double d : depth) {
+    sum += d;
+    weighted += d * d;
+  }
+  return weighted > thickest_domain_for_it * sum;
 }
 
 }  // namespace cloudbow

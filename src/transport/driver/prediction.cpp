@@ -154,7 +154,9 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   // A cell of the grid; with its neighbours, its place along x and its share of the chunks; with its beam.
   const std::size_t grid = 4 * (1 + phases);
   const std::size_t cell = real * (5 + phases) + 24 + 4 + 10;
-  const std::size_t system = real * (1 + phases) + 8;
+  // With the slopes of light of each octant, of the radiance and of the source, and that of the beam.
+  const bool slopes = options.linear_source && !options.independent_columns && box.columns() > 1;
+  const std::size_t system = real * (1 + phases) + 8 + (slopes ? real * 51 : 0);
   const bool packed = options.half_precision_radiance && real == sizeof(float);
   const std::size_t stored = packed ? sizeof(std::uint16_t) : real;
   // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients; work
@@ -162,7 +164,7 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
   const bool many = active >= 2000 && box.columns() > 1 && !options.independent_columns;
   const std::size_t iteration = stored * ordinates + real * (4 * 9 + 8 * 4 + 7 + (packed ? 5 : 4) * threads) +
-                                (many ? low_cell / 6 + real + 7 : low_cell);
+                                (slopes ? real * (3 + 10 * threads) : 0) + (many ? low_cell / 6 + real + 7 : low_cell);
   // Source at the points in the place of the radiance; first orders of scattering, gradients.
   const std::size_t gather = stored * std::max(ordinates, points) + real * (9 + 2 * phases + 4 * threads + 8);
   const std::size_t radiance_field = options.radiance_field ? points * 4 + 12 : 0;

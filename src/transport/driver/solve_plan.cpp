@@ -80,10 +80,11 @@ void SolvePlan::set(const SolverOptions& options, const SolvePlan* other) {
   if (subdivided_) options_ = with_subdivided_levels(options_, levels_);
 
   if (in_parts_) options_.beam_rays = beam_rays_of_part(options_.beam_rays, column_parts_);
-  in_double_ = options_.double_precision || too_thick_for_float_ || beam_needs_double(problem(), options_);
   const std::size_t columns = problem().grid.box.columns();
   cells_ =
       options.actinic ? columns * static_cast<std::size_t>(problem().grid.box.nz()) : problem().grid.active_cells();
+  in_double_ = options_.double_precision || too_thick_for_float_ || beam_needs_double(problem(), options_) ||
+               (!by_polar_streams_ && tolerance_needs_double(problem().grid, cells_, options_));
   threads_ = threads_for(std::max(cells_, columns), options.threads);
 }
 

@@ -86,6 +86,7 @@ void report_iteration(const IterationResult<Real>& solved, Solution& solution) {
   SolverReport& report = solution.report;
   solution.ledger = solved.ledger;
   report.converged = solved.report.converged;
+  report.stalled = solved.report.stalled;
   report.sweeps = solved.report.sweeps;
   report.estimated_error = solved.report.estimated_error;
   report.seconds_sweeps = solved.report.seconds_sweeps;

@@ -50,6 +50,7 @@ template <class Real>
 void add_problem(Digest& digest, const TransportSystem<Real>& system) {
   const Cells<Real>& cells = *system.cells;
   digest.add(system.linear_source);
+  digest.add(system.slopes.has_value());
   digest.add(values_of(cells.extinction).first(cells.size()));
   for (const auto& scattered : cells.scattered) digest.add(values_of(scattered));
   for (const auto& scale : cells.scale) digest.add(values_of(scale));
@@ -83,7 +84,7 @@ StateArray radiance_of(AngularField<Real>& radiance) {
 }
 
 // Everything that is no array, in one.
-constexpr std::size_t number_count = 23;
+constexpr std::size_t number_count = 24;
 
 template <class Real, class Use>
 void for_each_number(IterationState<Real>& state, const Use& use) {
@@ -92,6 +93,7 @@ void for_each_number(IterationState<Real>& state, const Use& use) {
   SweepFluxes<Real>& fluxes = state.result.fluxes;
   use(state.nearly_done);
   use(state.done);
+  use(state.slopes_frozen);
   use(report.converged);
   use(report.sweeps);
   for (double* const number :
@@ -121,6 +123,20 @@ void make_room(const TransportSystem<Real>& system, SweepFluxes<Real>& fluxes) {
 }
 
 template <class Real>
+void add_slopes(IterationResult<Real>& result, std::vector<StateArray>& arrays) {
+  if (!result.slopes) return;
+  const auto add = [&](const char* name, std::array<Slope<Real>, octants>& of) {
+    StateArray slopes{name, sizeof(Real), result.radiance.cells, {}};
+    for (auto& octant : of) {
+      for (auto& axis : octant) slopes.rows.push_back(axis.data());
+    }
+    arrays.push_back(std::move(slopes));
+  };
+  add("source_slopes", result.slopes->of_octant);
+  add("radiance_slopes", result.slopes->of_radiance);
+}
+
+template <class Real>
 std::vector<StateArray> arrays_of_result(IterationResult<Real>& result) {
   SweepFluxes<Real>& fluxes = result.fluxes;
   std::vector<StateArray> arrays{array_of("moments", result.moments), array_of("surface_flux", fluxes.surface_flux),
@@ -139,6 +155,7 @@ std::vector<StateArray> arrays_of_result(IterationResult<Real>& result) {
     }
     arrays.push_back(std::move(arriving));
   }
+  add_slopes(result, arrays);
   return arrays;
 }
 
@@ -153,6 +170,7 @@ std::vector<StateArray> arrays_between_sweeps(IterationState<Real>& state) {
     arrays.push_back(array_of("residual_change_" + std::to_string(n), history.residual_change[n]));
     arrays.push_back(array_of("iterate_change_" + std::to_string(n), history.g_change[n]));
   }
+  add_slopes(state.result, arrays);
   return arrays;
 }
 
@@ -204,8 +222,8 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
   for (const double number : numbers) {
     if (!std::isfinite(number)) checkpoints.refuse(fmt::format("numbers (found {}, allowed finite ones)", number));
   }
-  if (numbers[3] < 0 || numbers[3] > most_sweeps || mixed < 0 || mixed > state.mixer.depth()) {
-    checkpoints.refuse(fmt::format("{} sweeps, {} changes (allowed up to {} and {})", numbers[3], mixed, most_sweeps,
+  if (numbers[4] < 0 || numbers[4] > most_sweeps || mixed < 0 || mixed > state.mixer.depth()) {
+    checkpoints.refuse(fmt::format("{} sweeps, {} changes (allowed up to {} and {})", numbers[4], mixed, most_sweeps,
                                    state.mixer.depth()));
   }
   std::size_t next = 0;
@@ -217,7 +235,7 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
 
   if (found == Checkpoints::Found::same_layout || (state.done && !within(options, result.report))) {
     result.report = {};
-    state.done = state.nearly_done = false;
+    state.done = state.nearly_done = state.slopes_frozen = false;
     system.moments(result.radiance, result.moments);
     state.x = result.moments;
     state.change.clear();

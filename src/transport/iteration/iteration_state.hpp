@@ -18,9 +18,10 @@ struct IterationState {
   std::vector<Real> change;   ///< [low_moments][n] added to the radiance's own moments for that; empty: nothing
   std::vector<double> steps;  ///< relative size of each accelerated change so far
   AndersonMixer<Real> mixer;
-  bool dark = true;          ///< there is no radiance yet
-  bool nearly_done = false;  ///< the next sweep records
-  bool done = false;         ///< the result is complete
+  bool slopes_frozen = false;  ///< slopes of light change no more
+  bool dark = true;            ///< there is no radiance yet
+  bool nearly_done = false;    ///< the next sweep records
+  bool done = false;           ///< the result is complete
 };
 
 template <class Real>

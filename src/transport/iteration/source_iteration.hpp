@@ -16,6 +16,7 @@ namespace cloudbow {
 
 struct IterationReport {
   bool converged = false;
+  bool stalled = false;  ///< it was ended before max_sweeps, as it came no closer
   int sweeps = 0;
   double estimated_error = 0;
   double seconds_sweeps = 0;
@@ -37,6 +38,7 @@ using IterationCallback = std::function<void(int sweep, double estimated_error, 
 
 /// @param checkpoints the first state is read from them; states are written to them when they are due, and at the end;
 /// or null.
+/// @throws std::runtime_error if the iteration diverges, even after a restart without mixing and diffusion.
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
                                      const IterationCallback& progress, Checkpoints* checkpoints = nullptr);

@@ -44,7 +44,7 @@ struct Crossing {
     return phi.phi1 * in + t * ((phi.phi2 - phi.phi3) * entry + phi.phi3 * exit);
   }
 
-  /// Mean of s I(s), with s = 0 at the entry and 1 at the exit (Eq. 20b).
+  /// Mean of s I(s), with s = 0 at the entry and 1 at the exit (Eq. 20d).
   [[gnu::always_inline]] Value first_moment(const Value& in, const Value& entry, const Value& exit) const {
     return (phi.phi1 - phi.phi2) * in +
            t * ((phi.phi2 - 2 * phi.phi3 + phi.phi4) * entry + (phi.phi3 - phi.phi4) * exit);

@@ -1,4 +1,4 @@
-// Slopes of light within a cell from the first moments that its rays leave there (docs/theory.md, Eqs. 20b, 20c).
+// Slopes of light within a cell from the first moments that its rays leave there (docs/theory.md, Eqs. 20d, 20e).
 #pragma once
 
 #include <Eigen/Core>

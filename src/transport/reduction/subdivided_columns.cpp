@@ -14,7 +14,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr int most_parts = 4;
+constexpr int most_parts = 3;
 constexpr double across_the_sun = 2;  // times the depth that parts may have along the sun's azimuth
 
 // Delta-M scaled extinction, 1/m, mean over the cells by the power that the beam loses in them. Independent columns are

@@ -36,8 +36,8 @@ template <class Real>
 template <class Real>
 SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
                                const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering,
-                               Slope<Real> beam, bool keep_radiance)
-    : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)), keep_radiance_(keep_radiance) {
+                               Slope<Real> beam)
+    : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)) {
   for (int d = 0; d < ordinates.size(); ++d) {
     Spread& spread = spread_[octant_of(ordinates.direction[d])];
     const double weight = ordinates.weight[d];
@@ -70,7 +70,6 @@ template <class Real>
 LightSlopes<Real> SlopeTables<Real>::none(std::size_t cells) const {
   LightSlopes<Real> slopes;
   for (auto* of : {&slopes.of_octant, &slopes.of_radiance}) {
-    if (of == &slopes.of_radiance && !keep_radiance_) continue;
     for (auto& octant : *of) {
       for (auto& axis : octant) axis.assign(cells + lane_padding, Real(0));
     }
@@ -116,7 +115,6 @@ template <class Real>
 void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Real>& radiance,
                                 LightSlopes<Real>& slopes) const {
   const std::size_t n = cells.size();
-  const auto& of_radiance = keep_radiance_ ? slopes.of_radiance : slopes.of_octant;
   ParallelErrors errors;
 #pragma omp parallel
   {
@@ -150,7 +148,7 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
               for (int from = 0; from < octants; ++from) {
                 const Real share = between_[p][to][from];
                 const Real* __restrict const light =
-                    quantity == 0 ? mean[from].data() : of_radiance[from][quantity - 1].data() + first;
+                    quantity == 0 ? mean[from].data() : slopes.of_radiance[from][quantity - 1].data() + first;
                 for (std::size_t c = 0; c < count; ++c) sum[c] += share * albedo[c] * light[c];
               }
             }

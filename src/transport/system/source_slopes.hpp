@@ -30,7 +30,7 @@ template <class Real>
 struct LightSlopes {
   /// Of the multiply scattered source towards each octant, relative to it.
   std::array<Slope<Real>, octants> of_octant;
-  /// Of the radiance in each octant, W m-2 sr-1 from face to face: images require them. Else empty.
+  /// Of the radiance in each octant, W m-2 sr-1 from face to face.
   std::array<Slope<Real>, octants> of_radiance;
   bool frozen = false;  ///< sweeps leave them as they are
 };
@@ -40,8 +40,7 @@ template <class Real>
 class SlopeTables {
  public:
   SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
-              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam,
-              bool keep_radiance);
+              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam);
 
   /// Of the direct beam's irradiance, relative to it.
   const Slope<Real>& beam() const { return beam_; }
@@ -53,10 +52,6 @@ class SlopeTables {
   /// its radiance. Called by all threads of a team.
   void team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment, Slope<Real>& slope) const;
 
-  /// The slopes that team_fit() fills.
-  Slope<Real>& radiance_slope(LightSlopes<Real>& slopes, int octant) const {
-    return keep_radiance_ ? slopes.of_radiance[octant] : slopes.of_octant[octant];
-  }
   /// Slopes of the source that this radiance makes, from those of the radiance.
   void scatter(const Cells<Real>& cells, const AngularField<Real>& radiance, LightSlopes<Real>& slopes) const;
 
@@ -73,7 +68,6 @@ class SlopeTables {
   std::array<Spread, octants> spread_;
   std::vector<std::array<std::array<Real, octants>, octants>> between_;  // [p][to][from]
   Slope<Real> beam_;
-  bool keep_radiance_;
 };
 
 /// Slopes of a source, relative to it and limited so that the linear source stays positive in every cell.

@@ -371,8 +371,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
           });
         }
         const int octant = octant_of(ordinates.direction[group.front()]);
-        system.slopes->team_fit(system.cells->rows, octant, work.moment,
-                                system.slopes->radiance_slope(*slopes, octant));
+        system.slopes->team_fit(system.cells->rows, octant, work.moment, slopes->of_radiance[octant]);
       }
     }
     errors.rethrow();

@@ -111,8 +111,7 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
   std::optional<SlopeTables<Real>> slopes;
   if (own_slopes) {
     for (auto& axis : beam_slope) axis.resize(cells->size() + lane_padding);
-    slopes.emplace(box, *cells, ordinates, paths, scattering.matrix(), std::move(beam_slope),
-                   !options.views.empty() || !options.cameras.empty());
+    slopes.emplace(box, *cells, ordinates, paths, scattering.matrix(), std::move(beam_slope));
   }
   return {.box = box,
           .independent_columns = independent,

@@ -86,5 +86,20 @@ TEST(LowOrderCorrection, BringsGuessAndIterateNearTheSolution) {
   }
 }
 
+TEST(LowOrderCorrection, ThinAirBesideAThickCloudDoesNotHideIt) {
+  // One column in 20 has a transport optical depth of 6 (8 cells of 3.75 (1 - .8)), the others of .02. Their mean is
+  // .3.
+  const BoxGrid box = make_box(5, 4, 8);
+  std::vector<float> extinction(cells_of(box), .0125F);
+  for (std::size_t k = 0; k < 8; ++k) extinction[k * box.columns()] = 3.75F;
+  Problem problem;
+  problem.grid = make_grid(box, extinction, 1.);
+  problem.phase = {PhaseFunction::henyey_greenstein(.8)};
+  problem.sun = Sun{travel_along(-.6, 37), 1.};
+  const SolverOptions options = coarse_options();
+  const auto system = make_system<double>(problem, discretise(problem.phase, problem.sun->travel, options), options);
+  EXPECT_TRUE(LowOrderCorrection<double>(system).uses_diffusion());
+}
+
 }  // namespace
 }  // namespace cloudbow

@@ -34,6 +34,21 @@ TEST(Crossing, LinearSourceHasTheClosedForm) {
   }
 }
 
+TEST(Crossing, FirstMomentIsTheIntegralOfPlaceTimesRadiance) {
+  for (const double t : {.05, .69, .71, 3., 40.}) {
+    const Crossing<double> crossing(t);
+    // Midpoint rule over s in [0, 1], of I after the path s t: error (1/n)^2 t^2.
+    constexpr int n = 200000;
+    const double slope = (exit_source - entry) / t;
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+      const double s = (i + .5) / n;
+      sum += s * (entry + slope * t * s - slope + (in - entry + slope) * std::exp(-t * s)) / n;
+    }
+    EXPECT_NEAR(crossing.first_moment(in, entry, exit_source), sum, 1e-7) << t;
+  }
+}
+
 TEST(Crossing, ConstantSourceIsTheLinearOneWithoutASlope) {
   for (const double t : {0., 1e-9, .05, .71, 3., 1e4}) {
     const Crossing<double> crossing(t);

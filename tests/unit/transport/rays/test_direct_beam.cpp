@@ -216,5 +216,51 @@ TEST(DirectBeam, BitsDoNotDependOnThreads) {
   EXPECT_EQ(one.side_loss, two.side_loss);
 }
 
+TEST(DirectBeamSlopes, UniformLayersHaveTheClosedForm) {
+  // Irradiance exp(-t (1/2 - z)) over the cell, z from the centre: slope = 12 <z F> / <F>.
+  const BoxGrid box = unequal_box(true);
+  const std::vector<float> extinction(cells_of(box), .02F);
+  const OpticalGrid grid = make_grid(box, extinction, 1.);
+  BeamOptions options;
+  options.slopes = true;
+  for (const Sun& sun : suns()) {
+    const auto beam = beam_through<double>(grid, sun, std::vector<double>(box.nz(), 0.), options);
+    std::size_t c = 0;
+    for (int k = 0; k < box.nz(); ++k) {
+      const double t = .02F * box.thickness_m(k) / -sun.travel.z();
+      const double phi1 = -std::expm1(-t) / t, phi2 = (1 - phi1) / t;
+      const double truth = 12 * (.5 - (phi1 - phi2) / phi1);
+      for (std::size_t column = 0; column < box.columns(); ++column, ++c) {
+        if (beam.irradiance[c] < 1e-15) continue;
+        EXPECT_NEAR(beam.slope[2][c], truth, 2e-3 * std::abs(truth) + 1e-9) << k;
+        EXPECT_NEAR(beam.slope[0][c], 0, 1e-3 * std::abs(truth) + 1e-9);
+        EXPECT_NEAR(beam.slope[1][c], 0, 1e-3 * std::abs(truth) + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(DirectBeamSlopes, FallAwayFromALitSide) {
+  // A wall of one column: sunlight that travels along +x and little down fades across it.
+  const BoxGrid box = make_box(8, 1, 1, false);
+  std::vector<float> extinction(8, 0.F);
+  extinction[4] = 3.F;
+  const OpticalGrid grid = make_grid(box, extinction, 1.);
+  BeamOptions options;
+  options.slopes = true;
+  options.rays = 64;
+  const Sun sun{travel_along(-.05, 0), 1.};
+  const auto beam = beam_through<double>(grid, sun, {0.}, options);
+  // Nearly horizontal rays: exp(-3 (x + 1/2)), as above.
+  const double phi1 = -std::expm1(-3.) / 3, phi2 = (1 - phi1) / 3;
+  EXPECT_NEAR(beam.slope[0][0], 12 * ((phi1 - phi2) / phi1 - .5), .15);
+  const auto back = beam_through<double>(grid, {travel_along(-.05, 180), 1.}, {0.}, options);
+  EXPECT_NEAR(back.slope[0][0], -beam.slope[0][0], 1e-3) << "the mirror image";
+  const auto in_float = beam_through<float>(grid, sun, {0.}, options);
+  EXPECT_NEAR(static_cast<double>(in_float.slope[0][0]), beam.slope[0][0], 1e-4);
+  EXPECT_EQ(in_float.irradiance, beam_through<float>(grid, sun, {0.}, {.rays = 64}).irradiance)
+      << "slopes change nothing else";
+}
+
 }  // namespace
 }  // namespace cloudbow

@@ -30,15 +30,17 @@ ExponentialFunctions<long double> exact(long double t) {
       }
       return sum;
     };
-    return {series(1), series(2), series(3)};
+    return {series(1), series(2), series(3), series(4)};
   }
   const long double phi1 = -std::expm1(-t) / t;
   const long double phi2 = (1 - phi1) / t;
-  return {phi1, phi2, (.5L - phi2) / t};
+  const long double phi3 = (.5L - phi2) / t;
+  return {phi1, phi2, phi3, (1 / 6.L - phi3) / t};
 }
 
 TEST(ExponentialFunctions, DoubleIsExactToRounding) {
   // The closed forms lose a factor 1/(1 - phi1) and 1/(1/2 - phi2) of digits: ten at t = .7, from which they are used.
+  // phi4 loses another factor 1/(1/6 - phi3).
   constexpr double tolerance = 20 * std::numeric_limits<double>::epsilon();
   for (const double t : optical_paths(1e-9, 2e4)) {
     const auto phi = exponential_functions(t);
@@ -46,6 +48,7 @@ TEST(ExponentialFunctions, DoubleIsExactToRounding) {
     EXPECT_NEAR(phi.phi1 / static_cast<double>(truth.phi1), 1, tolerance) << t;
     EXPECT_NEAR(phi.phi2 / static_cast<double>(truth.phi2), 1, tolerance) << t;
     EXPECT_NEAR(phi.phi3 / static_cast<double>(truth.phi3), 1, tolerance) << t;
+    EXPECT_NEAR(phi.phi4 / static_cast<double>(truth.phi4), 1, 10 * tolerance) << t;
   }
 }
 
@@ -53,7 +56,7 @@ TEST(ExponentialFunctions, FloatFollowsTheClosedForms) {
   // Bounds measured for the rational fit; float adds the rounding of two polynomials and a quotient. Because the three
   // share a denominator, phi2 and phi3 are off by phi1's error over t and t^2: t times either, which is how they enter
   // radiances, is never off by more than 3e-6.
-  std::array<double, 3> relative{};
+  std::array<double, 4> relative{};
   std::array<double, 3> in_radiances{};
   for (const double t : optical_paths(1e-9, 2e4)) {
     const float x = static_cast<float>(t);
@@ -62,6 +65,7 @@ TEST(ExponentialFunctions, FloatFollowsTheClosedForms) {
     const std::array<double, 3> off{static_cast<double>(phi.phi1 - truth.phi1),
                                     static_cast<double>(phi.phi2 - truth.phi2),
                                     static_cast<double>(phi.phi3 - truth.phi3)};
+    relative[3] = std::max(relative[3], std::abs(static_cast<double>(phi.phi4 / truth.phi4 - 1)));
     const std::array<double, 3> size{static_cast<double>(truth.phi1), static_cast<double>(truth.phi2),
                                      static_cast<double>(truth.phi3)};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -72,6 +76,7 @@ TEST(ExponentialFunctions, FloatFollowsTheClosedForms) {
   EXPECT_LT(relative[0], 2.5e-6);
   EXPECT_LT(relative[1], 7e-6);
   EXPECT_LT(relative[2], 5e-5);
+  EXPECT_LT(relative[3], 2e-3);  // which slopes of light depend on, but not energy
   for (const double e : in_radiances) EXPECT_LT(e, 3e-6);
 }
 

@@ -46,7 +46,7 @@ Marched<Real> march_once(const BoxGrid& box, const Cells<Real>& cells, const Dir
   Marched<Real> result{std::vector<Real>(cell_count + lane_padding, Real(0)), std::move(rays), {}};
   result.rays.resize(ray_count + lane_padding);
   result.totals = march<Real, true>(pattern, cells.rows, linear.view(cells), box.periodic, side, linear.value.data(),
-                                    result.rays.data(), result.mean.data(), [](int, const Real*) {});
+                                    result.rays.data(), {result.mean.data(), {}}, [](int, const Real*) {});
   result.mean.resize(cell_count);
   result.rays.resize(ray_count);
   return result;
@@ -188,7 +188,7 @@ TYPED_TEST(MarchOf, ConstantSourceIsALinearOneWithoutSlopes) {
     const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
     const auto marched = [&](const CellView<TypeParam>& view) {
       std::vector<TypeParam> mean(cells.size() + lane_padding), rays(box.columns() + lane_padding, TypeParam(1));
-      march<TypeParam, true>(pattern, cells.rows, view, true, {}, source.data(), rays.data(), mean.data(),
+      march<TypeParam, true>(pattern, cells.rows, view, true, {}, source.data(), rays.data(), {mean.data(), {}},
                              [](int, const TypeParam*) {});
       mean.insert(mean.end(), rays.begin(), rays.end());
       return mean;

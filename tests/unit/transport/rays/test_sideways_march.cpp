@@ -71,7 +71,7 @@ struct Sideways {
     planes.at_level = at_level;
     std::vector<Real> in_sheets(n + lane_padding);
     SidewaysWorkspace<Real> work;
-    march_sideways(path, transposed.sheets, view, value.data(), planes, in_sheets.data(), work);
+    march_sideways(path, transposed.sheets, view, value.data(), planes, {in_sheets.data(), {}}, work);
     for (std::size_t c = 0; c < n; ++c) mean[along_x ? transposed.cell[c] : c] = in_sheets[c];
     mean.resize(n);
     if (along_x) leaving = transposed_plane(leaving, box.ny, box.nx);
@@ -198,7 +198,7 @@ TEST(SidewaysMarch, AgreesWithTheMarchAlongZInTheMean) {
     std::vector<double> mean(cells.size() + lane_padding), rays(box.columns() + lane_padding, 1.);
     const PathPattern pattern = make_path_pattern(box, travel, .5, .5, false, {0, box.nz()});
     march<double, true>(pattern, cells.rows, linear.view(cells), true, {}, linear.value.data(), rays.data(),
-                        mean.data(), [](int, const double*) {});
+                        {mean.data(), {}}, [](int, const double*) {});
     const double along_z = std::accumulate(rays.begin(), rays.begin() + static_cast<std::ptrdiff_t>(box.columns()), 0.);
     const double sideways = std::accumulate(marched.leaving.begin(), marched.leaving.end(), 0.);
     EXPECT_NEAR(sideways / along_z, 1, .02);  // measured: .011 at most
