@@ -37,9 +37,8 @@ std::vector<std::vector<double>> half_range_moments(int degrees, int count) {
   return moment;
 }
 
-// Under a low sun half of a wide forward peak goes up, so that less of it may stay in the beam. The light that is
-// scattered out of a narrower peak must be resolved by the streams near the horizon, which sets the upper limits; with
-// narrower peaks and few streams errors grow. Figures chosen on layers with g .93 to .98 and mu0 .05 to .3.
+// Under a low sun half of a wide forward peak goes up and must not stay in the beam. The upper limits are what streams
+// near the horizon resolve. Chosen on layers with g .93 to .98 and mu0 .05 to .3.
 int beam_truncation_order(int count, std::optional<double> sun_cosine) {
   const int least = 4 * count;
   if (!sun_cosine) return least;
