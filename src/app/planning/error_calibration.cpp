@@ -34,12 +34,13 @@ constexpr std::array<Calibration, 4> column_calibration{{
     {"reference", {{.64, 1.7, 6.4}, {0, 0, 0}, {3e-5, 3e-5, 1e-4}}, {.026, .14, .4}},
 }};
 
-// Companions have twice the streams, so that distances are errors, with a third in reserve; `reference` is held against
-// three quarters of its streams, whose distance is more than its error.
+// Coarse solves have more streams, so that distances are errors, with a third in reserve. Those of `fine` have few
+// more, which show half of the error. `reference` is held against three quarters of its streams, whose distance is more
+// than its error.
 constexpr std::array<Calibration, 4> stream_calibration{{
     {"draft", {{1.3, 1.3, 1.3}, {0, 0, 0}, {1e-5, 1e-4, 3e-5}}, {1, 1, 1}},
-    {"balanced", {{1.3, 1.3, 1.3}, {0, 0, 0}, {3e-6, 0, 3e-5}}, {.073, .03, .16}},
-    {"fine", {{1.3, 1.7, 1.3}, {0, 0, 0}, {3e-6, 3e-5, 1e-5}}, {.019, .03, .03}},
+    {"balanced", {{1.3, 1.7, 1.3}, {0, 0, 0}, {3e-6, 3e-5, 1e-5}}, {.019, .03, .03}},
+    {"fine", {{2.6, 3.4, 2.6}, {0, 0, 0}, {3e-6, 3e-5, 1e-5}}, {.013, .018, .018}},
     {"reference", {{.3, .7, .3}, {0, 0, 0}, {3e-6, 1e-5, 1e-5}}, {.009, .01, .01}},
 }};
 

@@ -34,8 +34,8 @@ constexpr std::array<Level, 4> ladder{{
 // A single column costs next to nothing, so it gets more directions. Fewer azimuths near the pole serve vertical fluxes
 // well, horizontal ones worse: for columns only.
 constexpr std::array<Level, 2> column_ladder{{
-    {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 8, 1, 0, 1e-4, 1e-3},
-    {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 12, .5, 0, 1e-5, 2e-4},
+    {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 12, 1, 0, 1e-4, 1e-3},
+    {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 14, .5, 0, 1e-5, 2e-4},
 }};
 constexpr int measured_beam_excess = 2;
 

@@ -29,6 +29,7 @@ void add_layout(Digest& digest, const TransportSystem<Real>& system, bool packed
   digest.add(sizeof(Real));
   digest.add(packed);
   digest.add(system.independent_columns);
+  digest.add(system.slopes.has_value());
   const BoxGrid& box = system.box;
   for (const int number : {box.nx, box.ny, static_cast<int>(box.periodic)}) digest.add(number);
   for (const double length : {box.dx_m, box.dy_m}) digest.add(length);
@@ -50,7 +51,6 @@ template <class Real>
 void add_problem(Digest& digest, const TransportSystem<Real>& system) {
   const Cells<Real>& cells = *system.cells;
   digest.add(system.linear_source);
-  digest.add(system.slopes.has_value());
   digest.add(values_of(cells.extinction).first(cells.size()));
   for (const auto& scattered : cells.scattered) digest.add(values_of(scattered));
   for (const auto& scale : cells.scale) digest.add(values_of(scale));
@@ -239,6 +239,9 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
     system.moments(result.radiance, result.moments);
     state.x = result.moments;
     state.change.clear();
+    std::vector<StateArray> slopes;
+    add_slopes(result, slopes);
+    load_all(checkpoints, slopes);
   } else if (state.done) {
     make_room(system, result.fluxes);
     load_all(checkpoints, arrays_of_result(result));

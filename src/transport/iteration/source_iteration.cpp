@@ -22,8 +22,13 @@ namespace {
 constexpr int anderson_depth = 3;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
-// Slopes of light that still change upset the mixing of iterates. From this estimated error on they change no more.
+// Slopes of light that change in each sweep upset the mixing of iterates. So they stay as they are from this estimated
+// error on. In very thick cells the new slopes make larger steps than the light: there they stay as soon as a step is
+// hardly smaller than the one before.
 constexpr double error_of_frozen_slopes = .02;
+constexpr double step_of_frozen_slopes = .7;  // of the one before
+constexpr std::size_t least_sweeps_with_new_slopes = 3;
+constexpr std::size_t most_sweeps_with_new_slopes = 10;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
@@ -99,6 +104,13 @@ double estimated_error(const std::vector<double>& steps) {
   if (steps.size() >= 3 && steps[steps.size() - 3] > 0)
     rho = std::clamp(std::sqrt(steps.back() / steps[steps.size() - 3]), .2, .95);
   return steps.back() * std::max(least_safety, rho / (1 - rho));
+}
+
+bool should_freeze_slopes(const std::vector<double>& steps, double error) {
+  const std::size_t sweeps = steps.size();
+  if (sweeps < least_sweeps_with_new_slopes) return false;
+  return error < error_of_frozen_slopes || sweeps >= most_sweeps_with_new_slopes ||
+         steps[sweeps - 1] > step_of_frozen_slopes * steps[sweeps - 2];
 }
 
 void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
@@ -184,8 +196,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     report.estimated_error = estimated_error(state.steps);
     check_finite(report, result.ledger);
-    if (result.slopes && report.sweeps > 2 && report.estimated_error < error_of_frozen_slopes)
-      state.slopes_frozen = true;
+    state.slopes_frozen = state.slopes_frozen || should_freeze_slopes(state.steps, report.estimated_error);
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
     const StepWatch steps = StepWatch::of(state.steps, rounding);

@@ -47,14 +47,15 @@ template <bool linear, class Real>
   const Real* __restrict const x = cells.gradient[0] + first;
   const Real* __restrict const y = cells.gradient[1] + first;
   const Real* __restrict const z = cells.gradient[2] + first;
-  for_lanes<Real>(count, [=](int i, bool active) {
-    const Crossing<Real> crossing(optical_path(sigma[i], g.length));
-    Real emitted = crossing.phi.phi1;
-    if constexpr (linear) emitted = crossing.emitted(g.at_exit(x[i], y[i], z[i]), g.at_entry(x[i], y[i], z[i]));
-    const Real seen = active ? crossing.t * transmitted[i] : Real(0);
-    sum[i] += seen * sent[i] * emitted;
-    transmitted[i] -= seen * crossing.phi.phi1;  // absorption in the cell: Crossing::absorbed()
-  });
+  for_lanes<Real>(
+      count, [=](int i, bool active) __attribute__((always_inline)) {
+        const Crossing<Real> crossing(optical_path(sigma[i], g.length));
+        Real emitted = crossing.phi.phi1;
+        if constexpr (linear) emitted = crossing.emitted(g.at_exit(x[i], y[i], z[i]), g.at_entry(x[i], y[i], z[i]));
+        const Real seen = active ? crossing.t * transmitted[i] : Real(0);
+        sum[i] += seen * sent[i] * emitted;
+        transmitted[i] -= seen * crossing.phi.phi1;  // absorption in the cell: Crossing::absorbed()
+      });
 }
 
 /// Rays leave the plane against the light's travel, along `pattern`; the light on their way, times `weight`, is added

@@ -162,17 +162,20 @@ template <bool linear, class Real>
   const Real* __restrict const y = cells.gradient[1] + first;
   const Real* __restrict const z = cells.gradient[2] + first;
   std::array<Real, lanes> faded;
-  for_lanes<Real>(count, [=, &faded](int i, bool active) {
-    Crossing<Real> crossing(optical_path(sigma[i], g.length));
-    if (!active) crossing.t = 0;  // a lane without a cell changes nothing
-    Real emitted = crossing.phi.phi1;
-    if constexpr (linear) emitted = crossing.emitted(g.at_entry(x[i], y[i], z[i]), g.at_exit(x[i], y[i], z[i]));
-    faded[i] = crossing.absorbed();
-    sum[i] = crossing.leaving(sum[i], sent[i] * emitted);
-  });
+  for_lanes<Real>(
+      count, [ =, &faded ](int i, bool active) __attribute__((always_inline)) {
+        Crossing<Real> crossing(optical_path(sigma[i], g.length));
+        if (!active) crossing.t = 0;  // a lane without a cell changes nothing
+        Real emitted = crossing.phi.phi1;
+        if constexpr (linear) emitted = crossing.emitted(g.at_entry(x[i], y[i], z[i]), g.at_exit(x[i], y[i], z[i]));
+        faded[i] = crossing.absorbed();
+        sum[i] = crossing.leaving(sum[i], sent[i] * emitted);
+      });
   for (Real* const slot : carried) {
     Real* __restrict const light = slot + ray;
-    for_lanes<Real>(count, [&, light](int i, bool active) { light[i] -= active ? faded[i] * light[i] : Real(0); });
+    for_lanes<Real>(
+        count, [&, light ](int i, bool active)
+                   __attribute__((always_inline)) { light[i] -= active ? faded[i] * light[i] : Real(0); });
   }
 }
 

@@ -139,12 +139,13 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
               Real* __restrict const before = path.data() + m;
               const Real* __restrict const sigma = padded.data() + cell;
               Real* __restrict const mean = sum.irradiance.data() + cell;
-              for_lanes<Real>(count, [=](int i, bool active) {
-                const Real t = active ? sigma[i] * length : Real(0);
-                const Real entering = active ? share : Real(0);
-                mean[i] += entering * mean_transmission(t) * transmission(before[i]);
-                before[i] += t;
-              });
+              for_lanes<Real>(
+                  count, [=](int i, bool active) __attribute__((always_inline)) {
+                    const Real t = active ? sigma[i] * length : Real(0);
+                    const Real entering = active ? share : Real(0);
+                    mean[i] += entering * mean_transmission(t) * transmission(before[i]);
+                    before[i] += t;
+                  });
             };
           };
           const auto light_up_with_moments = [&](const Segment& segment) {
@@ -156,27 +157,30 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
               Real* __restrict const x = sum.moment[0].data() + cell;
               Real* __restrict const y = sum.moment[1].data() + cell;
               Real* __restrict const z = sum.moment[2].data() + cell;
-              for_lanes<Real>(count, [=](int i, bool active) {
-                const Real t = active ? sigma[i] * of.length : Real(0);
-                const Real entering = (active ? of.share * irradiance_of_ray : Real(0)) * transmission(before[i]);
-                const auto phi = exponential_functions(std::min(t, static_cast<Real>(largest_optical_path)));
-                const Real held = entering * mean_transmission(t);
-                const Real along = entering * (phi.phi1 - phi.phi2);
-                mean[i] += held;
-                x[i] += of.from_x * held + (of.to_x - of.from_x) * along;
-                y[i] += of.from_y * held + (of.to_y - of.from_y) * along;
-                z[i] += of.from_z * held + (of.to_z - of.from_z) * along;
-                before[i] += t;
-              });
+              for_lanes<Real>(
+                  count, [=](int i, bool active) __attribute__((always_inline)) {
+                    const Real t = active ? sigma[i] * of.length : Real(0);
+                    const Real entering = (active ? of.share * irradiance_of_ray : Real(0)) * transmission(before[i]);
+                    const auto phi = exponential_functions(std::min(t, static_cast<Real>(largest_optical_path)));
+                    const Real held = entering * mean_transmission(t);
+                    const Real along = entering * (phi.phi1 - phi.phi2);
+                    mean[i] += held;
+                    x[i] += of.from_x * held + (of.to_x - of.from_x) * along;
+                    y[i] += of.from_y * held + (of.to_y - of.from_y) * along;
+                    z[i] += of.from_z * held + (of.to_z - of.from_z) * along;
+                    before[i] += t;
+                  });
             };
           };
           const auto dim = [&](const Segment& segment) {
-            return [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell,
-                                                                             int count) {
-              Real* __restrict const before = path.data() + m;
-              const Real* __restrict const sigma = padded.data() + cell;
-              for_lanes<Real>(count, [=](int i, bool active) { before[i] += active ? sigma[i] * length : Real(0); });
-            };
+            return
+                [&, length = chord * static_cast<Real>(segment.fraction)](std::size_t m, std::size_t cell, int count) {
+                  Real* __restrict const before = path.data() + m;
+                  const Real* __restrict const sigma = padded.data() + cell;
+                  for_lanes<Real>(
+                      count, [=](int i, bool active)
+                                 __attribute__((always_inline)) { before[i] += active ? sigma[i] * length : Real(0); });
+                };
           };
           const auto enter = [&](const Segment& segment, double at) {
             if (box.periodic) return;

@@ -43,7 +43,7 @@ double lit_extinction(const Problem& problem, const SolverOptions& options) {
 }
 
 int parts_for(double depth, double largest) {
-  return std::clamp(static_cast<int>(std::ceil(depth / largest - 1e-9)), 1, most_parts);
+  return static_cast<int>(std::clamp(std::ceil(depth / largest - 1e-9), 1., static_cast<double>(most_parts)));
 }
 
 // Means over blocks of columns of [..][ny][nx] values of the parts.

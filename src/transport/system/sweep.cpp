@@ -17,18 +17,18 @@ constexpr std::size_t block_cells = 4096;  // a thread's share of loops over cel
 // Whether the ordinates of an octant share the gradient of their mean source; else each has its own, or there is none.
 template <class Real>
 bool shares_gradients(const TransportSystem<Real>& system) {
-  return system.linear_source && !system.slopes && system.cells->heterogeneous;
+  return system.linear_source && system.cells->heterogeneous;
 }
 
 // Ordinates that are marched side by side: an octant's if they share slopes or a gradient, else all.
 template <class Real>
-std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& system, bool upward) {
+std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& system, bool by_octant, bool upward) {
   std::vector<std::vector<int>> groups;
   std::array<int, 4> of_quadrant{-1, -1, -1, -1};
   for (int d = 0; d < system.ordinates.size(); ++d) {
     const Direction& o = system.ordinates.direction[d];
     if ((o.z() > 0) != upward) continue;
-    int& group = of_quadrant[system.slopes || shares_gradients(system) ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
+    int& group = of_quadrant[by_octant ? (o.x() > 0 ? 1 : 0) + (o.y() > 0 ? 2 : 0) : 0];
     if (group < 0) {
       group = static_cast<int>(groups.size());
       groups.emplace_back();
@@ -306,7 +306,8 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   }
 
   const auto march_ordinates = [&](bool upward) {
-    const auto groups = groups_side_by_side(system, upward);
+    const bool shared = slopes == nullptr && shares_gradients(system);
+    const auto groups = groups_side_by_side(system, slopes != nullptr || shared, upward);
     ParallelErrors errors;
 #pragma omp parallel
     {
@@ -316,7 +317,6 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
         const bool transposed = std::any_of(group.begin(), group.end(), [&](int d) {
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
-        const bool shared = shares_gradients(system);
         if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
         const auto march_one = [&](int d) {
           errors.run([&] {

@@ -100,7 +100,7 @@ struct SweepWorkspace {
 
 /// One sweep: source at the ordinates becomes voxel-mean radiance.
 /// @param slopes of the radiance that was scattered; they become those of the new radiance, unless they are frozen.
-/// Null if the system has no tables for them.
+/// Null: slopes from differences between neighbours.
 template <class Real>
 SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
                         SweepWorkspace<Real>& work, LightSlopes<Real>* slopes = nullptr);

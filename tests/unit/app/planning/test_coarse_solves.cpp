@@ -33,11 +33,17 @@ TEST(CoarseSolves, OfColumnsAreOneSolve) {
             predict_seconds(SolvePlan(problem, other)));
 }
 
-TEST(CoarseSolves, OfOneColumnByItsStreamsHaveMoreStreams) {
-  SolverOptions options = accuracy_options("balanced", true, false);
-  options.independent_columns = true;
-  EXPECT_EQ(coarse_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams,
-            2 * options.column_streams);
+TEST(CoarseSolves, OfOneColumnByItsStreamsHaveOtherStreams) {
+  const auto coarse_streams = [](int streams) {
+    SolverOptions options = accuracy_options("balanced", true, false);
+    options.independent_columns = true;
+    options.column_streams = streams;
+    return coarse_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams;
+  };
+  EXPECT_EQ(coarse_streams(4), 8);
+  EXPECT_EQ(coarse_streams(12), 16);
+  EXPECT_EQ(coarse_streams(14), 16);
+  EXPECT_EQ(coarse_streams(16), 12);
 }
 
 // By ordinates, as voxels and images are, and as it is.

@@ -144,7 +144,8 @@ TEST(IterationState, GoesOnOverASurfaceThatReflectsUnevenly) {
 TEST(IterationState, GoesOnInOneColumn) { expect_to_go_on<double>(Case(make_box(1, 1, 12))); }
 
 TEST(IterationState, AnotherSunBeginsWithTheLightThereIs) {
-  // Within the tolerance the answer is that of a start from nothing, reached in fewer sweeps.
+  // The answer is that of a start from nothing but for the slopes of light, which stay when the iteration is near its
+  // end. They depend on the way there.
   Case of(make_box(5, 4, 6));
   Kept kept;
   iterate_source(of.system<double>(), of.iteration, {}, &kept);
@@ -155,8 +156,8 @@ TEST(IterationState, AnotherSunBeginsWithTheLightThereIs) {
   EXPECT_EQ(kept.went_on_after, 0);
   EXPECT_TRUE(warm.report.converged);
   EXPECT_LT(warm.report.sweeps, fresh.report.sweeps);
-  EXPECT_NEAR(warm.ledger.reflectance, fresh.ledger.reflectance, of.iteration.tolerance);
-  EXPECT_NEAR(warm.ledger.transmittance, fresh.ledger.transmittance, of.iteration.tolerance);
+  EXPECT_NEAR(warm.ledger.reflectance, fresh.ledger.reflectance, 5e-4);
+  EXPECT_NEAR(warm.ledger.transmittance, fresh.ledger.transmittance, 5e-4);
 }
 
 TEST(IterationState, ATighterToleranceBeginsWithTheLightThereIs) {
@@ -170,7 +171,7 @@ TEST(IterationState, ATighterToleranceBeginsWithTheLightThereIs) {
   const IterationResult<double> warm = iterate_source(system, of.iteration, {}, &kept);
   EXPECT_TRUE(warm.report.converged);
   EXPECT_LT(warm.report.sweeps, fresh.report.sweeps);
-  EXPECT_NEAR(warm.ledger.reflectance, fresh.ledger.reflectance, 1e-6);
+  EXPECT_NEAR(warm.ledger.reflectance, fresh.ledger.reflectance, 5e-4) << "by slopes, as above";
 }
 
 TEST(IterationState, AKeyTellsWhatMatters) {
@@ -194,7 +195,7 @@ TEST(IterationState, AKeyTellsWhatMatters) {
   changed([](Case& c) { c.problem.sky_radiance = 1e-3; }, true);
   changed([](Case& c) { c.problem.phase = {PhaseFunction::henyey_greenstein(.79)}; }, true);
   changed([](Case& c) { c.problem.grid.scattering[0][4] *= 1.0001F; }, true);
-  changed([](Case& c) { c.options.linear_source = false; }, true);
+  changed([](Case& c) { c.options.linear_source = false; }, false);  // no slopes are kept
   changed([](Case& c) { c.options.directions = "double-gauss-6x12"; }, false);
   changed([](Case& c) { c.problem.grid.box.dx_m = 1.1; }, false);
   changed([](Case& c) { c.problem.grid.box.periodic = false; }, false);
@@ -217,7 +218,7 @@ TEST(IterationState, NumbersThatMakeNoSenseAreRefused) {
   EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), Kept::Stopped);
   kept.stop_after = 0;
   for (const auto& [place, value] :
-       std::vector<std::pair<std::size_t, double>>{{3, -1.}, {3, 1e9}, {4, std::nan("")}, {21, 1e6}, {21, -1.}}) {
+       std::vector<std::pair<std::size_t, double>>{{4, -1.}, {4, 1e9}, {5, std::nan("")}, {22, 1e6}, {22, -1.}}) {
     kept.place = place;
     kept.value = value;
     EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), std::invalid_argument) << place << ' ' << value;
