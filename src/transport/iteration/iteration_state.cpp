@@ -84,7 +84,7 @@ StateArray radiance_of(AngularField<Real>& radiance) {
 }
 
 // Everything that is no array, in one.
-constexpr std::size_t number_count = 24;
+constexpr std::size_t number_count = 25;
 
 template <class Real, class Use>
 void for_each_number(IterationState<Real>& state, const Use& use) {
@@ -93,7 +93,8 @@ void for_each_number(IterationState<Real>& state, const Use& use) {
   SweepFluxes<Real>& fluxes = state.result.fluxes;
   use(state.nearly_done);
   use(state.done);
-  use(state.slopes_frozen);
+  use(state.finds_slopes);
+  use(state.slope_sweeps);
   use(report.converged);
   use(report.sweeps);
   for (double* const number :
@@ -124,7 +125,7 @@ void make_room(const TransportSystem<Real>& system, SweepFluxes<Real>& fluxes) {
 
 template <class Real>
 void add_slopes(IterationResult<Real>& result, std::vector<StateArray>& arrays) {
-  if (!result.slopes) return;
+  if (!result.slopes || !result.slopes->fitted) return;
   const auto add = [&](const char* name, std::array<Slope<Real>, octants>& of) {
     StateArray slopes{name, sizeof(Real), result.radiance.cells, {}};
     for (auto& octant : of) {
@@ -222,8 +223,9 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
   for (const double number : numbers) {
     if (!std::isfinite(number)) checkpoints.refuse(fmt::format("numbers (found {}, allowed finite ones)", number));
   }
-  if (numbers[4] < 0 || numbers[4] > most_sweeps || mixed < 0 || mixed > state.mixer.depth()) {
-    checkpoints.refuse(fmt::format("{} sweeps, {} changes (allowed up to {} and {})", numbers[4], mixed, most_sweeps,
+  if (numbers[3] < 0 || numbers[3] > most_sweeps || numbers[5] < 0 || numbers[5] > most_sweeps || mixed < 0 ||
+      mixed > state.mixer.depth()) {
+    checkpoints.refuse(fmt::format("{} sweeps, {} changes (allowed up to {} and {})", numbers[5], mixed, most_sweeps,
                                    state.mixer.depth()));
   }
   std::size_t next = 0;
@@ -235,21 +237,21 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
 
   if (found == Checkpoints::Found::same_layout || (state.done && !within(options, result.report))) {
     result.report = {};
-    state.done = state.nearly_done = state.slopes_frozen = false;
+    state.done = state.nearly_done = state.finds_slopes = false;
+    state.slope_sweeps = 0;
     system.moments(result.radiance, result.moments);
     state.x = result.moments;
     state.change.clear();
-    std::vector<StateArray> slopes;
-    add_slopes(result, slopes);
-    load_all(checkpoints, slopes);
   } else if (state.done) {
     make_room(system, result.fluxes);
+    if (result.slopes) result.slopes->fitted = state.slope_sweeps > 0;
     load_all(checkpoints, arrays_of_result(result));
   } else {
     state.x.resize(low_moments * n);
     state.change.resize(low_moments * n);
     state.steps.resize(static_cast<std::size_t>(result.report.sweeps));
     state.mixer.history().make_room(4 * n, static_cast<std::size_t>(mixed));
+    if (result.slopes) result.slopes->fitted = state.slope_sweeps > 0;
     load_all(checkpoints, arrays_between_sweeps(state));
   }
   checkpoints.loaded(result.report.sweeps);

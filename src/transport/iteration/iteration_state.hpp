@@ -18,10 +18,11 @@ struct IterationState {
   std::vector<Real> change;   ///< [low_moments][n] added to the radiance's own moments for that; empty: nothing
   std::vector<double> steps;  ///< relative size of each accelerated change so far
   AndersonMixer<Real> mixer;
-  bool slopes_frozen = false;  ///< slopes of light change no more
-  bool dark = true;            ///< there is no radiance yet
-  bool nearly_done = false;    ///< the next sweep records
-  bool done = false;           ///< the result is complete
+  bool finds_slopes = false;  ///< the next sweep finds the light's own slopes
+  int slope_sweeps = 0;       ///< sweeps that did
+  bool dark = true;           ///< there is no radiance yet
+  bool nearly_done = false;   ///< the next sweep records
+  bool done = false;          ///< the result is complete
 };
 
 template <class Real>

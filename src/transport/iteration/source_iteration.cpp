@@ -22,13 +22,11 @@ namespace {
 constexpr int anderson_depth = 3;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
-// Slopes of light that change in each sweep upset the mixing of iterates. So they stay as they are from this estimated
-// error on. In very thick cells the new slopes make larger steps than the light: there they stay as soon as a step is
-// hardly smaller than the one before.
-constexpr double error_of_frozen_slopes = .02;
-constexpr double step_of_frozen_slopes = .7;  // of the one before
-constexpr std::size_t least_sweeps_with_new_slopes = 3;
-constexpr std::size_t most_sweeps_with_new_slopes = 10;
+// The light is brought near its end with slopes from differences, to this estimated error. Then its own slopes are
+// found in a few sweeps, and stay: slopes that change in each sweep upset the mixing of iterates. Found earlier they
+// would be those of light that is not yet there. In cells that scatter much they would go on to change slowly.
+constexpr double error_before_own_slopes = .03;
+constexpr int sweeps_with_new_slopes = 3;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
@@ -106,13 +104,6 @@ double estimated_error(const std::vector<double>& steps) {
   return steps.back() * std::max(least_safety, rho / (1 - rho));
 }
 
-bool should_freeze_slopes(const std::vector<double>& steps, double error) {
-  const std::size_t sweeps = steps.size();
-  if (sweeps < least_sweeps_with_new_slopes) return false;
-  return error < error_of_frozen_slopes || sweeps >= most_sweeps_with_new_slopes ||
-         steps[sweeps - 1] > step_of_frozen_slopes * steps[sweeps - 2];
-}
-
 void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
   if (std::isfinite(report.estimated_error) && std::isfinite(ledger.residual)) return;
   throw std::runtime_error(fmt::format(
@@ -174,7 +165,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     {
       const Stopwatch watch(report.seconds_sweeps);
-      if (result.slopes) result.slopes->frozen = state.slopes_frozen;
+      if (result.slopes) result.slopes->frozen = !state.finds_slopes;
       result.fluxes = sweep(system, result.radiance, record, work, result.slopes ? &*result.slopes : nullptr);
       system.moments(result.radiance, result.moments);
     }
@@ -196,12 +187,17 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     report.estimated_error = estimated_error(state.steps);
     check_finite(report, result.ledger);
-    state.slopes_frozen = state.slopes_frozen || should_freeze_slopes(state.steps, report.estimated_error);
+    const StepWatch steps = StepWatch::of(state.steps, rounding);
+    if (state.finds_slopes) ++state.slope_sweeps;
+    state.finds_slopes =
+        result.slopes && state.slope_sweeps < sweeps_with_new_slopes &&
+        (state.slope_sweeps > 0 || report.estimated_error < error_before_own_slopes || steps.restart_now);
+    const bool has_slopes = !result.slopes || state.slope_sweeps >= sweeps_with_new_slopes;
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
-    const StepWatch steps = StepWatch::of(state.steps, rounding);
     const double imbalance = std::abs(result.ledger.residual);
-    const bool within_tolerance = report.estimated_error <= options.tolerance && imbalance <= energy_tolerance;
+    const bool within_tolerance =
+        has_slopes && report.estimated_error <= options.tolerance && imbalance <= energy_tolerance;
     if (!within_tolerance && (steps.stuck || report.sweeps >= options.max_sweeps))
       check_meaningful(report, result.ledger, steps.stuck ? state.steps.back() : 0);
     if (record && (within_tolerance || steps.stuck || report.sweeps >= options.max_sweeps)) {
@@ -211,10 +207,11 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       break;
     }
     // Recording costs a little of a sweep; a sweep within tolerance that was not recorded costs another.
-    state.nearly_done =
-        steps.stuck || (report.estimated_error <= 100 * options.tolerance && imbalance <= 100 * energy_tolerance);
+    state.nearly_done = steps.stuck || (has_slopes && report.estimated_error <= 100 * options.tolerance &&
+                                        imbalance <= 100 * energy_tolerance);
     {
       const Stopwatch watch(report.seconds_acceleration);
+      if (state.finds_slopes) state.mixer.history() = {};
       if (steps.restart_now) {
         state.mixer.history() = {};
         if (steps.diverges) low_order->drop_diffusion();
@@ -227,6 +224,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     if (checkpoints != nullptr && checkpoints->due()) save_state(system, state, *checkpoints);
   }
+  if (result.slopes && !result.slopes->fitted) result.slopes.reset();
   if (checkpoints != nullptr) save_state(system, state, *checkpoints);
   return std::move(result);
 }

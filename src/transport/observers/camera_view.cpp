@@ -75,18 +75,18 @@ SightScene<Real> sight_scene(const ConvergedField<Real>& field, const SightPoint
   const std::size_t n = system.cells->size();
   std::array<std::vector<int>, octants> rows;
   for (std::size_t i = 0; i < sight.travel.size(); ++i)
-    rows[system.slopes ? octant_of(sight.travel[i]) : 0].push_back(static_cast<int>(i));
+    rows[field.result.slopes ? octant_of(sight.travel[i]) : 0].push_back(static_cast<int>(i));
   const auto mean_over = [&](const std::vector<int>& some) {
     return mean_source(field.problem, n, sight, source, first_row, std::span<const int>(some), beams);
   };
   LinearSource<Real> all;
-  if (system.linear_source && !system.slopes) {
+  if (system.linear_source && !field.result.slopes) {
     all = mean_over(rows[0]);
     all.make_gradient(*system.cells);
   }
   SightScene<Real> scene(system.box, *system.cells, all.view(*system.cells).gradient, ground,
                          field.problem.sky_radiance, side);
-  for (int q = 0; system.slopes && q < octants; ++q) {
+  for (int q = 0; field.result.slopes && q < octants; ++q) {
     if (rows[q].empty()) continue;
     const LinearSource<Real> mean = mean_over(rows[q]);
     std::vector<Direction> travel;

@@ -22,7 +22,6 @@ constexpr double band_growth = 1.6;     // each distance band ends this many tim
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
 // Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
 constexpr std::size_t groups = 8;
-constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is computed anew
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -112,13 +111,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
 
   std::vector<double> flux(columns, 0.);
   std::vector<Gathered<Real>> sums(groups);
-  SourceGradients<Real> gradients(scene);
-  std::size_t prepared = 0;
   for (const SpreadClass& alike : classes) {
-    if (alike.last > prepared) {
-      prepared = std::min(sorted.size(), std::max(alike.last, alike.first + worth_a_gradient));
-      gradients.prepare({sorted.data() + alike.first, prepared - alike.first});
-    }
     ParallelErrors errors;
 #pragma omp parallel
     {
@@ -133,7 +126,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
             const LaunchPlace start = launch_place(q, filling);
             march_back(scene, scene.path(make_path_pattern(box, -travel, start.x, start.y, false, levels)), bands,
                        travel, scene.source->along(travel), static_cast<Real>(power(sorted[q])),
-                       gradients.along(travel, own), work, sums[g]);
+                       cells_along(scene, travel, own), work, sums[g]);
           }
         });
       }

@@ -19,8 +19,7 @@ namespace {
 constexpr double band_growth = 3;  // a band of several levels ends at most this many times as far as it begins
 // Directions are shared out over these many sums, whatever the number of threads, so that sums have one order.
 constexpr std::size_t most_groups = 4;
-constexpr double most_sum_bytes = 1.5e8;      // of all groups, unless one alone takes more
-constexpr std::size_t worth_a_gradient = 64;  // directions for which the source's gradient is computed anew
+constexpr double most_sum_bytes = 1.5e8;  // of all groups, unless one alone takes more
 // Gaussian width as a fraction of the beam's spread: less than in gather_flux, because rays start in other places for
 // each direction, which smooths as well.
 constexpr double blur_per_spread = .2;
@@ -218,20 +217,14 @@ class LevelGather {
     const std::size_t size = planes.size() * columns_;
     const std::size_t groups = groups_for(box_);
     std::vector<Workspace<Real>> work(groups);
-    SourceGradients<Real> gradients(scene_);
-    std::size_t prepared = 0;
     for (const SpreadClass& alike : classes) {
-      if (alike.last > prepared) {
-        prepared = std::min(directions.size(), std::max(alike.last, alike.first + worth_a_gradient));
-        gradients.prepare({directions.data() + alike.first, prepared - alike.first});
-      }
       ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
           if (alike.first == 0) work[g].prepare(plan_.slots, columns_, rows_.largest_level(), size);
           for (std::size_t q = alike.first + g; q < alike.last; q += groups)
-            march(directions[q], q, alike.spread, planes, gradients, work[g]);
+            march(directions[q], q, alike.spread, planes, work[g]);
         });
       }
       errors.rethrow();
@@ -267,14 +260,14 @@ class LevelGather {
 
   // Rays of one direction through all levels up to the last that is wanted.
   void march(const GatherDirection& direction, std::size_t place, double spread, const SumPlanes& planes,
-             const SourceGradients<Real>& gradients, Workspace<Real>& work) const {
+             Workspace<Real>& work) const {
     const Direction& travel = direction.travel;
     const LaunchPlace start = launch_place(place, true);
     const int count = static_cast<int>(plan_.steps.size());
     const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
     const PathPattern pattern = scene_.path(make_path_pattern(box_, travel, start.x, start.y, false, range));
     const SourceAlong<Real> source = scene_.source->along(travel, power(direction));
-    const CellView<Real> cells = gradients.along(travel, work.own);
+    const CellView<Real> cells = cells_along(scene_, travel, work.own);
     const Real weight = static_cast<Real>(power(direction));
     std::vector<double> side;
     if (!box_.periodic && scene_.side_radiance) side = scene_.side_radiance(travel);

@@ -70,7 +70,7 @@ std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, con
     LinearSource<Real> linear;
     linear.resize(system.cells->size());
     std::copy_n(row, system.cells->size(), linear.value.begin());
-    if (system.slopes) {
+    if (field.result.slopes) {
       linear.from_beam.assign(system.cells->size(), Real(0));
       for (const ViewingBeam<Real>& beam : beams)
         add_first_order<Real>(beam, view.travel.dot(problem.sun->travel), linear.from_beam);

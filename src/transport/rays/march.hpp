@@ -231,7 +231,7 @@ template <class Real, class Use>
   }
 }
 
-/// What rays leave behind in the cells [n + lane_padding] that they cross; null: not kept. It is added to.
+/// Sums over rays in the cells [n + lane_padding] that they cross. Rays add to them; null: not kept.
 template <class Real>
 struct CellSums {
   Real* mean = nullptr;           ///< voxel-mean radiance
@@ -240,7 +240,7 @@ struct CellSums {
   bool keeps_moments() const { return moment[0] != nullptr; }
 };
 
-/// What a kernel does, known when it is compiled.
+/// The work of a kernel, known when it is compiled.
 template <bool with_mean, bool with_moments, bool with_linear_source>
 struct CrossingKind {
   static constexpr bool keep_mean = with_mean;

@@ -6,8 +6,8 @@
 
 namespace cloudbow {
 
-/// Each axis gets as many equal parts a column as bring the optical depth of a part, from side to side, down to
-/// options.max_column_optical_depth: three at most. That depth is delta-M scaled; mean over the cells by the power that
+/// Columns get equal parts along each axis: as many as bring the optical depth of a part, from side to side, down to
+/// options.max_column_optical_depth, three at most. That depth is delta-M scaled; mean over the cells by the power that
 /// the beam loses there. Across the sun's azimuth, along which less light enters through sides, a part may have twice
 /// that depth. Columns stay whole if that option is 0, for independent columns, and without sun.
 SubdividedColumns subdivide_thick_columns(const Problem& problem, const SolverOptions& options);

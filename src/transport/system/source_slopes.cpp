@@ -34,25 +34,46 @@ template <class Real>
 }  // namespace
 
 template <class Real>
+VaryingAxes varying_axes(const Cells<Real>& cells) {
+  const auto varies = [&](std::size_t axis) {
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      const std::uint32_t next = cells.high[axis][c];
+      if (next == c || cells.extinction[next] != cells.extinction[c]) return true;
+      for (const auto& scattered : cells.scattered) {
+        if (scattered[next] != scattered[c]) return true;
+      }
+    }
+    return false;
+  };
+  return {cells.rows.nx > 1 && varies(0), cells.rows.ny > 1 && varies(1)};
+}
+
+template <class Real>
 SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
                                const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering,
-                               Slope<Real> beam)
+                               Slope<Real> beam, VaryingAxes varying)
     : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)) {
   for (int d = 0; d < ordinates.size(); ++d) {
     Spread& spread = spread_[octant_of(ordinates.direction[d])];
     const double weight = ordinates.weight[d];
     spread.weight += weight;
     spread.by_level.resize(box.nz(), Eigen::Matrix3d::Zero());
+    const auto of_varying = [varying](Eigen::Matrix3d of_box) {
+      if (!varying.x) of_box.row(0).setZero(), of_box.col(0).setZero();
+      if (!varying.y) of_box.row(1).setZero(), of_box.col(1).setZero();
+      return of_box;
+    };
     for (const PathPattern& pattern : paths[d].along_z) {
       for (int step = 0; step < pattern.levels(); ++step)
-        spread.by_level[pattern.level(step)] += weight * spread_of_places(pattern, step);
+        spread.by_level[pattern.level(step)] += weight * of_varying(spread_of_places(pattern, step));
     }
     if (!paths[d].sideways) continue;
     const SidewaysPath& path = *paths[d].sideways;
     auto& by_sheet = spread.by_sheet[path.axis];
     by_sheet.resize(path.axis == 0 ? box.nx : box.ny, Eigen::Matrix3d::Zero());
     for (int step = 0; step < path.pattern.levels(); ++step)
-      by_sheet[path.pattern.level(step)] += weight * in_axes_of_box(spread_of_places(path.pattern, step), path.axis);
+      by_sheet[path.pattern.level(step)] +=
+          weight * of_varying(in_axes_of_box(spread_of_places(path.pattern, step), path.axis));
   }
   for (const DenseMatrix<Real>& matrix : scattering) {
     auto& table = between_.emplace_back();
@@ -220,6 +241,7 @@ void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real
 }
 
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
+  template VaryingAxes varying_axes<Real>(const Cells<Real>&);                                                       \
   template class SlopeTables<Real>;                                                                                  \
   template void make_relative<Real>(const Slope<Real>&, std::span<const Real>, std::span<const Real>, Slope<Real>&); \
   template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const Real*, const Real*, std::size_t,      \

@@ -32,15 +32,26 @@ struct LightSlopes {
   std::array<Slope<Real>, octants> of_octant;
   /// Of the radiance in each octant, W m-2 sr-1 from face to face.
   std::array<Slope<Real>, octants> of_radiance;
-  bool frozen = false;  ///< sweeps leave them as they are
+  bool fitted = false;  ///< false: sweeps take differences between neighbours in their place
+  bool frozen = true;   ///< sweeps leave them as they are; false: they find them anew
 };
 
-/// What slopes require that stays the same during the iteration.
+/// Horizontal axes along which cells differ; along the others light has no slope.
+struct VaryingAxes {
+  bool x = false;
+  bool y = false;
+  bool any() const { return x || y; }
+};
+template <class Real>
+VaryingAxes varying_axes(const Cells<Real>& cells);
+
+/// Tables for slopes, which stay the same during the iteration.
 template <class Real>
 class SlopeTables {
  public:
   SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
-              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam);
+              const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering, Slope<Real> beam,
+              VaryingAxes varying);
 
   /// Of the direct beam's irradiance, relative to it.
   const Slope<Real>& beam() const { return beam_; }
@@ -48,8 +59,8 @@ class SlopeTables {
   /// Slopes of zero.
   LightSlopes<Real> none(std::size_t cells) const;
 
-  /// First moments of the radiance of an octant, summed over its ordinates with their weights, become the slopes of
-  /// its radiance. Called by all threads of a team.
+  /// Slopes of the radiance of an octant from its first moments, which are summed over its ordinates with their
+  /// weights. Called by all threads of a team.
   void team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment, Slope<Real>& slope) const;
 
   /// Slopes of the source that this radiance makes, from those of the radiance.

@@ -300,13 +300,14 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   typename Ground<Real>::Reflection ground;
   work.of_thread.resize(omp_get_max_threads());
   const std::size_t n = system.cells->size();
+  const bool mixed = slopes != nullptr && slopes->fitted;
   const bool new_slopes = slopes != nullptr && !slopes->frozen;
   if (new_slopes) {
     for (auto& axis : work.moment) axis.resize(n + lane_padding);
   }
 
   const auto march_ordinates = [&](bool upward) {
-    const bool shared = slopes == nullptr && shares_gradients(system);
+    const bool shared = !mixed && shares_gradients(system);
     const auto groups = groups_side_by_side(system, slopes != nullptr || shared, upward);
     ParallelErrors errors;
 #pragma omp parallel
@@ -334,7 +335,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
               field.stored_row(d).read(0, n, own.unpacked.data());
             }
             std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
-            if (slopes != nullptr) {
+            if (mixed) {
               mix_slopes_of_ordinate(system, *slopes, d, source.data(), own);
             } else if (system.linear_source && !shared) {
               for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
@@ -384,7 +385,10 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   fluxes.surface_absorbed = ground.absorbed;
   if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
   march_ordinates(true);
-  if (new_slopes) system.slopes->scatter(*system.cells, field, *slopes);
+  if (new_slopes) {
+    system.slopes->scatter(*system.cells, field, *slopes);
+    slopes->fitted = true;
+  }
 
   if (record) {
     fluxes.profile_up.assign(levels, 0.);

@@ -103,15 +103,18 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
   }
   std::vector<OrdinatePath> paths = make_ordinate_paths(box, *cells, ordinates.direction, independent);
   OrdinateScattering<Real> scattering = ordinate_scattering<Real>(discretisation);
-  // Light that does not change across columns has the slopes along z alone, which differences give as well.
-  const bool own_slopes = options.linear_source && !independent && box.columns() > 1;
+  // Light that does not change across columns has slopes along z alone, which differences give as well.
+  const VaryingAxes varying = options.linear_source && !independent ? varying_axes(*cells) : VaryingAxes{};
+  const bool own_slopes = varying.any();
   Slope<Real> beam_slope;
   SystemBeam<Real> beam =
       system_beam<Real>(problem, discretisation, *cells, options, own_slopes ? &beam_slope : nullptr);
   std::optional<SlopeTables<Real>> slopes;
   if (own_slopes) {
     for (auto& axis : beam_slope) axis.resize(cells->size() + lane_padding);
-    slopes.emplace(box, *cells, ordinates, paths, scattering.matrix(), std::move(beam_slope));
+    if (!varying.x) std::fill(beam_slope[0].begin(), beam_slope[0].end(), Real(0));
+    if (!varying.y) std::fill(beam_slope[1].begin(), beam_slope[1].end(), Real(0));
+    slopes.emplace(box, *cells, ordinates, paths, scattering.matrix(), std::move(beam_slope), varying);
   }
   return {.box = box,
           .independent_columns = independent,

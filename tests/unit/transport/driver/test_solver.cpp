@@ -188,7 +188,8 @@ TEST(Solve, LedgerClosesInRandomFields) {
 TEST(Solve, FurnaceStaysAtTheSkysRadiance) {
   // Nothing absorbs, the sky is the same everywhere: so is all light, whatever the cloud. The matrices of anisotropic
   // scattering conserve power but are not quite reciprocal: inside, means are off by 7e-4 with 42 points. In uneven
-  // clouds the gather's blur moves light between columns: .6 % with 512 directions.
+  // clouds the gather's blur moves light between columns: .6 % with 512 directions. Slopes of light in uneven clouds
+  // are found when the iteration is near its end: .06 %.
   for (const bool uneven : {false, true}) {
     for (const bool isotropic : {true, false}) {
       Problem problem = random_problem(true, 5, 1, 1);
@@ -204,7 +205,7 @@ TEST(Solve, FurnaceStaysAtTheSkysRadiance) {
       const Solution solution = solve(problem, options);
       expect_finite_and_closed(solution, 1e-5);
       EXPECT_NEAR(solution.ledger.reflectance, 1, 1e-5);
-      const double limit_of_means = isotropic ? 1e-4 : 1e-3;
+      const double limit_of_means = isotropic && !uneven ? 1e-4 : 1e-3;
       for (const auto* profile : {&solution.profile_upwelling_flux, &solution.profile_downwelling_diffuse_flux}) {
         for (const double f : *profile) EXPECT_NEAR(f / (2 * pi), 1, limit_of_means);
       }
@@ -605,6 +606,7 @@ TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
       EXPECT_EQ(less.report.collapsed_axes, along_x ? (along_y ? "" : "y") : (along_y ? "x" : "x, y"));
       // The launch points of the final gather differ if there are fewer columns. It is scaled to the same means.
       // Independent columns need no gather, so their fluxes are the same. Elsewhere: its spread with 64 directions.
+      // Slopes of light are found when the iteration is near its end, which depends on the columns that there are.
       const double tolerance = along_x || along_y ? .02 : 1e-5;
       const auto expect_same = [&](const std::vector<float>& a, const std::vector<float>& b, double relative) {
         ASSERT_EQ(a.size(), b.size());
@@ -614,12 +616,13 @@ TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
       expect_same(less.upwelling_flux, whole.upwelling_flux, tolerance);
       expect_same(less.downwelling_diffuse_flux, whole.downwelling_diffuse_flux, tolerance);
       expect_same(less.direct_flux, whole.direct_flux, 1e-6);
-      expect_same(less.absorbed_power, whole.absorbed_power, 1e-5);
-      expect_same(less.images[0].radiance, whole.images[0].radiance, 1e-2 * tolerance + 1e-5);
-      expect_same(less.images[1].radiance, whole.images[1].radiance, 1e-2 * tolerance + 1e-5);
+      const double of_slopes = along_x || along_y ? 1e-4 : 1e-5;
+      expect_same(less.absorbed_power, whole.absorbed_power, of_slopes);
+      expect_same(less.images[0].radiance, whole.images[0].radiance, 1e-2 * tolerance + of_slopes);
+      expect_same(less.images[1].radiance, whole.images[1].radiance, 1e-2 * tolerance + of_slopes);
       EXPECT_EQ(less.radiance_field->voxel, whole.radiance_field->voxel);
-      expect_same(less.radiance_field->radiance, whole.radiance_field->radiance, 1e-5);
-      EXPECT_NEAR(less.ledger.reflectance, whole.ledger.reflectance, 1e-6);
+      expect_same(less.radiance_field->radiance, whole.radiance_field->radiance, of_slopes);
+      EXPECT_NEAR(less.ledger.reflectance, whole.ledger.reflectance, of_slopes / 10);
     }
   }
 }

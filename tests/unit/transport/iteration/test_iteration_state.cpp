@@ -218,7 +218,7 @@ TEST(IterationState, NumbersThatMakeNoSenseAreRefused) {
   EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), Kept::Stopped);
   kept.stop_after = 0;
   for (const auto& [place, value] :
-       std::vector<std::pair<std::size_t, double>>{{4, -1.}, {4, 1e9}, {5, std::nan("")}, {22, 1e6}, {22, -1.}}) {
+       std::vector<std::pair<std::size_t, double>>{{5, -1.}, {5, 1e9}, {6, std::nan("")}, {23, 1e6}, {23, -1.}}) {
     kept.place = place;
     kept.value = value;
     EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), std::invalid_argument) << place << ' ' << value;
