@@ -23,6 +23,10 @@ std::string summary_table(const Solution& solution) {
   }
   if (report.added_levels > 0)
     line("levels", fmt::format(" {} more, where the direct beam fades within a voxel", report.added_levels));
+  if (report.column_parts_x * report.column_parts_y > 1) {
+    line("columns", fmt::format(" in {} x {} parts: light fades across their voxels", report.column_parts_x,
+                                report.column_parts_y));
+  }
   if (!report.collapsed_axes.empty())
     line("solved as", fmt::format(" {}: nothing varies along {}", report.mode, report.collapsed_axes));
   line("energy residual", fmt::format("{:9.1e}", ledger.residual));

@@ -2,7 +2,7 @@
 """How honest the error estimates of `cloudbow run` are: estimated against true errors, over scenes whose truth is known.
 
 Truths: the plane-parallel cases (discrete ordinates), the step cloud, RICO and, where asked for, Landsat (Monte Carlo, noise taken out), the isolated
-clouds of column_fluxes.py (the same). Each is solved at every level named; per level and flux (domain, columns up, columns down) there is one row
+clouds of column_fluxes.py and those with thick voxels (the same). Each is solved at every level named; per level and flux (domain, columns up, columns down) there is one row
 of the table. An estimate is good where it is no less than the true error and yet not much more.
 
 Every second case of each group, by name, is what the factors of src/app/planning/error_calibration.cpp were fitted to (`--fit` does it again and prints
@@ -13,6 +13,7 @@ usage: error_estimates.py [--accuracy draft balanced fine] [--csv FILE] [--plot 
 import csv
 import json
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -22,6 +23,7 @@ import column_fluxes
 import intercomparison
 import plane_parallel
 import support
+import thick_clouds
 from support import ROOT
 
 FLUXES = ("domain", "columns_up", "columns_down")
@@ -89,6 +91,27 @@ def isolated_rows(options, cloudbow, folder):
                 means.append(without_noise(float(plane.mean() - value.mean()), noise))
             true["domain"] = max(means)  # unit flux comes in
             rows += row_of("isolated clouds", case.name, accuracy, output, result, true)
+    return rows
+
+
+def thick_rows(options, cloudbow, folder):
+    """Clouds with voxels of several optical depths, of tests/data and of the reference folder."""
+    folders = [ROOT / "tests/data/thick_clouds"] + ([options.reference / "thick_clouds"] if options.reference else [])
+    rows = []
+    for path in folders:
+        for scene in sorted(path.glob("*.toml")):
+            for accuracy in options.accuracy:
+                # Fluxes alone: images and fields of cells have no estimates.
+                text = scene.read_text().split("[[radiance]]")[0].replace(f'"{scene.stem}.vdb"', f'"{(path / scene.stem).resolve()}.vdb"')
+                alone = folder / f"{scene.stem}.toml"
+                alone.write_text(re.sub(r"fields = \[.*\]", 'fields = ["fluxes"]\nflux_levels = "boundaries"', text)
+                                 .replace('accuracy = "balanced"', f'accuracy = "{accuracy}"'))
+                output = folder / "thick.h5"
+                result = cloudbow.run(alone, output, accept=(0, 3), error_estimate=True)
+                truth = thick_clouds.table(scene.with_name(f"{scene.stem}_fluxes.csv"), 2)
+                found = thick_clouds.flux_figures(result, truth, float(result["direct_flux"][-1].mean()))
+                true = {"domain": max(abs(found["dR"]), abs(found["dT"])) / 100, "columns_up": found["up"] / 100, "columns_down": found["down"] / 100}
+                rows += row_of("thick voxels", scene.stem, accuracy, output, result, true)
     return rows
 
 
@@ -259,7 +282,7 @@ def main():
         with support.Workspace(options.keep) as folder:
             rows = []
             if options.only != "plane-parallel":
-                rows += isolated_rows(options, cloudbow, folder) + field_rows(options, cloudbow, folder)
+                rows += thick_rows(options, cloudbow, folder) + isolated_rows(options, cloudbow, folder) + field_rows(options, cloudbow, folder)
             if options.only != "clouds":
                 rows += plane_parallel_rows(options, cloudbow, folder)
     if options.fit:

@@ -217,7 +217,7 @@ std::vector<PhysicalCheck> energy_checks() {
       // Isotropic scattering is reciprocal on any points: the remainder is the iteration's tolerance of 1e-5, as
       // estimated.
       {"furnace-radiance", "under a uniform sky where nothing absorbs, radiance is the sky's everywhere",
-       "of the sky's", 1e-4, furnace_radiance},
+       "of the sky's", 3e-4, furnace_radiance},
       // The matrices of anisotropic scattering conserve power but are not quite reciprocal: 6e-4 at `draft`.
       {"furnace-flux", "and so are the fluxes, in a cloud that scatters forward", "of the sky's", 1.5e-3, furnace_flux},
       // The same iterations, rounded elsewhere.

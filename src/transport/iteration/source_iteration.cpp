@@ -25,7 +25,7 @@ constexpr double least_safety = 3;
 // The light is brought near its end with slopes from differences, to this estimated error. Then its own slopes are
 // found in a few sweeps, and stay: slopes that change in each sweep upset the mixing of iterates. Found earlier they
 // would be those of light that is not yet there. In cells that scatter much they would go on to change slowly.
-constexpr double error_before_own_slopes = .03;
+constexpr double error_before_own_slopes = .01;
 constexpr int sweeps_with_new_slopes = 3;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
