@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """How honest the error estimates of `cloudbow run` are: estimated against true errors, over scenes whose truth is known.
 
-Truths: the plane-parallel cases (discrete ordinates), the step cloud, RICO and, where asked for, Landsat (Monte Carlo, noise taken out), the isolated
-clouds of column_fluxes.py and those with thick voxels (the same). Each is solved at every level named; per level and flux (domain, columns up, columns down) there is one row
+Truths: the plane-parallel cases (discrete ordinates); the step cloud, RICO and, if requested, Landsat (Monte Carlo). Also the isolated
+clouds of column_fluxes.py and clouds with thick voxels (Monte Carlo). Noise is taken out. Each is solved at every level named; per level and flux (domain, columns up, columns down) there is one row
 of the table. An estimate is good where it is no less than the true error and yet not much more.
 
 Every second case of each group, by name, is what the factors of src/app/planning/error_calibration.cpp were fitted to (`--fit` does it again and prints

@@ -42,8 +42,7 @@ class AngleTable {
   std::vector<double> value_;
 };
 
-// The mean over directions of view of orders of scattering >= 2 in `rows`, and of the first order, which is in
-// from_beam.
+// Means over the directions of view in `rows`: the whole source, and in from_beam its first order of scattering.
 template <class Real>
 LinearSource<Real> mean_source(const Problem& problem, std::size_t cells, const SightPoints& sight,
                                const AngularField<Real>& source, int first_row, std::span<const int> rows,

@@ -144,8 +144,8 @@ TEST(IterationState, GoesOnOverASurfaceThatReflectsUnevenly) {
 TEST(IterationState, GoesOnInOneColumn) { expect_to_go_on<double>(Case(make_box(1, 1, 12))); }
 
 TEST(IterationState, AnotherSunBeginsWithTheLightThereIs) {
-  // The answer is that of a start from nothing but for the slopes of light, which stay when the iteration is near its
-  // end. They depend on the way there.
+  // The answer is that of a start from nothing, but for the slopes of light. These are found near the end of the
+  // iteration and depend on the way there.
   Case of(make_box(5, 4, 6));
   Kept kept;
   iterate_source(of.system<double>(), of.iteration, {}, &kept);

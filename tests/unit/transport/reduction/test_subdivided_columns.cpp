@@ -25,7 +25,7 @@ Problem cloud(double extinction, double mu0 = .5, double azimuth_deg = 0) {
   return problem;
 }
 
-// One extinction everywhere, of delta-M scaled depth `depth` across a column of width 1.
+// One extinction everywhere. Its delta-M scaled depth is `depth` across one column of width 1.
 Problem slab(double depth, int nx, int ny, double azimuth_deg) {
   Problem problem = cloud(1, .5, azimuth_deg);
   const BoxGrid box = make_box(nx, ny, 3);
