@@ -168,7 +168,7 @@ def fit(rows, column):
     true = np.array([row["true"] for row in rows])
     matters = true > NEGLIGIBLE[rows[0]["flux"]]
     # Fields are few: all of them are to hold, with something to spare, and the spatial part has a share of its own in any case.
-    wanted, spare, shares, floors = (0.96, 1.0, (0, 0.1, 0.3), (0, 1, 3, 10, 30)) if column else (1.0, 1.5, (0.3, 1), (0,))
+    wanted, spare, shares, floors = (0.96, 1.0, (0, 0.1, 0.3), (0, 1, 3, 10, 30)) if column else (1.0, 1.7, (0.3, 1, 2, 4, 8), (0,))
     best = None
     for least in NEGLIGIBLE[rows[0]["flux"]] * np.array(floors):
         for share_of_spatial in shares:

@@ -189,9 +189,8 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     check_finite(report, result.ledger);
     const StepWatch steps = StepWatch::of(state.steps, rounding);
     if (state.finds_slopes) ++state.slope_sweeps;
-    state.finds_slopes =
-        result.slopes && state.slope_sweeps < sweeps_with_new_slopes &&
-        (state.slope_sweeps > 0 || report.estimated_error < error_before_own_slopes || steps.restart_now);
+    state.finds_slopes = result.slopes && state.slope_sweeps < sweeps_with_new_slopes &&
+                         (state.slope_sweeps > 0 || report.estimated_error < error_before_own_slopes);
     const bool has_slopes = !result.slopes || state.slope_sweeps >= sweeps_with_new_slopes;
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
@@ -214,6 +213,10 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       if (state.finds_slopes) state.mixer.history() = {};
       if (steps.restart_now) {
         state.mixer.history() = {};
+        // Slopes of light that went astray are not those of the solution.
+        state.finds_slopes = false;
+        state.slope_sweeps = 0;
+        if (result.slopes) result.slopes->fitted = false;
         if (steps.diverges) low_order->drop_diffusion();
       }
       state.mixer.advance(std::span(x).first(mixed), std::span<const Real>(g).first(mixed));

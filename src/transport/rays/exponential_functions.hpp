@@ -1,7 +1,7 @@
 // The functions of transport through a cell of optical path t (docs/theory.md, "March along a ray"):
 //   phi1 = (1 - e^-t)/t,  phi_{k+1} = (1/k! - phi_k)/t.
-// Float: one rational approximation for all. phi1 = N/Q, phi2 = B/Q, phi3 = C/Q, phi4 = D/Q, with Q = N + t B. Energy is
-// then conserved to the last digit, whatever the error of the fit (2e-6 of phi1, 3e-6 in t phi2 and t phi3). All
+// Float: one rational approximation for all. phi1 = N/Q, phi2 = B/Q, phi3 = C/Q, phi4 = D/Q, with Q = N + t B. Energy
+// is then conserved to the last digit, whatever the error of the fit (2e-6 of phi1, 3e-6 in t phi2 and t phi3). All
 // coefficients are positive, so all four functions are. D follows from the recursion, coefficient by coefficient. phi4
 // is off by .15 % at t = 0; energy does not depend on it. Double: exact to rounding.
 #pragma once

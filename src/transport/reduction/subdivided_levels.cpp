@@ -18,10 +18,13 @@ constexpr double least_share_of_beam = .01;
 constexpr int most_parts = 6;
 constexpr double parts_of_most = 63;  // 1 + 2 + 4 + ... + 32
 
+constexpr int most_parts_beside_sides = 3;
+
 // Power that the beam loses in a level.
 struct BeamInLevel {
-  double share = 0;  // of the incident power
-  double depth = 0;  // slant optical depth of the cells, mean by the power
+  double share = 0;       // of the incident power
+  double depth = 0;       // slant optical depth of the cells, mean by the power
+  double side_depth = 0;  // vertical optical depth of the cells, mean by their extinction, if some have sides; else 0
 };
 
 // Independent columns, accurate enough for the choice of levels.
@@ -38,15 +41,20 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
   std::vector<BeamInLevel> levels(box.nz());
   for (int k = box.nz() - 1; k >= 0; --k) {
     BeamInLevel& level = levels[k];
+    double sum = 0, squares = 0;
     for (std::size_t c = problem.grid.first_cell(k); c < problem.grid.first_cell(k + 1); ++c) {
       double& in = beam[dense[c] % columns];
       const double depth = extinction[c] * box.thickness_m(k) / mu0;
       const double left = -std::expm1(-depth) * in;
       in -= left;
+      sum += extinction[c];
+      squares += extinction[c] * extinction[c];
       level.share += left;
       level.depth += left * depth;
     }
     if (level.share > 0) level.depth /= level.share;
+    const bool has_sides = problem.grid.first_cell(k + 1) - problem.grid.first_cell(k) < columns;
+    if (has_sides && sum > 0) level.side_depth = squares / sum * box.thickness_m(k);
   }
   return levels;
 }
@@ -62,6 +70,15 @@ std::vector<double> ends_of_parts(double depth, double largest) {
     part *= 2;
   }
   ends.push_back(1);
+  return ends;
+}
+
+// The same for levels that light enters through sides of the cloud: equal parts.
+std::vector<double> ends_of_equal_parts(double depth, double largest) {
+  const double wanted = largest > 0 ? std::ceil(depth / largest - 1e-9) : 1;
+  const int parts = static_cast<int>(std::clamp(wanted, 1., static_cast<double>(most_parts_beside_sides)));
+  std::vector<double> ends;
+  for (int n = 1; n <= parts; ++n) ends.push_back(static_cast<double>(n) / parts);
   return ends;
 }
 
@@ -155,7 +172,8 @@ SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOpti
       looked_at ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
   for (int k = 0; k < box.nz(); ++k) {
     const bool thick = beam[k].share >= least_share_of_beam;
-    const std::vector<double> ends = thick ? ends_of_parts(beam[k].depth, largest) : std::vector<double>{1};
+    std::vector<double> ends = thick ? ends_of_parts(beam[k].depth, largest) : std::vector<double>{1};
+    if (ends.size() == 1) ends = ends_of_equal_parts(beam[k].side_depth, options.max_column_optical_depth);
     for (std::size_t n = ends.size(); n-- > 0;) {
       cut.z_edge_m.push_back(n + 1 == ends.size() ? box.z_edge_m[k]
                                                   : box.z_edge_m[k + 1] - ends[n] * box.thickness_m(k));

@@ -1,5 +1,6 @@
 // Levels in which the direct beam fades within a cell are subdivided: there a source that is linear
-// in the cell would be too even. Levels with little light, or with thin cells, stay whole.
+// in the cell would be too even. So are levels of thick cells that light enters through sides of the cloud. Levels of
+// thin cells stay whole.
 #pragma once
 
 #include "cloudbow/transport/reductions.hpp"
@@ -10,8 +11,11 @@ namespace cloudbow {
 /// The first part of a level, from above, has the slant optical depth options.max_level_optical_depth. That depth is
 /// delta-M scaled, over mu0; mean over the cells by the power that the beam loses there. Each further part has twice
 /// that of the part above it. Six parts at most; they are thicker if these do not suffice. Levels in which less than a
-/// hundredth of the incident beam is scattered or absorbed stay whole. All do if that option is 0, and
-/// without sun.
+/// hundredth of the incident beam is scattered or absorbed have no such parts.
+///
+/// Other levels get equal parts if some of their columns are clear: parts of the vertical optical depth
+/// options.max_column_optical_depth, three at most. All levels stay whole if the option max_level_optical_depth is 0,
+/// and without sun.
 SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOptions& options);
 
 /// The same problem with cells for each part.

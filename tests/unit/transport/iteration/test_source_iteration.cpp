@@ -85,8 +85,9 @@ TEST(SourceIteration, ComesBackAfterARestart) {
   const IterationResult<double> back = iterate_source(system, options, {}, &spoiling);
   EXPECT_TRUE(StepWatch::of(spoiling.steps, 0).restarted);
   EXPECT_TRUE(back.report.converged);
-  EXPECT_NEAR(back.ledger.reflectance, truth.ledger.reflectance, 2e-6);
-  EXPECT_NEAR(back.ledger.transmittance, truth.ledger.transmittance, 2e-6);
+  // Slopes of light depend on the way, by less than 1e-4.
+  EXPECT_NEAR(back.ledger.reflectance, truth.ledger.reflectance, 2e-4);
+  EXPECT_NEAR(back.ledger.transmittance, truth.ledger.transmittance, 2e-4);
 
   // The same bits if the iteration stops after the restart and goes on.
   interrupted.stop_after = 5 + StepWatch::patience + 2;
