@@ -385,7 +385,7 @@ def inputs(bench, count):
     # A run that chooses its level reads the scene for each.
     for name in disturbances:
         output.unlink(missing_ok=True)
-        process, text = started(bench, output, "--target-error", "1%")
+        process, text = started(bench, output, "--target-error", "2%")
         disturbances[name]()
         text += process.communicate()[1]
         if process.returncode not in (0, 3):
