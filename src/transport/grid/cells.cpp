@@ -85,6 +85,8 @@ std::vector<std::uint32_t> dense_indices(const OpticalGrid& grid) {
 namespace {
 
 constexpr std::uint32_t no_cell = 0xFFFFFFFF;
+template <class Real>
+constexpr Real thin_air = Real(1e-4);  // of the extinction of a neighbour
 
 // Index of the active cell at each location of the box, no_cell if there is none.
 std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
@@ -229,8 +231,9 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
           to[axis] = (to[axis] + count[axis]) % count[axis];
         }
         const std::uint32_t cell = place[(static_cast<std::size_t>(to[2]) * box.ny + to[1]) * box.nx + to[0]];
-        // A cell of empty air, active because its light is requested, is no part of the cloud.
-        return cell != no_cell && cells.extinction[cell] == 0 ? no_cell : cell;
+        // Air beside a cloud is no part of it, whether it is empty, active because its light is requested, or hardly
+        // any matter.
+        return cell != no_cell && cells.extinction[cell] <= thin_air<Real> * cells.extinction[c] ? no_cell : cell;
       };
       const std::uint32_t low = neighbour(-1);
       const std::uint32_t high = neighbour(+1);

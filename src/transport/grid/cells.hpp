@@ -89,7 +89,8 @@ struct Cells {
   std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   std::vector<std::vector<Real>>
       scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': share of the extinction scattered by p
-  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. If the
+  /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. A cell of
+  /// hardly any matter is no neighbour. If the
   /// neighbour above or below is missing, the cell itself replaces it and the difference is one-sided. If a horizontal
   /// neighbour is missing, the slope is zero.
   std::array<std::vector<std::uint32_t>, 3> low;

@@ -627,6 +627,20 @@ TEST(Solve, AxesAlongWhichNothingVariesAreLeftOutForTheSameAnswer) {
   }
 }
 
+TEST(Solve, ALayerOfHardlyAnyMatterChangesNothing) {
+  const Problem alone = random_problem(true, 3, .99, .3);
+  std::vector<float> extinction = random_extinction(alone.grid.box, 3, 7);
+  Problem cloud = alone, with_air = alone;
+  cloud.grid = make_grid(alone.grid.box, extinction, .99);
+  for (float& e : extinction) e += 1e-9F;
+  with_air.grid = make_grid(alone.grid.box, extinction, .99);
+  EXPECT_GT(with_air.grid.active_cells(), cloud.grid.active_cells());
+  SolverOptions options = coarse();
+  options.tolerance = 1e-6;
+  // The light that the iteration's end leaves to slopes.
+  EXPECT_NEAR(solve(with_air, options).ledger.reflectance, solve(cloud, options).ledger.reflectance, 5e-5);
+}
+
 TEST(Solve, OpenSidesLeaveNoAxisOut) {
   Problem problem = layered(false, false);
   problem.grid.box.periodic = false;

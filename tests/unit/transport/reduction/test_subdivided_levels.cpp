@@ -56,6 +56,26 @@ TEST(ThickLevels, PartsDoubleFromAbove) {
   EXPECT_DOUBLE_EQ(cut.z_edge_m[3], 3);
 }
 
+TEST(ThickLevels, DarkOnesBesideClearColumnsHaveEqualParts) {
+  Problem dark = thick_top(20, .6);
+  for (float& s : dark.grid.scattering[0]) s = 20;
+  SolverOptions options = coarse_options();
+  options.max_level_optical_depth = 1;
+  options.max_column_optical_depth = 8;  // in three parts of 20 (1 - .7^6)
+  const SubdividedLevels closed = subdivide_thick_levels(dark, options);
+  EXPECT_EQ(closed.level[1], 1) << "light has no way to the lowest level";
+  const BoxGrid& box = dark.grid.box;
+  std::vector<float> extinction(cells_of(box), 20.F);
+  for (std::size_t k = 0; k < 4; ++k) extinction[k * box.columns()] = 0;  // a clear column
+  dark.grid = make_grid(box, extinction, .99);
+  const SubdividedLevels open = subdivide_thick_levels(dark, options);
+  EXPECT_EQ(open.level[2], 0);
+  EXPECT_EQ(open.level[3], 1);
+  EXPECT_NEAR(open.z_edge_m[1], 1. / 3, 1e-12);
+  options.max_column_optical_depth = 0;
+  EXPECT_EQ(subdivide_thick_levels(dark, options).level[1], 1);
+}
+
 TEST(ThickLevels, TheResultHasTheLevelsAsTheyAre) {
   const Problem problem = thick_top(20, .6);
   SolverOptions options = coarse_options();
