@@ -231,8 +231,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
           to[axis] = (to[axis] + count[axis]) % count[axis];
         }
         const std::uint32_t cell = place[(static_cast<std::size_t>(to[2]) * box.ny + to[1]) * box.nx + to[0]];
-        // Air beside a cloud is no part of it, whether it is empty, active because its light is requested, or hardly
-        // any matter.
+        // Air beside a cloud is no part of it: neither empty cells whose light is requested, nor hardly any matter.
         return cell != no_cell && cells.extinction[cell] <= thin_air<Real> * cells.extinction[c] ? no_cell : cell;
       };
       const std::uint32_t low = neighbour(-1);
