@@ -101,7 +101,7 @@ LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
   LevelRange best{0, 0};
   std::uint32_t most = 0;
   const auto empty = [&](int k) { return rows.level_cell[k + 1] == rows.level_cell[k]; };
-  for (int first = 0, last; first < box.nz(); first = last) {
+  for (int first = 0, last = 0; first < box.nz(); first = last) {
     const double thickness = box.thickness_m(first);
     last = first + 1;
     while (last < box.nz() && std::abs(box.thickness_m(last) - thickness) <= 1e-6 * thickness) ++last;
