@@ -110,9 +110,10 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
       std::vector<Real> light(columns);
       for (int ray = static_cast<int>(g); ray < rays; ray += static_cast<int>(sums.size())) {
         // The offset keeps rays off the faces if the sun's azimuth is along an axis.
-        const PathPattern pattern = at_true_places(
-            make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7, (ray / rays_x + .5) / rays_y + 1e-7,
-                              options.independent_columns, {0, box.nz()}));
+        const int row = ray / rays_x;
+        const PathPattern pattern =
+            at_true_places(make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7,
+                                             (row + .5) / rays_y + 1e-7, options.independent_columns, {0, box.nz()}));
         std::fill(path.begin(), path.end(), Real(0));
         double landed = 0;  // at the interface recorded last
         const auto record = [&](int step) {

@@ -91,8 +91,8 @@ TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
   const CoarseSolves off{three_levels(.1F), three_levels(.1F)};
   const ErrorEstimate estimate = estimate_error(three_levels(0), off, weights, false);
   EXPECT_EQ(estimate.up.total(), 0);
-  EXPECT_NEAR(estimate.between_ends, 2.5 * .1 / 2, rounding) << "which count 2.5 times";
-  EXPECT_NE(error_line(estimate).find("at levels between 12 %"), std::string::npos) << error_line(estimate);
+  EXPECT_NEAR(estimate.between_ends, 1.5 * .1 / 2, rounding) << "which count 1.5 times";
+  EXPECT_NE(error_line(estimate).find("at levels between 7.5 %"), std::string::npos) << error_line(estimate);
   const CoarseSolves at_ends{made_up(.1, .3), made_up(.1, .3)};
   const ErrorEstimate of_two = estimate_error(made_up(0, 0), at_ends, weights, false);
   EXPECT_EQ(of_two.between_ends, 0);
