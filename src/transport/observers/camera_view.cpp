@@ -181,12 +181,13 @@ std::vector<CameraImage> camera_images(const ConvergedField<Real>& field, const 
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                     \
-  template std::vector<CameraImage> camera_images<Real>(                               \
-      const ConvergedField<Real>&, const SightPoints&, const AngularField<Real>&, int, \
-      std::span<const ViewingBeam<Real>>, const GroundRadiance<Real>&, const SideRadiance&)
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template std::vector<CameraImage> camera_images<float>(const ConvergedField<float>&, const SightPoints&,
+                                                       const AngularField<float>&, int,
+                                                       std::span<const ViewingBeam<float>>,
+                                                       const GroundRadiance<float>&, const SideRadiance&);
+template std::vector<CameraImage> camera_images<double>(const ConvergedField<double>&, const SightPoints&,
+                                                        const AngularField<double>&, int,
+                                                        std::span<const ViewingBeam<double>>,
+                                                        const GroundRadiance<double>&, const SideRadiance&);
 
 }  // namespace cloudbow

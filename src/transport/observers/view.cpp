@@ -26,8 +26,9 @@ void fill_pixels(const SightScene<Real>& scene, const View& view, const Real* so
       for (int column = 0; column < view.width; ++column) {
         double sum = 0;
         for (int r = 0; r < rays * rays; ++r) {
+          const int part = r / rays;
           const Eigen::Vector3d eye(box.x_min_m + (column + (r % rays + .5) / rays) * across,
-                                    box.y_min_m + (row + (r / rays + .5) / rays) * along, plane);
+                                    box.y_min_m + (row + (part + .5) / rays) * along, plane);
           sum += radiance_along<Real>(scene, eye, -view.travel,
                                       [source](std::uint32_t cell) { return static_cast<double>(source[cell]); });
         }
@@ -95,8 +96,9 @@ std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, con
 #pragma omp for schedule(dynamic, 1)
       for (int r = 0; r < rays * rays; ++r) {
         errors.run([&] {
+          const int part = r / rays;
           const PathPattern pattern = scene.path(make_path_pattern(
-              box, -view.travel, (r % rays + .5) / rays, (r / rays + .5) / rays, system.independent_columns, levels));
+              box, -view.travel, (r % rays + .5) / rays, (part + .5) / rays, system.independent_columns, levels));
           seen.clear(all.size(), box.columns());
           march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
           of_ray[r].resize(box.columns());
@@ -117,12 +119,11 @@ std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, con
   return images;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                 \
-  template std::vector<RadianceImage> view_radiances<Real>(const ConvergedField<Real>&, const AngularField<Real>&, \
-                                                           std::span<const ViewingBeam<Real>>,                     \
-                                                           const GroundRadiance<Real>&, const SideRadiance&)
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template std::vector<RadianceImage> view_radiances<float>(const ConvergedField<float>&, const AngularField<float>&,
+                                                          std::span<const ViewingBeam<float>>,
+                                                          const GroundRadiance<float>&, const SideRadiance&);
+template std::vector<RadianceImage> view_radiances<double>(const ConvergedField<double>&, const AngularField<double>&,
+                                                           std::span<const ViewingBeam<double>>,
+                                                           const GroundRadiance<double>&, const SideRadiance&);
 
 }  // namespace cloudbow
