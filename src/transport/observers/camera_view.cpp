@@ -18,7 +18,7 @@ constexpr std::size_t most_values = 160'000'000;
 class AngleTable {
  public:
   explicit AngleTable(const BeamPhase& phase) {
-    value_.reserve((angles + 1) * BeamPhase::nodes);
+    value_.reserve(static_cast<std::size_t>(angles + 1) * BeamPhase::nodes);
     for (int n = 0; n <= angles; ++n) {
       const double share = static_cast<double>(n) / angles;
       const std::vector<double> at = phase.at(std::cos(std::numbers::pi * share * share));

@@ -196,14 +196,15 @@ void add_first_order(const ViewingBeam<Real>& beam, double cos_angle, std::span<
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                               \
-  template std::vector<ViewingBeam<Real>> viewing_beams<Real>(const ConvergedField<Real>&);                      \
-  template AngularField<Real> higher_orders_seen<Real>(const ConvergedField<Real>&, std::span<const Direction>); \
-  template Slope<Real> slopes_seen<Real>(const ConvergedField<Real>&, std::span<const Direction>,                \
-                                         std::span<const Real>, std::span<const Real>);                          \
-  template void add_first_order<Real>(const ViewingBeam<Real>&, double, std::span<Real>)
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template std::vector<ViewingBeam<float>> viewing_beams<float>(const ConvergedField<float>&);
+template AngularField<float> higher_orders_seen<float>(const ConvergedField<float>&, std::span<const Direction>);
+template Slope<float> slopes_seen<float>(const ConvergedField<float>&, std::span<const Direction>,
+                                         std::span<const float>, std::span<const float>);
+template void add_first_order<float>(const ViewingBeam<float>&, double, std::span<float>);
+template std::vector<ViewingBeam<double>> viewing_beams<double>(const ConvergedField<double>&);
+template AngularField<double> higher_orders_seen<double>(const ConvergedField<double>&, std::span<const Direction>);
+template Slope<double> slopes_seen<double>(const ConvergedField<double>&, std::span<const Direction>,
+                                           std::span<const double>, std::span<const double>);
+template void add_first_order<double>(const ViewingBeam<double>&, double, std::span<double>);
 
 }  // namespace cloudbow
