@@ -84,7 +84,7 @@ StateArray radiance_of(AngularField<Real>& radiance) {
 }
 
 // Everything that is no array, in one.
-constexpr std::size_t number_count = 25;
+constexpr std::size_t number_count = 26;
 
 template <class Real, class Use>
 void for_each_number(IterationState<Real>& state, const Use& use) {
@@ -95,6 +95,7 @@ void for_each_number(IterationState<Real>& state, const Use& use) {
   use(state.done);
   use(state.finds_slopes);
   use(state.slope_sweeps);
+  use(state.slopes_from);
   use(report.converged);
   use(report.sweeps);
   for (double* const number :
@@ -223,9 +224,9 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
   for (const double number : numbers) {
     if (!std::isfinite(number)) checkpoints.refuse(fmt::format("numbers (found {}, allowed finite ones)", number));
   }
-  if (numbers[3] < 0 || numbers[3] > most_sweeps || numbers[5] < 0 || numbers[5] > most_sweeps || mixed < 0 ||
-      mixed > state.mixer.depth()) {
-    checkpoints.refuse(fmt::format("{} sweeps, {} changes (allowed up to {} and {})", numbers[5], mixed, most_sweeps,
+  if (numbers[3] < 0 || numbers[3] > most_sweeps || std::abs(numbers[4]) > most_sweeps || numbers[6] < 0 ||
+      numbers[6] > most_sweeps || mixed < 0 || mixed > state.mixer.depth()) {
+    checkpoints.refuse(fmt::format("{} sweeps, {} changes (allowed up to {} and {})", numbers[6], mixed, most_sweeps,
                                    state.mixer.depth()));
   }
   std::size_t next = 0;
@@ -239,6 +240,7 @@ bool restore_state(const TransportSystem<Real>& system, const IterationOptions& 
     result.report = {};
     state.done = state.nearly_done = state.finds_slopes = false;
     state.slope_sweeps = 0;
+    state.slopes_from = -1;
     system.moments(result.radiance, result.moments);
     state.x = result.moments;
     state.change.clear();

@@ -20,6 +20,7 @@ struct IterationState {
   AndersonMixer<Real> mixer;
   bool finds_slopes = false;  ///< the next sweep finds the light's own slopes
   int slope_sweeps = 0;       ///< sweeps that did
+  int slopes_from = -1;       ///< index of the first of their steps; negative: none did
   bool dark = true;           ///< there is no radiance yet
   bool nearly_done = false;   ///< the next sweep records
   bool done = false;          ///< the result is complete

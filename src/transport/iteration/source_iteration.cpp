@@ -27,6 +27,9 @@ constexpr double least_safety = 3;
 // would be those of light that is not yet there. In cells that scatter much they would go on to change slowly.
 constexpr double error_before_own_slopes = .01;
 constexpr int sweeps_with_new_slopes = 3;
+// Light that changes by more than this meanwhile was not near its end: its slopes are found again, later. Not for ever.
+constexpr double largest_step_of_slopes = .5;
+constexpr int last_sweep_to_find_slopes_again = 40;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
@@ -104,6 +107,14 @@ double estimated_error(const std::vector<double>& steps) {
   return steps.back() * std::max(least_safety, rho / (1 - rho));
 }
 
+// Slopes of light that is far from the solution are not those of the solution.
+template <class Real>
+void drop_slopes(IterationState<Real>& state) {
+  state.finds_slopes = false;
+  state.slope_sweeps = 0;
+  if (state.result.slopes) state.result.slopes->fitted = false;
+}
+
 void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
   if (std::isfinite(report.estimated_error) && std::isfinite(ledger.residual)) return;
   throw std::runtime_error(fmt::format(
@@ -147,7 +158,8 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   {
     const Stopwatch watch(report.seconds_acceleration);
     low_order.emplace(system);
-    if (StepWatch::of(state.steps, rounding).diverges) low_order->drop_diffusion();
+    if (StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes).diverges)
+      low_order->drop_diffusion();
     if (!restored) x.assign(low_moments * n, Real(0));
     if (!restored && !system.beam.source.empty()) {
       low_order->guess(x);
@@ -187,10 +199,14 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     report.estimated_error = estimated_error(state.steps);
     check_finite(report, result.ledger);
-    const StepWatch steps = StepWatch::of(state.steps, rounding);
+    const StepWatch steps = StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes);
     if (state.finds_slopes) ++state.slope_sweeps;
+    if (state.slope_sweeps > 0 && state.steps.back() > largest_step_of_slopes &&
+        report.sweeps <= last_sweep_to_find_slopes_again)
+      drop_slopes(state);
     state.finds_slopes = result.slopes && state.slope_sweeps < sweeps_with_new_slopes &&
                          (state.slope_sweeps > 0 || report.estimated_error < error_before_own_slopes);
+    if (state.finds_slopes && state.slope_sweeps == 0) state.slopes_from = static_cast<int>(state.steps.size());
     const bool has_slopes = !result.slopes || state.slope_sweeps >= sweeps_with_new_slopes;
     if (progress) progress(report.sweeps, report.estimated_error, result.ledger.residual);
 
@@ -213,10 +229,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       if (state.finds_slopes) state.mixer.history() = {};
       if (steps.restart_now) {
         state.mixer.history() = {};
-        // Slopes of light that went astray are not those of the solution.
-        state.finds_slopes = false;
-        state.slope_sweeps = 0;
-        if (result.slopes) result.slopes->fitted = false;
+        drop_slopes(state);
         if (steps.diverges) low_order->drop_diffusion();
       }
       state.mixer.advance(std::span(x).first(mixed), std::span<const Real>(g).first(mixed));

@@ -17,7 +17,9 @@ struct StepWatch {
   /// second time it is stuck. Steps as small as rounding are not worth a restart.
   /// @param steps relative size of each step so far, >= 0
   /// @param rounding steps below this may be due to rounding alone
-  static StepWatch of(std::span<const double> steps, double rounding);
+  /// @param changed index of the first of `change` steps in which the problem changed; negative: it did not. These
+  /// steps are not judged. Those before them are no measure of those after.
+  static StepWatch of(std::span<const double> steps, double rounding, int changed = -1, int change = 0);
 
   static constexpr int patience = 8;
   static constexpr double large = .01;  ///< steps beyond it are due to divergence: slow convergence has smaller ones

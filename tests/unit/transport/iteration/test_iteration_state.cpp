@@ -217,8 +217,8 @@ TEST(IterationState, NumbersThatMakeNoSenseAreRefused) {
   kept.stop_after = 2;
   EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), Kept::Stopped);
   kept.stop_after = 0;
-  for (const auto& [place, value] :
-       std::vector<std::pair<std::size_t, double>>{{5, -1.}, {5, 1e9}, {6, std::nan("")}, {23, 1e6}, {23, -1.}}) {
+  for (const auto& [place, value] : std::vector<std::pair<std::size_t, double>>{
+           {3, -1.}, {4, 1e9}, {6, -1.}, {6, 1e9}, {7, std::nan("")}, {24, 1e6}, {24, -1.}}) {
     kept.place = place;
     kept.value = value;
     EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), std::invalid_argument) << place << ' ' << value;

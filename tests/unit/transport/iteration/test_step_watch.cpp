@@ -74,5 +74,17 @@ TEST(StepWatch, RoundingIsNotWorthARestart) {
   EXPECT_TRUE(watch.stuck);
 }
 
+TEST(StepWatch, ChangeOfTheProblemIsNoGrowth) {
+  std::vector<double> steps{1e-1, 1e-2, 1e-3, 5e-1, 4e-1, 3e-1};
+  for (double step = .2; steps.size() < 14; step *= .8) steps.push_back(step);
+  EXPECT_TRUE(StepWatch::of(steps, 0).restarted);
+  const StepWatch watch = StepWatch::of(steps, 0, 3, 3);
+  EXPECT_FALSE(watch.restarted);
+  EXPECT_DOUBLE_EQ(watch.least, steps.back());
+  // A plateau after it is one.
+  steps.insert(steps.end(), StepWatch::patience, steps.back());
+  EXPECT_TRUE(StepWatch::of(steps, 0, 3, 3).restarted);
+}
+
 }  // namespace
 }  // namespace cloudbow
