@@ -27,7 +27,7 @@ constexpr double least_safety = 3;
 // would be those of light that is not yet there. In cells that scatter much they would go on to change slowly.
 constexpr double error_before_own_slopes = .01;
 constexpr int sweeps_with_new_slopes = 3;
-// Light that changes by more than this meanwhile was not near its end: its slopes are found again, later. Not for ever.
+// If the light changes by more than this meanwhile, its slopes are found again later.
 constexpr double largest_step_of_slopes = .5;
 constexpr int last_sweep_to_find_slopes_again = 40;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:

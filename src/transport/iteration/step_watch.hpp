@@ -15,8 +15,8 @@ struct StepWatch {
 
   /// Steps grow, or fall by less than a tenth in `patience` sweeps: the first time the iteration should restart. The
   /// second time it is stuck. Steps as small as rounding are not worth a restart.
-  /// @param steps relative size of each step so far, >= 0
-  /// @param rounding steps below this may be due to rounding alone
+  /// @param steps relative size of each step so far, >= 0.
+  /// @param rounding steps below this may be due to rounding alone.
   /// @param changed index of the first of `change` steps in which the problem changed; negative: it did not. These
   /// steps are not judged. Those before them are no measure of those after.
   static StepWatch of(std::span<const double> steps, double rounding, int changed = -1, int change = 0);
