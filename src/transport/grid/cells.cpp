@@ -191,6 +191,11 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
 }  // namespace
 
 template <class Real>
+VaryingAxes varying_axes(const Cells<Real>& cells) {
+  return {cells.rows.nx > 1 && varies_along(cells, 0), cells.rows.ny > 1 && varies_along(cells, 1)};
+}
+
+template <class Real>
 Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool independent_columns,
                        std::size_t worth_shortcuts) {
   Cells<Real> cells;
@@ -252,9 +257,9 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
     }
   }
-  const auto constant_along = [&](int axis) { return count[axis] > 1 && !varies_along(cells, axis); };
-  cells.heterogeneous =
-      n >= worth_shortcuts && !independent_columns && box.columns() > 1 && !constant_along(0) && !constant_along(1);
+  const VaryingAxes varying = varying_axes(cells);
+  cells.heterogeneous = n >= worth_shortcuts && !independent_columns && box.columns() > 1 &&
+                        (varying.x || box.nx == 1) && (varying.y || box.ny == 1);
   if (cells.heterogeneous && box.periodic && box.nx > 1 && box.ny > 1) {
     cells.even_levels = longest_even_run(box, cells.rows);
     cells.transposed[1].sheets = sheets_along_y(cells.rows);
@@ -266,6 +271,8 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   return cells;
 }
 
+template VaryingAxes varying_axes<float>(const Cells<float>&);
+template VaryingAxes varying_axes<double>(const Cells<double>&);
 template Cells<float> make_cells<float>(const OpticalGrid&, std::span<const double>, bool, std::size_t);
 template Cells<double> make_cells<double>(const OpticalGrid&, std::span<const double>, bool, std::size_t);
 

@@ -90,15 +90,24 @@ struct Cells {
   std::vector<std::vector<Real>>
       scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': share of the extinction scattered by p
   /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. A cell of
-  /// hardly any matter is no neighbour. If the
-  /// neighbour above or below is missing, the cell itself replaces it and the difference is one-sided. If a horizontal
-  /// neighbour is missing, the slope is zero.
+  /// hardly any matter (1e-4 of the cell's own extinction) is no neighbour. If the neighbour above or below is missing,
+  /// the cell itself replaces it and the difference is one-sided. If a horizontal neighbour is missing, the slope is
+  /// zero.
   std::array<std::vector<std::uint32_t>, 3> low;
   std::array<std::vector<std::uint32_t>, 3> high;
   std::array<std::vector<Real>, 3> scale;
 
   std::size_t size() const { return rows.size(); }
 };
+
+/// Horizontal axes of more than one cell along which cells differ.
+struct VaryingAxes {
+  bool x = false;
+  bool y = false;
+  bool any() const { return x || y; }
+};
+template <class Real>
+VaryingAxes varying_axes(const Cells<Real>& cells);
 
 /// Data of the cells that a march reads, in the order of its axes: the pattern's x and y, and the axis of the march.
 template <class Real>

@@ -115,6 +115,12 @@ void drop_slopes(IterationState<Real>& state) {
   if (state.result.slopes) state.result.slopes->fitted = false;
 }
 
+// Observers then take differences between neighbours, as the sweeps did.
+template <class Real>
+void drop_unfitted_slopes(IterationResult<Real>& result) {
+  if (result.slopes && !result.slopes->fitted) result.slopes.reset();
+}
+
 void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
   if (std::isfinite(report.estimated_error) && std::isfinite(ledger.residual)) return;
   throw std::runtime_error(fmt::format(
@@ -144,7 +150,10 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   if (system.slopes) result.slopes = system.slopes->none(n);
   IterationReport& report = result.report;
   const bool restored = checkpoints != nullptr && restore_state(system, options, state, *checkpoints);
-  if (state.done) return std::move(result);
+  if (state.done) {
+    drop_unfitted_slopes(result);
+    return std::move(result);
+  }
 
   std::optional<LowOrderCorrection<Real>> low_order;
   SweepWorkspace<Real> work;
@@ -240,7 +249,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     }
     if (checkpoints != nullptr && checkpoints->due()) save_state(system, state, *checkpoints);
   }
-  if (result.slopes && !result.slopes->fitted) result.slopes.reset();
+  drop_unfitted_slopes(result);
   if (checkpoints != nullptr) save_state(system, state, *checkpoints);
   return std::move(result);
 }

@@ -6,10 +6,8 @@
 #include <map>
 
 #include "cloudbow/medium/grid_map.hpp"
-#include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/transport/output_fields.hpp"
-#include "transport/grid/cells.hpp"
-#include "transport/system/transport_system.hpp"
+#include "transport/reduction/fading_beam.hpp"
 
 namespace cloudbow {
 namespace {
@@ -17,29 +15,14 @@ namespace {
 constexpr int most_parts = 3;
 constexpr double across_the_sun = 2;  // times the depth that parts may have along the sun's azimuth
 
-// Delta-M scaled extinction, 1/m, mean over the cells by the power that the beam loses in them. Independent columns are
-// accurate enough for the choice.
+// Delta-M scaled extinction, 1/m, mean over the cells by the power that the beam loses in them.
 double lit_extinction(const Problem& problem, const SolverOptions& options) {
-  std::vector<double> forward_fraction;
-  for (const PhaseFunction& phase : problem.phase)
-    forward_fraction.push_back(delta_m(phase, options.fit.delta_m_order).forward_fraction);
-  const std::vector<double> extinction = scaled_extinction<double>(problem.grid, forward_fraction);
-  const BoxGrid& box = problem.grid.box;
-  const std::vector<std::uint32_t> dense = dense_indices(problem.grid);
-  const std::size_t columns = box.columns();
-  std::vector<double> beam(columns, 1);
-  double lost = 0, sum = 0;
-  for (int k = box.nz() - 1; k >= 0; --k) {
-    const double path = box.thickness_m(k) / -problem.sun->travel.z();
-    for (std::size_t c = problem.grid.first_cell(k); c < problem.grid.first_cell(k + 1); ++c) {
-      double& in = beam[dense[c] % columns];
-      const double left = -std::expm1(-extinction[c] * path) * in;
-      in -= left;
-      lost += left;
-      sum += left * extinction[c];
-    }
-  }
-  return lost > 0 ? sum / lost : 0;
+  double power = 0, sum = 0;
+  follow_beam(problem, options, [&](int, double extinction, double lost) {
+    power += lost;
+    sum += lost * extinction;
+  });
+  return power > 0 ? sum / power : 0;
 }
 
 int parts_for(double depth, double largest) {

@@ -6,10 +6,8 @@
 #include <map>
 
 #include "cloudbow/medium/grid_map.hpp"
-#include "cloudbow/optics/delta_m.hpp"
 #include "cloudbow/transport/output_fields.hpp"
-#include "transport/grid/cells.hpp"
-#include "transport/system/transport_system.hpp"
+#include "transport/reduction/fading_beam.hpp"
 
 namespace cloudbow {
 namespace {
@@ -17,7 +15,6 @@ namespace {
 constexpr double least_share_of_beam = .01;
 constexpr int most_parts = 6;
 constexpr double parts_of_most = 63;  // 1 + 2 + 4 + ... + 32
-
 constexpr int most_parts_beside_sides = 3;
 
 // Power that the beam loses in a level.
@@ -27,34 +24,27 @@ struct BeamInLevel {
   double side_depth = 0;  // vertical optical depth of the cells, mean by their extinction, if some have sides; else 0
 };
 
-// Independent columns, accurate enough for the choice of levels.
 std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOptions& options) {
-  std::vector<double> forward_fraction;
-  for (const PhaseFunction& phase : problem.phase)
-    forward_fraction.push_back(delta_m(phase, options.fit.delta_m_order).forward_fraction);
-  const std::vector<double> extinction = scaled_extinction<double>(problem.grid, forward_fraction);
   const BoxGrid& box = problem.grid.box;
-  const std::vector<std::uint32_t> dense = dense_indices(problem.grid);
-  const std::size_t columns = box.columns();
+  const auto columns = static_cast<double>(box.columns());
   const double mu0 = -problem.sun->travel.z();
-  std::vector<double> beam(columns, 1 / static_cast<double>(columns));
+  struct Sums {
+    double extinction = 0, squares = 0;
+  };
   std::vector<BeamInLevel> levels(box.nz());
-  for (int k = box.nz() - 1; k >= 0; --k) {
+  std::vector<Sums> sums(box.nz());
+  follow_beam(problem, options, [&](int k, double extinction, double lost) {
+    levels[k].share += lost / columns;
+    levels[k].depth += lost / columns * extinction * box.thickness_m(k) / mu0;
+    sums[k].extinction += extinction;
+    sums[k].squares += extinction * extinction;
+  });
+  for (int k = 0; k < box.nz(); ++k) {
     BeamInLevel& level = levels[k];
-    double sum = 0, squares = 0;
-    for (std::size_t c = problem.grid.first_cell(k); c < problem.grid.first_cell(k + 1); ++c) {
-      double& in = beam[dense[c] % columns];
-      const double depth = extinction[c] * box.thickness_m(k) / mu0;
-      const double left = -std::expm1(-depth) * in;
-      in -= left;
-      sum += extinction[c];
-      squares += extinction[c] * extinction[c];
-      level.share += left;
-      level.depth += left * depth;
-    }
     if (level.share > 0) level.depth /= level.share;
-    const bool has_sides = problem.grid.first_cell(k + 1) - problem.grid.first_cell(k) < columns;
-    if (has_sides && sum > 0) level.side_depth = squares / sum * box.thickness_m(k);
+    const bool has_sides = problem.grid.first_cell(k + 1) - problem.grid.first_cell(k) < box.columns();
+    if (has_sides && sums[k].extinction > 0)
+      level.side_depth = sums[k].squares / sums[k].extinction * box.thickness_m(k);
   }
   return levels;
 }

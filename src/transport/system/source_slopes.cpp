@@ -34,21 +34,6 @@ template <class Real>
 }  // namespace
 
 template <class Real>
-VaryingAxes varying_axes(const Cells<Real>& cells) {
-  const auto varies = [&](std::size_t axis) {
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      const std::uint32_t next = cells.high[axis][c];
-      if (next == c || cells.extinction[next] != cells.extinction[c]) return true;
-      for (const auto& scattered : cells.scattered) {
-        if (scattered[next] != scattered[c]) return true;
-      }
-    }
-    return false;
-  };
-  return {cells.rows.nx > 1 && varies(0), cells.rows.ny > 1 && varies(1)};
-}
-
-template <class Real>
 SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
                                const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering,
                                Slope<Real> beam, VaryingAxes varying)
@@ -241,7 +226,6 @@ void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real
 }
 
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
-  template VaryingAxes varying_axes<Real>(const Cells<Real>&);                                                       \
   template class SlopeTables<Real>;                                                                                  \
   template void make_relative<Real>(const Slope<Real>&, std::span<const Real>, std::span<const Real>, Slope<Real>&); \
   template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const Real*, const Real*, std::size_t,      \

@@ -36,15 +36,6 @@ struct LightSlopes {
   bool frozen = true;   ///< sweeps leave them as they are; false: they find them anew
 };
 
-/// Horizontal axes along which cells differ; along the others light has no slope.
-struct VaryingAxes {
-  bool x = false;
-  bool y = false;
-  bool any() const { return x || y; }
-};
-template <class Real>
-VaryingAxes varying_axes(const Cells<Real>& cells);
-
 /// Tables for slopes, which stay the same during the iteration.
 template <class Real>
 class SlopeTables {

@@ -174,6 +174,21 @@ TEST(IterationState, ATighterToleranceBeginsWithTheLightThereIs) {
   EXPECT_NEAR(warm.ledger.reflectance, fresh.ledger.reflectance, 5e-4) << "by slopes, as above";
 }
 
+TEST(IterationState, SlopesThatWereNotFoundAreNoneAfterItsEndToo) {
+  // Two sweeps end before slopes are found: sweeps and observers take differences, also when the state is read again.
+  Case of(make_box(5, 4, 6));
+  of.iteration.max_sweeps = 2;
+  const TransportSystem<double> system = of.system<double>();
+  ASSERT_TRUE(system.slopes);
+  Kept kept;
+  EXPECT_FALSE(iterate_source(system, of.iteration, {}, &kept).slopes);
+  EXPECT_FALSE(iterate_source(system, of.iteration, {}, &kept).slopes);
+  of.iteration.max_sweeps = 200;
+  const IterationResult<double> found = iterate_source(system, of.iteration, {}, &kept);
+  ASSERT_TRUE(found.slopes);
+  EXPECT_EQ(iterate_source(system, of.iteration, {}, &kept).slopes->of_radiance, found.slopes->of_radiance);
+}
+
 TEST(IterationState, AKeyTellsWhatMatters) {
   const Case of(make_box(3, 3, 3));
   const auto key = [](const Case& some) {
