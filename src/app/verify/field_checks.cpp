@@ -139,7 +139,7 @@ double reciprocity() { return std::abs(reflection_factor(.9, 37, .4, 150) / refl
 
 std::vector<PhysicalCheck> field_checks() {
   return {
-      // docs/validation.md: .01 and .07 % at `balanced`; Monte Carlo's own noise is a tenth of that.
+      // docs/validation.md: .014 and .11 % at `balanced`; Monte Carlo's own noise is a tenth of that.
       {"step-cloud-60", "the I3RC step cloud reflects .58065 of a sun at 60 degrees", "of incident", 1e-3,
        [] { return step_cloud(.5, .58065); }},
       {"step-cloud-0", "the I3RC step cloud reflects .32757 of a sun overhead", "of incident", 1.5e-3,

@@ -13,9 +13,9 @@
 
 namespace cloudbow {
 
-/// Calls fade(k, extinction, lost) for every cell, from the top down: its level, its delta-M scaled extinction (1/m),
-/// and the power that the beam loses in it, as a fraction of the power incident on its column. In independent columns,
-/// which are accurate enough for a choice. @param problem with a sun.
+/// Calls fade(k, extinction, lost) for every cell, from the top down. k is its level; `extinction` is delta-M scaled
+/// (1/m). `lost` is the power that the beam loses there, as a fraction of the power incident on its column. Columns are
+/// independent here, which is accurate enough for a choice. @param problem with a sun.
 template <class Fade>
 void follow_beam(const Problem& problem, const SolverOptions& options, const Fade& fade) {
   std::vector<double> forward_fraction;

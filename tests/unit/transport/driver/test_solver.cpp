@@ -878,8 +878,8 @@ TEST(Solve, ActinicFluxInClearAirCostsNoSweeps) {
   EXPECT_TRUE(without.report.converged);
   EXPECT_TRUE(with.report.converged);
   EXPECT_LE(with.report.sweeps, without.report.sweeps + 1);
-  // Slopes of the source at the cloud's sides need the cells beside it: measured 3e-4.
-  EXPECT_NEAR(with.ledger.reflectance, without.ledger.reflectance, 1e-3);
+  // The iteration's tolerance of 1e-4, and slopes of light that are found near its end: measured 1.2e-4.
+  EXPECT_NEAR(with.ledger.reflectance, without.ledger.reflectance, 2e-4);
 }
 
 }  // namespace
