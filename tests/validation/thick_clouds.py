@@ -57,6 +57,11 @@ LIMITS = {
     ("sc12", "balanced"): dict(up=1.87, down=1.94, dR=0.117, dT=0.14),
     ("sc31", "balanced"): dict(up=1.67, down=1.06, dR=0.0949, dT=0.101),
     ("wall", "balanced"): dict(up=3.22, down=9.03, dR=0.994, dT=1.14),
+    ("cu51", "balanced"): dict(up=0.853, down=1.41, dR=0.102, dT=0.155),
+    ("cu53", "balanced"): dict(up=0.569, down=1.15, dR=0.05, dT=0.0798),
+    ("cu55", "balanced"): dict(up=3, down=2.17, dR=0.259, dT=0.0818),
+    ("sc52", "balanced"): dict(up=2.06, down=1.39, dR=0.05, dT=0.05),
+    ("sc54", "balanced"): dict(up=2.08, down=3.2, dR=0.05, dT=0.0921),
 }
 
 

@@ -81,7 +81,7 @@ double large_field_energy() {
 // Light in and below a cloud that stays far from the seams, and of the same cloud across them.
 double large_field_shift() {
   constexpr int nx = 24, ny = 22, nz = 16, shift_x = 7, shift_y = 9;
-  constexpr std::size_t columns = nx * ny;
+  constexpr std::size_t columns = std::size_t{nx} * std::size_t{ny};
   const auto moved = [](std::size_t c) {
     const std::size_t column = c % columns;
     return c / columns * columns + (column / nx + shift_y) % ny * nx + (column + shift_x) % nx;
