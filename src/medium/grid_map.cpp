@@ -29,6 +29,14 @@ void GridMap::add(std::int32_t i, std::uint32_t from) {
   cell.push_back(from);
 }
 
+void GridMap::add_air(const AirBlocks& from, AirBlocks shape) {
+  shape.first_cell = static_cast<std::uint32_t>(cell.size());
+  air.push_back(shape);
+  for (int y = 0; y < shape.y; ++y) {
+    for (int x = 0; x < shape.x; ++x) cell.push_back(from.first_cell + static_cast<std::uint32_t>(y * from.x + x));
+  }
+}
+
 std::vector<int> same_levels(const OpticalGrid& grid) {
   std::vector<int> level(grid.box.nz());
   std::iota(level.begin(), level.end(), 0);
@@ -40,29 +48,44 @@ OpticalGrid remap(const OpticalGrid& grid, GridMap map) {
   other.box = std::move(map.box);
   other.row_begin = std::move(map.row_begin);
   other.spans = std::move(map.spans);
+  if (!grid.air.empty()) other.air = std::move(map.air);
   other.absorption = picked(grid.absorption, map.cell);
   for (const auto& scattering : grid.scattering) other.scattering.push_back(picked(scattering, map.cell));
   other.layer_absorption = picked(grid.layer_absorption, map.level);
   for (const auto& scattering : grid.layer_scattering) other.layer_scattering.push_back(picked(scattering, map.level));
+  mark_uniform_levels(other);
   return other;
 }
 
-OpticalGrid with_empty_cells(const OpticalGrid& grid) {
+namespace {
+
+// Below level `end` all voxels with matter get cells of their own. Those without get some too, if these are wanted.
+OpticalGrid with_own_cells(const OpticalGrid& grid, bool empty_ones, int end) {
   const BoxGrid& box = grid.box;
   GridMap map;
   map.box = box;
   map.level = same_levels(grid);
   std::vector<std::uint32_t> row(box.nx);
   for (int k = 0; k < box.nz(); ++k) {
+    const AirBlocks air = k < end ? grid.air_of(k) : AirBlocks{};
     for (int j = 0; j < box.ny; ++j) {
-      row.assign(box.nx, GridMap::no_cell);
+      for (int i = 0; i < box.nx; ++i) row[i] = air.count() > 0 ? air.cell(i, j) : GridMap::no_cell;
       for (const RowSpan& span : grid.row(k, j))
         std::iota(row.begin() + span.i, row.begin() + span.i + span.n, span.offset);
-      for (int i = 0; i < box.nx; ++i) map.add(i, row[i]);
+      for (int i = 0; i < box.nx; ++i) {
+        if (empty_ones || row[i] != GridMap::no_cell) map.add(i, row[i]);
+      }
       map.end_row();
     }
+    if (end < box.nz()) map.add_air(k < end ? AirBlocks{} : grid.air_of(k));
   }
   return remap(grid, std::move(map));
 }
+
+}  // namespace
+
+OpticalGrid with_empty_cells(const OpticalGrid& grid) { return with_own_cells(grid, true, grid.box.nz()); }
+
+OpticalGrid without_air_blocks(const OpticalGrid& grid, int end) { return with_own_cells(grid, false, end); }
 
 }  // namespace cloudbow

@@ -92,6 +92,10 @@ struct LayerProfile {
            std::all_of(scattering.begin(), scattering.end(), [k](const auto& of_phase) { return of_phase[k] <= 0; });
   }
 
+  bool scatters(int k) const {
+    return std::any_of(scattering.begin(), scattering.end(), [k](const auto& of_phase) { return of_phase[k] > 0; });
+  }
+
   bool same_optics(int a, int b) const {
     const auto equal = [](double x, double y) { return std::abs(x - y) <= 1e-9 * std::max(x, y); };
     return equal(absorption[a], absorption[b]) &&
@@ -249,15 +253,18 @@ std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Laye
 
 /// Throws if the grid would take more than the limit or its cells could not be counted.
 void check_size(const BoxGrid& box, const LayerProfile& layers, const CloudPlanes& planes, int phase_functions,
-                std::uint64_t limit_bytes) {
+                bool air_blocks, std::uint64_t limit_bytes) {
   double cells = 0;
   for (int k = 0; k < box.nz(); ++k) {
     const int plane = planes.plane((box.z_edge_m[k] + box.z_edge_m[k + 1]) / 2);
-    cells += !layers.empty(k) ? static_cast<double>(box.columns())
-             : plane >= 0     ? static_cast<double>(planes.active_voxels(plane))
-                              : 0.0;
+    const bool fills_rows = !layers.empty(k) && !air_blocks;
+    cells += fills_rows   ? static_cast<double>(box.columns())
+             : plane >= 0 ? static_cast<double>(planes.active_voxels(plane)) + 1
+                          : 1.0;
   }
-  const double bytes = 4 * (cells * (1 + phase_functions) + static_cast<double>(box.nz()) * box.ny);
+  // Blocks save coefficients. The solve looks up cells by voxel.
+  const double places = air_blocks ? static_cast<double>(box.columns()) * box.nz() : 0;
+  const double bytes = 4 * (cells * (1 + phase_functions) + places + static_cast<double>(box.nz()) * box.ny);
   if (bytes > static_cast<double>(limit_bytes)) {
     throw InputError(
         fmt::format("domain: does not fit into memory (found {} x {} columns, {} levels, {:.1f} GB for the "
@@ -269,6 +276,29 @@ void check_size(const BoxGrid& box, const LayerProfile& layers, const CloudPlane
     throw InputError(
         fmt::format("domain: too many cells with matter in them (found {:.4g}, allowed {:.4g})", cells, max_cells));
   }
+}
+
+constexpr int own_cells = -1;
+constexpr int narrowest_block = 4;  // columns
+
+/// Width of the blocks of layers up to a height, in columns; 0: one for each level; own_cells: no blocks.
+int blocks_of_air(const LevelOptions& options, const BoxGrid& box, const LayerProfile& layers, double top_m) {
+  if (options.air == AirCells::of_voxels || box.columns() == 1) return own_cells;
+  constexpr double most_forward = 6;  // light that hardly turns has the pattern that it had before
+  double depth = 0;
+  bool any = false;
+  for (int k = 0; k < box.nz(); ++k) {
+    any = any || !layers.empty(k);
+    const double height = std::clamp(top_m - box.z_edge_m[k], 0., box.thickness_m(k));
+    for (std::size_t p = 0; p < layers.scattering.size(); ++p) {
+      const double g = options.asymmetry_parameter.empty() ? 0 : options.asymmetry_parameter[p];
+      depth += layers.scattering[p][k] * height * std::min(1 / std::max(1 - g, 1e-9), most_forward);
+    }
+  }
+  if (!any) return own_cells;
+  const int columns = air_block_columns(depth);
+  if (columns > 1 || columns == 0) return columns;
+  return options.air == AirCells::automatic ? own_cells : narrowest_block;
 }
 
 /// Fills one grid plane by plane, row by row.
@@ -286,10 +316,7 @@ class GridBuilder {
   void add_span(int k, int i, int n) {
     const std::size_t offset = grid_.absorption.size();
     grid_.spans.push_back({i, n, static_cast<std::uint32_t>(offset)});
-    grid_.absorption.resize(offset + n, static_cast<float>(grid_.layer_absorption[k]));
-    for (std::size_t p = 0; p < grid_.scattering.size(); ++p) {
-      grid_.scattering[p].resize(offset + n, static_cast<float>(grid_.layer_scattering[p][k]));
-    }
+    take_layers(k, offset + n);
   }
   /// Set a coefficient of cell `index` to the sum of layers and cloud, added in double.
   void set_absorption(std::size_t index, int k, double cloud) {
@@ -299,10 +326,31 @@ class GridBuilder {
     grid_.scattering[phase][index] = checked_sum(grid_.layer_scattering[phase][k], cloud);
   }
   void end_row() { grid_.row_begin.push_back(static_cast<std::uint32_t>(grid_.spans.size())); }
+  /// After the last row of level k: its layers in blocks, if they fill any place without a cell of its own.
+  /// @param columns width of a block; 0: one block
+  void add_air(int k, bool filled, int columns) {
+    AirBlocks air;
+    if (filled) {
+      const BoxGrid& box = grid_.box;
+      const std::size_t offset = grid_.absorption.size();
+      air.first_cell = static_cast<std::uint32_t>(offset);
+      air.width_x = columns > 0 ? std::min(columns, box.nx) : box.nx;
+      air.width_y = columns > 0 ? std::min(columns, box.ny) : box.ny;
+      air.x = (box.nx + air.width_x - 1) / air.width_x;
+      air.y = (box.ny + air.width_y - 1) / air.width_y;
+      take_layers(k, offset + static_cast<std::size_t>(air.count()));
+    }
+    grid_.air.push_back(air);
+  }
 
   OpticalGrid& grid() { return grid_; }
 
  private:
+  void take_layers(int k, std::size_t cells) {
+    grid_.absorption.resize(cells, static_cast<float>(grid_.layer_absorption[k]));
+    for (std::size_t p = 0; p < grid_.scattering.size(); ++p)
+      grid_.scattering[p].resize(cells, static_cast<float>(grid_.layer_scattering[p][k]));
+  }
   static float checked_sum(double layers, double cloud) {
     const auto sum = static_cast<float>(layers + cloud);
     if (!std::isfinite(sum)) {
@@ -316,6 +364,21 @@ class GridBuilder {
 };
 
 }  // namespace
+
+int air_block_columns(double depth) {
+  // Error of columns, in per cent of their mean, per unit of depth, with blocks so wide. Measured against own cells,
+  // the larger of two fields (docs/theory.md, "Layers in blocks"). Blocks of 2 columns take as long as own cells.
+  struct Width {
+    int columns;
+    double error;
+  };
+  constexpr std::array<Width, 3> widths{{{0, 2.9}, {8, .63}, {narrowest_block, .26}}};
+  constexpr double wanted = .25;
+  for (const Width& width : widths) {
+    if (width.error * depth <= wanted) return width.columns;
+  }
+  return 1;
+}
 
 std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels_m) {
   std::vector<double> common = levels_m.front();
@@ -333,6 +396,15 @@ std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels
     finest.insert(finest.end(), chosen.begin(), chosen.end());
   }
   return finest;
+}
+
+void mark_uniform_levels(OpticalGrid& grid) {
+  grid.box.uniform.clear();
+  const auto ny = static_cast<std::size_t>(grid.box.ny);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(grid.box.nz()); ++k) {
+    const bool has_voxels = grid.row_begin[(k + 1) * ny] > grid.row_begin[k * ny];
+    grid.box.uniform.push_back(!has_voxels && grid.air_of(static_cast<int>(k)).count() <= 1 ? 1 : 0);
+  }
 }
 
 OpticalGrid layers_only(const OpticalGrid& grid) {
@@ -380,22 +452,29 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
       make_levels(planes, layers, domain_min_m[2], domain_max_m[2], phase_functions, delta_m_fraction, options);
 
   const LayerProfile profile = layer_profile(box.z_edge_m, layers, phase_functions);
-  check_size(box, profile, planes, phase_functions, options.memory_limit_bytes);
+  // Further above the clouds than these are deep, their pattern hardly shows.
+  const double patterned_to_m =
+      planes.first < planes.end ? 2 * planes.face_m(planes.end) - planes.face_m(planes.first) : domain_min_m[2];
+  const int air_columns = blocks_of_air(options, box, profile, patterned_to_m);
+  const bool air_blocks = air_columns != own_cells;
+  check_size(box, profile, planes, phase_functions, air_blocks, options.memory_limit_bytes);
   GridBuilder builder(box, profile);
   OpticalGrid& grid = builder.grid();
   for (int k = 0; k < box.nz(); ++k) {
     const bool has_layers = !profile.empty(k);
+    const bool fills_rows = has_layers && !air_blocks;
+    const std::size_t level_start = grid.active_cells();
     const int cloud_k = planes.plane((box.z_edge_m[k] + box.z_edge_m[k + 1]) / 2);
     for (int j = 0; j < box.ny; ++j) {
       const std::size_t row_start = grid.active_cells();
-      if (has_layers) builder.add_span(k, 0, box.nx);
+      if (fills_rows) builder.add_span(k, 0, box.nx);
       if (cloud_k >= 0 && j >= cloud_j && j < cloud_j + cloud->cells[1]) {
         const std::size_t row = static_cast<std::size_t>(cloud_k) * cloud->cells[1] + (j - cloud_j);
         for (std::uint32_t s = cloud->row_begin[row]; s < cloud->row_begin[row + 1]; ++s) {
           const RowSpan& span = cloud->spans[s];
           assert(span.i + cloud_i >= 0 && span.i + cloud_i + span.n <= box.nx);
           std::size_t cell = row_start + static_cast<std::size_t>(span.i + cloud_i);
-          if (!has_layers) {
+          if (!fills_rows) {
             cell = grid.active_cells();
             builder.add_span(k, span.i + cloud_i, span.n);
           }
@@ -420,7 +499,12 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
       }
       builder.end_row();
     }
+    if (air_blocks) {
+      const bool filled = has_layers && grid.active_cells() - level_start < box.columns();
+      builder.add_air(k, filled, box.z_edge_m[k] < patterned_to_m && profile.scatters(k) ? air_columns : 0);
+    }
   }
+  mark_uniform_levels(grid);
   return std::move(grid);
 }
 

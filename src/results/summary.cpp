@@ -27,6 +27,10 @@ std::string summary_table(const Solution& solution) {
     line("columns", fmt::format(" in {} x {} parts: light fades across their voxels", report.column_parts_x,
                                 report.column_parts_y));
   }
+  if (report.air_levels > 0) {
+    line("layers", fmt::format(" beside clouds in blocks of {} columns or more, in {} level{}",
+                               report.air_block_columns, report.air_levels, report.air_levels == 1 ? "" : "s"));
+  }
   if (!report.collapsed_axes.empty())
     line("solved as", fmt::format(" {}: nothing varies along {}", report.mode, report.collapsed_axes));
   line("energy residual", fmt::format("{:9.1e}", ledger.residual));

@@ -14,7 +14,7 @@ from pathlib import Path
 LAYERS = ["core", "sphere", "optics", "medium", "transport", "results", "io", "plots", "app"]
 # Rooms of a layer: its folders in src/, from the lowest to the highest. A room includes rooms below it.
 ROOMS = {
-    "transport": ["problem", "grid", "rays", "scattering", "system", "acceleration", "iteration", "columns", "reduction", "observers", "driver"],
+    "transport": ["problem", "grid", "rays", "scattering", "system", "acceleration", "iteration", "columns", "reduction", "gather", "observers", "driver"],
     "app": ["process", "scene", "assembly", "verify", "planning", "commands"],
 }
 LARGEST_ROOM = 2500  # lines

@@ -83,6 +83,7 @@ struct SceneSolver {
   std::optional<int> column_streams;
   std::optional<double> max_level_optical_depth;
   std::optional<double> max_column_optical_depth;
+  AirCells air = AirCells::automatic;
   std::optional<double> tolerance;
   std::optional<double> class_tolerance;
   int max_sweeps = 200;

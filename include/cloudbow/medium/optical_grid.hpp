@@ -30,16 +30,38 @@ struct BoxGrid {
   std::vector<double> z_edge_m;
   bool periodic = true;  ///< horizontally; false: open sides
   VoxelPlanes cloud;     ///< from the cloud's lowest voxel to its highest; none without a cloud
+  /// [nz] nonzero: nothing varies horizontally in the level, so all its columns are one to a ray; empty: none.
+  std::vector<std::uint8_t> uniform = {};
 
   int nz() const { return static_cast<int>(z_edge_m.size()) - 1; }
   std::size_t columns() const { return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny); }
   double thickness_m(int k) const { return z_edge_m[k + 1] - z_edge_m[k]; }
+  /// Whether every ray of a direction crosses the same matter in level k, and never a side.
+  bool is_uniform(int k) const { return periodic && !uniform.empty() && uniform[k] != 0; }
 };
 
-/// Active cells (those with any extinction) in the order k, j, i; coefficients per active cell in 1/m, unscaled (before
+/// Matter of one level that is the same in all columns, in blocks of columns: one cell for all places of a block that
+/// have no cell of their own. Light that such a cell scatters is that of the block's mean.
+struct AirBlocks {
+  std::uint32_t first_cell = 0;  ///< of the blocks, in the order y, x
+  int x = 0;                     ///< blocks along x; 0: the level has no such matter
+  int y = 0;
+  int width_x = 1;  ///< columns of a block along x; the last block may be narrower
+  int width_y = 1;
+
+  int count() const { return x * y; }
+  std::uint32_t cell(int i, int j) const {
+    return first_cell + static_cast<std::uint32_t>(j / width_y * x + i / width_x);
+  }
+};
+
+/// Active cells (those with any extinction) level by level. In a level those of single voxels come first, in the order
+/// j, i. Those of the air follow, if it has cells of its own. Coefficients per active cell in 1/m, unscaled (before
 /// delta-M). Absorption is stored beside scattering, never as a difference: 1 - ssa = 1e-12 keeps its digits.
 struct OpticalGrid {
   BoxGrid box;
+  /// [nz] layers between the clouds; empty: layers are in the voxels' own cells, all of which are active then.
+  std::vector<AirBlocks> air;
   std::vector<std::uint32_t> row_begin;  ///< nz*ny + 1, as in CloudField
   std::vector<RowSpan> spans;
   std::vector<float> absorption;               ///< [n] 1/m, cloud and layers together
@@ -63,10 +85,46 @@ struct OpticalGrid {
       }
     }
   }
-  /// The active cells of level k are [first_cell(k), first_cell(k + 1)); k <= nz.
+  /// The blocks of level k; none if layers are in the voxels' own cells.
+  AirBlocks air_of(int k) const { return air.empty() ? AirBlocks{} : air[k]; }
+  /// Calls use(j, i, n) for each run of n voxels without cells of their own, from (i, j) on.
+  template <class Use>
+  void for_each_gap(int k, const Use& use) const {
+    for (int j = 0; j < box.ny; ++j) {
+      std::int32_t i = 0;
+      for (const RowSpan& span : row(k, j)) {
+        if (span.i > i) use(j, i, span.i - i);
+        i = span.i + span.n;
+      }
+      if (i < box.nx) use(j, i, box.nx - i);
+    }
+  }
+  /// Calls use(k, column, cell) for every voxel with matter, level by level; column = j*nx + i.
+  template <class Use>
+  void for_each_place(const Use& use) const {
+    for (int k = 0; k < box.nz(); ++k) {
+      for (int j = 0; j < box.ny; ++j) {
+        for (const RowSpan& span : row(k, j)) {
+          const std::size_t column = static_cast<std::size_t>(j) * box.nx + span.i;
+          for (std::size_t n = 0; n < static_cast<std::size_t>(span.n); ++n) use(k, column + n, span.offset + n);
+        }
+      }
+      const AirBlocks of_level = air_of(k);
+      if (of_level.count() == 0) continue;
+      for_each_gap(k, [&](int j, int first, int n) {
+        for (int i = first; i < first + n; ++i)
+          use(k, static_cast<std::size_t>(j) * box.nx + i, static_cast<std::size_t>(of_level.cell(i, j)));
+      });
+    }
+  }
+  /// The active cells of level k are [first_cell(k), first_cell(k + 1)), those of single voxels first; k <= nz.
   std::size_t first_cell(int k) const {
-    const std::uint32_t span = row_begin[static_cast<std::size_t>(k) * box.ny];
-    return span < spans.size() ? spans[span].offset : active_cells();
+    for (; k < box.nz(); ++k) {
+      const std::uint32_t span = row_begin[static_cast<std::size_t>(k) * box.ny];
+      if (span < row_begin[static_cast<std::size_t>(k + 1) * box.ny]) return spans[span].offset;
+      if (air_of(k).count() > 0) return air[k].first_cell;
+    }
+    return active_cells();
   }
   /// Absorption and scattering by all phase functions together, 1/m.
   double extinction(std::size_t cell) const {
@@ -75,6 +133,9 @@ struct OpticalGrid {
     return sum;
   }
 };
+
+/// Finds the levels of a grid in which nothing varies: BoxGrid::uniform.
+void mark_uniform_levels(OpticalGrid& grid);
 
 /// The layers of `grid` as one periodic column with the same levels and phase functions.
 OpticalGrid layers_only(const OpticalGrid& grid);
@@ -100,6 +161,18 @@ struct Layer {
   int phase_function = 0;
 };
 
+/// The cells of layers beside clouds, in grids of more than one column.
+enum class AirCells {
+  of_voxels,  ///< each voxel has its own
+  in_blocks,  ///< OpticalGrid::air, in blocks as wide as accuracy allows
+  automatic   ///< in blocks, unless these would be too narrow to save anything
+};
+
+/// Width of blocks, in columns, from the scattering of the layers between the ground and the cloud's top.
+/// @param depth sum over the layers of scattering optical depth / (1 - g), at most 6 times that depth
+/// @returns 0: one block for a level; 1: blocks do not pay.
+int air_block_columns(double depth);
+
 /// Subdivision of levels without cloud. Optical depths are vertical and after delta-M. Interfaces are those between
 /// different optics, and the domain's top and bottom. At the optical distance t from the nearest interface, the
 /// thickness of a level is:
@@ -118,6 +191,8 @@ struct LevelOptions {
   /// If not empty, exactly these levels are used: those that another grid of the same cloud, layers and domain has, or
   /// finest_levels() of several.
   std::vector<double> levels_m;
+  AirCells air = AirCells::of_voxels;
+  std::vector<double> asymmetry_parameter;  ///< [p], for the width of blocks of air; empty: as if all were 0
   /// Limit of the grid's coefficients; exceeding it is an error before memory is taken.
   std::uint64_t memory_limit_bytes = std::numeric_limits<std::uint64_t>::max();
 

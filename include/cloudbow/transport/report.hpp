@@ -34,6 +34,9 @@ struct SolverReport {
   int added_levels = 0;        ///< by subdividing levels in which the direct beam fades
   int column_parts_x = 1;      ///< parts of a column, subdivided because its voxels are thick
   int column_parts_y = 1;
+  std::string air = "none";      ///< cells of layers beside clouds: "levels", "cells", or "none" without such layers
+  int air_levels = 0;            ///< levels whose layers have cells in blocks of columns
+  int air_block_columns = 0;     ///< columns of the narrowest of these blocks along x or y
   std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;
   int threads = 1;

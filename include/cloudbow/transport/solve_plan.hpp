@@ -25,8 +25,8 @@ class SolvePlan {
   const Problem& whole() const { return *whole_; }                       ///< as given
   const SolverOptions& whole_options() const { return whole_options_; }  ///< as given
   UniformAxes collapsed_axes() const { return collapsed_axes_; }         ///< of the whole; none unless requested
-  /// Without these axes.
-  const Problem& collapsed() const { return collapsed_ ? *collapsed_ : *whole_; }
+  /// Without these axes; with layers in the voxels' own cells, if light in every voxel is needed.
+  const Problem& collapsed() const { return collapsed_ ? *collapsed_ : own_cells_ ? *own_cells_ : *whole_; }
   /// Subdivided levels of the collapsed problem.
   const SubdividedLevels& levels() const { return levels_; }
   int added_levels() const { return levels_.added(collapsed().grid.box); }
@@ -56,6 +56,7 @@ class SolvePlan {
   const Problem* whole_;
   SolverOptions whole_options_;
   UniformAxes collapsed_axes_;
+  std::shared_ptr<const Problem> own_cells_;  // null: the cells of the whole
   std::shared_ptr<const Problem> collapsed_;  // null: no axis is collapsed
   SubdividedLevels levels_;
   std::shared_ptr<const Problem> subdivided_;  // null: no level is subdivided

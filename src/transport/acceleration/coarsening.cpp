@@ -24,6 +24,55 @@ std::vector<int> paired_levels(const BoxGrid& box) {
   return coarse;
 }
 
+// Blocks of air of a coarse level, from those of its one or two levels. Gaps beside clouds within a coarse cell count
+// as empty: a correction need not be finer.
+// @param level of the coarse levels, by level; @param by columns of a coarse column along x and y.
+template <class Real>
+void add_air(const Cells<Real>& cells, const std::vector<double>& absorption, const BoxGrid& box,
+             const std::vector<int>& level, int of, std::array<int, 2> by, Coarsening<Real>& coarse) {
+  OpticalGrid& grid = coarse.grid;
+  const auto first = static_cast<std::uint32_t>(grid.absorption.size());
+  AirBlocks shape;
+  const auto for_each_level = [&](const auto& use) {
+    for (int k = 0; k < box.nz(); ++k) {
+      const AirBlocks& air = cells.rows.air[k];
+      if (level[k] == of && air.count() > 0) use(k, air, box.thickness_m(k) / grid.box.thickness_m(of));
+    }
+  };
+  // The finer blocks of two levels.
+  for_each_level([&](int, const AirBlocks& air, double) {
+    if (air.count() > shape.count()) shape = {first, air.x, air.y, air.width_x / by[0], air.width_y / by[1]};
+  });
+  grid.air.push_back(shape);
+  const auto count = static_cast<std::size_t>(shape.count());
+  grid.absorption.resize(first + count, 0.F);
+  for (auto& scattering : grid.scattering) scattering.resize(first + count, 0.F);
+  std::vector<double> sum(count, 0.);
+  const auto for_each_block = [&](const auto& use) {
+    for_each_level([&](int k, const AirBlocks& air, double height) {
+      for (std::uint32_t b = 0; b < count; ++b) {
+        const int x = std::min(static_cast<int>(b) % shape.x * air.x / shape.x, air.x - 1);
+        const int y = std::min(static_cast<int>(b) / shape.x * air.y / shape.y, air.y - 1);
+        const std::uint32_t c = air.first_cell + static_cast<std::uint32_t>(y * air.x + x);
+        use(k, b, c, static_cast<double>(cells.extinction[c]) * height, height);
+      }
+    });
+  };
+  for_each_block([&](int, std::uint32_t b, std::uint32_t c, double extinction, double height) {
+    sum[b] += extinction;
+    grid.absorption[first + b] += static_cast<float>(absorption[c] * height);
+    for (std::size_t p = 0; p < grid.scattering.size(); ++p)
+      grid.scattering[p][first + b] += static_cast<float>(static_cast<double>(cells.scattered[p][c]) * extinction);
+  });
+  for_each_block([&](int k, std::uint32_t b, std::uint32_t c, double extinction, double) {
+    coarse.coarse_cell[c] = first + b;
+    const bool above = k > 0 && level[k - 1] == of;
+    const bool below = k + 1 < box.nz() && level[k + 1] == of;
+    coarse.quarters[c] = {0, 0, static_cast<std::int8_t>(above ? 1 : below ? -1 : 0)};
+    coarse.share[c] = sum[b] > 0 ? static_cast<Real>(extinction / sum[b]) : Real(0);
+  });
+}
+
 }  // namespace
 
 template <class Real>
@@ -38,6 +87,7 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
   Coarsening<Real> coarse;
   BoxGrid& to = coarse.grid.box;
   to = box;
+  to.uniform.clear();
   to.nx /= by_x;
   to.ny /= by_y;
   to.dx_m *= by_x;
@@ -47,6 +97,9 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
     if (k + 1 == box.nz() || level[k + 1] != level[k]) to.z_edge_m.push_back(box.z_edge_m[k + 1]);
   }
   if (by_x * by_y == 1 && to.nz() == box.nz()) return std::nullopt;
+  for (const AirBlocks& air : cells.rows.air) {
+    if (air.count() > 0 && (air.width_x % by_x != 0 || air.width_y % by_y != 0)) return std::nullopt;
+  }
 
   const auto dense = dense_indices(cells.rows);
   const std::size_t n = cells.size();
@@ -55,6 +108,7 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
   double depth = 0;
   double extinction_sum = 0;
   for (std::size_t c = 0; c < n; ++c) {
+    if (dense[c] == no_place) continue;  // of the air: below
     const int i = static_cast<int>(dense[c] % box.nx) / by_x;
     const int j = static_cast<int>(dense[c] / box.nx % box.ny) / by_y;
     const int k = static_cast<int>(dense[c] / box.columns());
@@ -77,6 +131,7 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
   std::vector<std::vector<double>> scattering(functions, std::vector<double>(places, 0.));
   std::vector<char> held(places, 0);
   for (std::size_t c = 0; c < n; ++c) {
+    if (dense[c] == no_place) continue;
     const double here = static_cast<double>(cells.extinction[c]) * volume[c];
     held[place[c]] = 1;
     extinction[place[c]] += here;
@@ -84,6 +139,9 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
     for (std::size_t p = 0; p < functions; ++p)
       scattering[p][place[c]] += static_cast<double>(cells.scattered[p][c]) * here;
   }
+  coarse.coarse_cell.resize(n);
+  coarse.quarters.resize(n);
+  coarse.share.resize(n);
   coarse.grid.scattering.resize(functions);
   coarse.grid.layer_absorption.assign(to.nz(), 0.);
   coarse.grid.layer_scattering.assign(functions, coarse.grid.layer_absorption);
@@ -104,13 +162,14 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
       }
       in_span = active;
     }
+    if (cells.rows.has_air() && (row + 1) % static_cast<std::size_t>(to.ny) == 0)
+      add_air(cells, system.absorption, box, level, static_cast<int>(row / to.ny), {by_x, by_y}, coarse);
   }
   coarse.grid.row_begin.push_back(static_cast<std::uint32_t>(coarse.grid.spans.size()));
+  mark_uniform_levels(coarse.grid);
 
-  coarse.coarse_cell.resize(n);
-  coarse.quarters.resize(n);
-  coarse.share.resize(n);
   for (std::size_t c = 0; c < n; ++c) {
+    if (dense[c] == no_place) continue;
     coarse.coarse_cell[c] = cell_at[place[c]];
     const int k = static_cast<int>(dense[c] / box.columns());
     const auto side = [](bool halved, bool upper) { return static_cast<std::int8_t>(halved ? (upper ? 1 : -1) : 0); };

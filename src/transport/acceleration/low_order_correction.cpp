@@ -41,9 +41,12 @@ class LowOrderCorrection<Real>::Diffusion {
         first_(system.cells->rows.level_cell[levels.first]) {
     const std::size_t columns = box_.columns();
     const std::uint32_t last = system.cells->rows.level_cell[levels.last];
-    const auto dense = dense_indices(system.cells->rows);
-    for (std::size_t c = first_; c < last; ++c)
-      dense_.push_back(dense[c] - static_cast<std::uint32_t>(static_cast<std::size_t>(levels.first) * columns));
+    for_each_place(system.cells->rows, [&](std::uint32_t cell, std::size_t place) {
+      if (cell < first_ || cell >= last) return;
+      dense_.push_back(static_cast<std::uint32_t>(place - static_cast<std::size_t>(levels.first) * columns));
+      cell_.push_back(cell);
+      share_.push_back(1 / system.cells->rows.places_of(cell));
+    });
     box_.z_edge_m.assign(system.box.z_edge_m.begin() + levels.first, system.box.z_edge_m.begin() + levels.last + 1);
     const std::size_t places = columns * static_cast<std::size_t>(box_.nz());
     DiffusionCoefficients given;
@@ -58,12 +61,12 @@ class LowOrderCorrection<Real>::Diffusion {
     current_share_.resize(n);
     for (std::size_t c = 0; c < n; ++c) {
       const int level = static_cast<int>(dense_[c] / columns);
-      const double extinction = static_cast<double>(system.cells->extinction[first_ + c]);
-      const double absorption = system.absorption[first_ + c];
+      const double extinction = static_cast<double>(system.cells->extinction[cell_[c]]);
+      const double absorption = system.absorption[cell_[c]];
       double scattering = 0;
       double forward = 0;
       for (std::size_t p = 0; p < system.cells->scattered.size(); ++p) {
-        const double share = static_cast<double>(system.cells->scattered[p][first_ + c]) * extinction;
+        const double share = static_cast<double>(system.cells->scattered[p][cell_[c]]) * extinction;
         scattering += share;
         forward += share * system.truncated_asymmetry[p];
       }
@@ -90,10 +93,10 @@ class LowOrderCorrection<Real>::Diffusion {
     std::fill(source_.begin(), source_.end(), 0.);
     for (auto& flow : flow_) std::fill(flow.begin(), flow.end(), 0.);
     for (std::size_t c = 0; c < n; ++c) {
-      source_[dense_[c]] = power_[c] * static_cast<double>(change[first_ + c]);
+      source_[dense_[c]] = power_[c] * static_cast<double>(change[cell_[c]]);
       for (std::size_t axis = 0; axis < 3; ++axis)
         flow_[axis][dense_[c]] =
-            forward_[c] * static_cast<double>(change[(axis + 1) * all_ + first_ + c]) / std::sqrt(3.);
+            forward_[c] * static_cast<double>(change[(axis + 1) * all_ + cell_[c]]) / std::sqrt(3.);
     }
     diverge();
     operator_->solve(source_, correction_);
@@ -103,11 +106,11 @@ class LowOrderCorrection<Real>::Diffusion {
       const int i = static_cast<int>(at % box_.nx);
       const int j = static_cast<int>(at / box_.nx % box_.ny);
       const int k = static_cast<int>(at / columns);
-      moments[first_ + c] += static_cast<Real>(correction_[at]);
+      moments[cell_[c]] += static_cast<Real>(share_[c] * correction_[at]);
       const double slide = current_share_[c] * operator_->diffusivity(at);
       const auto add = [&](std::size_t axis, double gradient) {
-        moments[(axis + 1) * all_ + first_ + c] +=
-            static_cast<Real>(std::sqrt(3.) * (flow_[axis][at] - slide * gradient));
+        moments[(axis + 1) * all_ + cell_[c]] +=
+            static_cast<Real>(share_[c] * std::sqrt(3.) * (flow_[axis][at] - slide * gradient));
       };
       const auto across = [&](int position, int count, std::size_t stride, double width) {
         const bool seam = box_.periodic;
@@ -161,7 +164,9 @@ class LowOrderCorrection<Real>::Diffusion {
   BoxGrid box_;
   std::size_t all_;                   // cells of the system
   std::size_t first_;                 // of them, the first in the box
-  std::vector<std::uint32_t> dense_;  // [n] index in the box of each cell
+  std::vector<std::uint32_t> dense_;  // [n] index in the box of each voxel with matter,
+  std::vector<std::uint32_t> cell_;   // [n] its cell,
+  std::vector<double> share_;         // [n] and its share of the cell's voxels
   std::optional<DiffusionOperator> operator_;
   std::vector<double> power_;          // [n] scattered power per scalar flux
   std::vector<double> forward_;        // [n] current that a change of the current leads to
@@ -186,12 +191,11 @@ double transport_scattering(const TransportSystem<Real>& system, std::size_t cel
 template <class Real>
 double transport_depth(const TransportSystem<Real>& system) {
   const std::size_t columns = system.box.columns();
-  const auto dense = dense_indices(system.cells->rows);
   std::vector<double> depth(columns, 0.);
-  for (std::size_t c = 0; c < dense.size(); ++c) {
-    depth[dense[c] % columns] += (system.absorption[c] + transport_scattering(system, c)) *
-                                 system.box.thickness_m(static_cast<int>(dense[c] / columns));
-  }
+  for_each_place(system.cells->rows, [&](std::uint32_t c, std::size_t place) {
+    depth[place % columns] += (system.absorption[c] + transport_scattering(system, c)) *
+                              system.box.thickness_m(static_cast<int>(place / columns));
+  });
   double sum = 0, weighted = 0;
   for (const double d : depth) {
     sum += d;

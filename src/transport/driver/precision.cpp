@@ -29,17 +29,16 @@ bool too_thick_for_float(const OpticalGrid& grid) {
   const BoxGrid& box = grid.box;
   double optical_depth = 0;  // summed over the columns
   double absorbing = 0;      // of it
-  for (int k = 0; k < box.nz(); ++k) {
+  double thickest = 0;
+  grid.for_each_place([&](int k, std::size_t, std::size_t c) {
     const double thickness = box.thickness_m(k);
     const double edge = std::min({thickness, box.nx > 1 ? box.dx_m : thickness, box.ny > 1 ? box.dy_m : thickness});
-    for (std::size_t c = grid.first_cell(k); c < grid.first_cell(k + 1); ++c) {
-      const double absorption = grid.absorption[c];
-      const double extinction = grid.extinction(c);
-      if (extinction * edge > thickest_cell_in_float) return true;
-      optical_depth += extinction * thickness;
-      absorbing += absorption * thickness;
-    }
-  }
+    const double extinction = grid.extinction(c);
+    thickest = std::max(thickest, extinction * edge);
+    optical_depth += extinction * thickness;
+    absorbing += static_cast<double>(grid.absorption[c]) * thickness;
+  });
+  if (thickest > thickest_cell_in_float) return true;
   // Light comes no deeper than the diffusion length, here with isotropic scattering, which is short.
   const double diffusion_length = absorbing > 0 ? std::sqrt(optical_depth / (3 * absorbing)) : HUGE_VAL;
   const double mean_depth = optical_depth / static_cast<double>(box.columns());
@@ -51,10 +50,8 @@ bool tolerance_needs_double(const OpticalGrid& grid, std::size_t cells, const So
   const double ordinates = make_ordinate_set(options.directions).size();
   if (static_cast<double>(cells) * ordinates > most_values_in_double) return false;
   std::vector<double> depth(grid.box.columns(), 0.);
-  std::size_t cell = 0;
-  grid.for_each_span([&](int k, int j, const RowSpan& span) {
-    for (int i = span.i; i < span.i + span.n; ++i, ++cell)
-      depth[static_cast<std::size_t>(j) * grid.box.nx + i] += grid.extinction(cell) * grid.box.thickness_m(k);
+  grid.for_each_place([&](int k, std::size_t column, std::size_t cell) {
+    depth[column] += grid.extinction(cell) * grid.box.thickness_m(k);
   });
   double sum = 0, weighted = 0;
   for (const double d : depth) {

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "cloudbow/transport/solver.hpp"
 #include "transport/columns/columns.hpp"
 #include "transport/driver/path_load.hpp"
+#include "transport/gather/gather.hpp"
 #include "transport/observers/camera_view.hpp"
-#include "transport/observers/gather.hpp"
 #include "transport/observers/sight_line.hpp"
 
 namespace cloudbow {
@@ -53,8 +52,8 @@ double beam_seconds(const Problem& problem, const SolverOptions& options, double
 
 // Optical depth per metre of the domain, on average.
 double mean_extinction(const OpticalGrid& grid) {
-  double sum = std::accumulate(grid.absorption.begin(), grid.absorption.end(), 0.);
-  for (const auto& scattering : grid.scattering) sum = std::accumulate(scattering.begin(), scattering.end(), sum);
+  double sum = 0;
+  grid.for_each_place([&](int, std::size_t, std::size_t cell) { sum += grid.extinction(cell); });
   return sum / (static_cast<double>(grid.box.columns()) * grid.box.nz());
 }
 
@@ -222,11 +221,20 @@ double predict_seconds(const SolvePlan& plan) {
   constexpr double seconds_a_segment = 2.5e-9;
   constexpr double seconds_a_pair = 12e-9;         // of cell and ordinate: march, scattering, moments and correction
   constexpr double seconds_a_gather_pair = 12e-9;  // of cell and gather direction
+  constexpr double seconds_a_ray_in_air = .7e-9;   // and level and ordinate, or gather direction
   constexpr double seconds_to_start = .1;
   constexpr int usual_sweeps = 11;
   const OrdinateSet ordinates = make_ordinate_set(options.directions);
   const BoxGrid& box = problem.grid.box;
-  const double dz = (box.z_edge_m.back() - box.z_edge_m.front()) / box.nz();
+  // Levels without voxels of their own are crossed in one segment.
+  double height = 0, levels = 0, rays_in_air = 0;
+  for (int k = 0; k < box.nz(); ++k) {
+    if (problem.grid.air_of(k).count() > 0) rays_in_air += static_cast<double>(box.columns());
+    if (box.is_uniform(k)) continue;
+    height += box.thickness_m(k);
+    ++levels;
+  }
+  const double dz = height / std::max(levels, 1.);
   const bool shortest_way = box.periodic && box.nx > 1 && box.ny > 1 && !options.independent_columns;
   double segments = 0;
   for (const Direction& d : ordinates.direction) {
@@ -234,12 +242,13 @@ double predict_seconds(const SolvePlan& plan) {
     segments += shortest_way ? std::min(along_z, 2.) : along_z;
   }
   const auto cells = static_cast<double>(plan.cells());
-  const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair);
+  const double sweep = cells * (segments * seconds_a_segment + ordinates.size() * seconds_a_pair) +
+                       rays_in_air * segments * seconds_a_ray_in_air;
   // Down, with a quarter more about the sun, and up; between bottom and top as many, their light in bands.
   const double gather = plan.is_one_column() || options.independent_columns
                             ? 0
-                            : cells * options.gather_directions * seconds_a_gather_pair *
-                                  (2.25 + (inner_levels(box, options).empty() ? 0 : 3));
+                            : (cells * seconds_a_gather_pair + rays_in_air * seconds_a_ray_in_air) *
+                                  options.gather_directions * (2.25 + (inner_levels(box, options).empty() ? 0 : 3));
   // Cells that are higher than wide are crossed in more segments: on average one a face.
   const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
   return (sweep * usual_sweeps + gather * (1 + tall) + beam_seconds(problem, options, cells) +

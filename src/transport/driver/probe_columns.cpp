@@ -12,20 +12,10 @@ namespace {
 
 constexpr std::size_t not_chosen = std::numeric_limits<std::size_t>::max();
 
-/// Calls see(column, k, cell) for all active cells, in their order.
-template <class See>
-void for_each_cell(const OpticalGrid& grid, const See& see) {
-  grid.for_each_span([&](int k, int j, const RowSpan& span) {
-    const std::size_t column = static_cast<std::size_t>(j) * grid.box.nx + span.i;
-    for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(span.n); ++n) see(column + n, k, span.offset + n);
-  });
-}
-
 std::vector<double> optical_depths(const OpticalGrid& grid) {
   std::vector<double> depth(grid.box.columns());
-  for_each_cell(grid, [&](std::size_t column, int k, std::uint32_t c) {
-    depth[column] += grid.box.thickness_m(k) * grid.extinction(c);
-  });
+  grid.for_each_place(
+      [&](int k, std::size_t column, std::size_t c) { depth[column] += grid.box.thickness_m(k) * grid.extinction(c); });
   return depth;
 }
 
@@ -42,8 +32,8 @@ Problem side_by_side(const Problem& problem, const std::vector<std::size_t>& cho
   // Cells of each level by their location in the row.
   std::vector<std::vector<std::uint32_t>> cell(from.box.nz(),
                                                std::vector<std::uint32_t>(chosen.size(), GridMap::no_cell));
-  for_each_cell(from, [&](std::size_t column, int k, std::uint32_t c) {
-    if (location[column] != not_chosen) cell[k][location[column]] = c;
+  from.for_each_place([&](int k, std::size_t column, std::size_t c) {
+    if (location[column] != not_chosen) cell[k][location[column]] = static_cast<std::uint32_t>(c);
   });
   GridMap map;
   map.box = from.box;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloudbow/medium/grid_map.hpp"
 #include "transport/driver/path_load.hpp"
 #include "transport/driver/precision.hpp"
 #include "transport/grid/threads.hpp"
@@ -30,6 +31,11 @@ int beam_rays_of_part(int rays, SubdividedColumns parts) {
   return of_part * of_part;
 }
 
+// Columns that exchange no light share no mean. Actinic flux and radiance fields need the light in each voxel.
+bool needs_own_cells(const Problem& problem, const SolverOptions& options) {
+  return !problem.grid.air.empty() && (options.independent_columns || options.actinic || options.radiance_field);
+}
+
 }  // namespace
 
 bool solved_by_polar_streams(const Problem& problem, const SolverOptions& options) {
@@ -48,14 +54,22 @@ SolvePlan SolvePlan::with(const SolverOptions& options) const {
 void SolvePlan::set(const SolverOptions& options, const SolvePlan* other) {
   whole_options_ = options_ = options;
   options_.collapse_uniform_axes = false;
-  const bool same_axes =
-      other != nullptr && other->whole_options_.collapse_uniform_axes == options.collapse_uniform_axes;
+  const bool own_cells = needs_own_cells(*whole_, options);
+  const bool same_axes = other != nullptr &&
+                         other->whole_options_.collapse_uniform_axes == options.collapse_uniform_axes &&
+                         needs_own_cells(*whole_, other->whole_options_) == own_cells;
   if (same_axes) {
+    own_cells_ = other->own_cells_;
     collapsed_axes_ = other->collapsed_axes_;
     collapsed_ = other->collapsed_;
-  } else if (options.collapse_uniform_axes) {
-    collapsed_axes_ = uniform_axes(*whole_);
-    if (collapsed_axes_.any()) collapsed_ = std::make_shared<const Problem>(collapse(*whole_, collapsed_axes_));
+  } else {
+    if (own_cells) {
+      Problem with_own_cells = *whole_;
+      with_own_cells.grid = without_air_blocks(whole_->grid);
+      own_cells_ = std::make_shared<const Problem>(std::move(with_own_cells));
+    }
+    if (options.collapse_uniform_axes) collapsed_axes_ = uniform_axes(collapsed());
+    if (collapsed_axes_.any()) collapsed_ = std::make_shared<const Problem>(collapse(collapsed(), collapsed_axes_));
   }
   if (collapsed_ && is_one_column()) options_.double_precision = true;  // costs nothing there
   by_polar_streams_ = solved_by_polar_streams(*whole_, options);

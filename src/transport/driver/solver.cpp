@@ -110,7 +110,7 @@ void observe(const ConvergedField<Real>& field, AngularField<Real>& radiance, co
     source.emplace(scattered_source(field.discretisation, field.system, std::move(radiance)));
   fill_flux_fields(field, gathers ? &*source : nullptr, progress, solution);
   images.fill(solution);
-  fill_cell_fields(field, solution);
+  fill_cell_fields(field, source ? &*source : nullptr, solution);
   if (field.options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
 }
 
@@ -192,6 +192,22 @@ Solution solve_by_polar_streams(const SolvePlan& plan, const ProgressCallback& p
   return solution;
 }
 
+// @param grid with the columns of the result.
+void report_air(const OpticalGrid& grid, SolverReport& report) {
+  if (grid.box.columns() == 1) return;
+  for (int k = 0; k < grid.box.nz(); ++k) {
+    double layers = grid.layer_absorption[k];
+    for (const auto& scattering : grid.layer_scattering) layers += scattering[k];
+    const AirBlocks air = grid.air_of(k);
+    if (air.count() > 0) {
+      const int narrow = std::min(air.width_x, air.width_y);
+      report.air_block_columns = report.air_levels == 0 ? narrow : std::min(report.air_block_columns, narrow);
+      ++report.air_levels;
+    }
+    if (layers > 0 || air.count() > 0) report.air = report.air_levels > 0 ? "levels" : "cells";
+  }
+}
+
 void check_light(const Problem& problem) {
   const auto check = [](const char* what, double value) {
     if (value == 0 || (value >= least_light && value <= most_light)) return;
@@ -231,6 +247,7 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
     solution.report.column_parts_x = plan.column_parts().x;
     solution.report.column_parts_y = plan.column_parts().y;
   }
+  report_air(plan.with_levels().grid, solution.report);
   if (plan.added_levels() > 0) {
     join_levels(plan.collapsed(), plan.levels(), solution);
     solution.report.added_levels = plan.added_levels();

@@ -25,6 +25,39 @@ void append_chunks(Sheets& sheets, std::uint32_t first_cell, int first_column, i
 
 }  // namespace
 
+namespace {
+
+// Gaps of each level in pieces that lie within a block.
+void add_gaps(const OpticalGrid& grid, ActiveRows& active) {
+  active.air = grid.air;
+  active.places.assign(active.size(), 1);
+  active.gaps.count = active.nz;
+  active.gaps.rows = active.ny;
+  active.gaps.columns = active.nx;
+  std::vector<Chunk>& chunks = active.gaps.chunks;
+  std::vector<std::uint32_t>& begin = active.gaps.begin;
+  for (int k = 0; k < active.nz; ++k) {
+    const AirBlocks& air = grid.air[k];
+    std::fill_n(active.places.begin() + air.first_cell, air.count(), 0);
+    begin.resize(static_cast<std::size_t>(k) * (active.ny + 1) + 1, static_cast<std::uint32_t>(chunks.size()));
+    if (air.count() > 0) {
+      grid.for_each_gap(k, [&](int j, int i, int n) {
+        begin.resize(static_cast<std::size_t>(k) * (active.ny + 1) + j + 1, static_cast<std::uint32_t>(chunks.size()));
+        for (const int end = i + n; i < end;) {
+          const int last = std::min(end, (i / air.width_x + 1) * air.width_x);
+          const std::uint32_t cell = air.cell(i, j);
+          chunks.push_back({cell, i, j, last - i});
+          active.places[cell] += static_cast<std::uint32_t>(last - i);
+          i = last;
+        }
+      });
+    }
+    begin.resize(static_cast<std::size_t>(k + 1) * (active.ny + 1), static_cast<std::uint32_t>(chunks.size()));
+  }
+}
+
+}  // namespace
+
 ActiveRows active_rows(const OpticalGrid& grid) {
   ActiveRows active;
   active.nx = grid.box.nx;
@@ -52,14 +85,16 @@ ActiveRows active_rows(const OpticalGrid& grid) {
       }
     }
     active.levels.begin.push_back(static_cast<std::uint32_t>(active.levels.chunks.size()));
+    cells += static_cast<std::uint32_t>(grid.air_of(k).count());
     active.level_row.push_back(static_cast<std::uint32_t>(active.rows.size()));
     active.level_cell.push_back(cells);
   }
+  if (!grid.air.empty()) add_gaps(grid, active);
   return active;
 }
 
 std::vector<std::uint32_t> dense_indices(const ActiveRows& rows) {
-  std::vector<std::uint32_t> index(rows.size());
+  std::vector<std::uint32_t> index(rows.size(), no_place);
   for (int k = 0; k < rows.nz; ++k) {
     for (std::uint32_t r = rows.level_row[k]; r < rows.level_row[k + 1]; ++r) {
       const ActiveRow& row = rows.rows[r];
@@ -74,7 +109,7 @@ std::vector<std::uint32_t> dense_indices(const ActiveRows& rows) {
 }
 
 std::vector<std::uint32_t> dense_indices(const OpticalGrid& grid) {
-  std::vector<std::uint32_t> index(grid.active_cells());
+  std::vector<std::uint32_t> index(grid.active_cells(), no_place);
   grid.for_each_span([&](int k, int j, const RowSpan& span) {
     const std::size_t first = (static_cast<std::size_t>(k) * grid.box.ny + j) * grid.box.nx + span.i;
     std::iota(index.begin() + span.offset, index.begin() + span.offset + span.n, static_cast<std::uint32_t>(first));
@@ -92,20 +127,23 @@ constexpr Real thin_air = Real(1e-4);  // of the extinction of a neighbour
 std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
   std::vector<std::uint32_t> cell(static_cast<std::size_t>(rows.nx) * rows.ny * rows.nz, no_cell);
   const auto dense = dense_indices(rows);
-  for (std::size_t c = 0; c < dense.size(); ++c) cell[dense[c]] = static_cast<std::uint32_t>(c);
+  for (std::size_t c = 0; c < dense.size(); ++c) {
+    if (dense[c] != no_place) cell[dense[c]] = static_cast<std::uint32_t>(c);
+  }
   return cell;
 }
 
-// The run of levels of one thickness that holds most cells, without empty levels at its ends.
+// The run of levels of one thickness that holds most cells of voxels. Levels at its ends that hold none are left out.
 LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
   LevelRange best{0, 0};
   std::uint32_t most = 0;
-  const auto empty = [&](int k) { return rows.level_cell[k + 1] == rows.level_cell[k]; };
+  const auto empty = [&](int k) { return !rows.has_voxels(k); };
   for (int first = 0, last = 0; first < box.nz(); first = last) {
     const double thickness = box.thickness_m(first);
     last = first + 1;
     while (last < box.nz() && std::abs(box.thickness_m(last) - thickness) <= 1e-6 * thickness) ++last;
-    const std::uint32_t cells = rows.level_cell[last] - rows.level_cell[first];
+    std::uint32_t cells = 0;
+    for (int k = first; k < last; ++k) cells += rows.voxels_end(k) - rows.level_cell[k];
     if (cells > most) {
       most = cells;
       best = {first, last};
@@ -118,17 +156,20 @@ LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
 
 template <class Real>
 bool varies_along(const Cells<Real>& cells, std::size_t axis) {
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const std::uint32_t next = cells.high[axis][c];
-    if (next == c || cells.extinction[next] != cells.extinction[c]) return true;
-    for (const auto& scattered : cells.scattered) {
-      if (scattered[next] != scattered[c]) return true;
+  for (int k = 0; k < cells.rows.nz; ++k) {
+    for (std::uint32_t c = cells.rows.level_cell[k]; c < cells.rows.voxels_end(k); ++c) {
+      const std::uint32_t next = cells.high[axis][c];
+      if (next == c || cells.extinction[next] != cells.extinction[c]) return true;
+      for (const auto& scattered : cells.scattered) {
+        if (scattered[next] != scattered[c]) return true;
+      }
     }
   }
   return false;
 }
 
-Sheets sheets_along_y(const ActiveRows& rows) {
+// Chunks along z, sheet by sheet along y.
+Sheets sheets_along_y(const ActiveRows& rows, const Sheets& levels) {
   Sheets sheets;
   sheets.count = rows.ny;
   sheets.rows = rows.nz;
@@ -136,7 +177,7 @@ Sheets sheets_along_y(const ActiveRows& rows) {
   for (int j = 0; j < rows.ny; ++j) {
     for (int k = 0; k < rows.nz; ++k) {
       sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
-      for (Chunk chunk : rows.levels.of(k, j, j + 1)) {
+      for (Chunk chunk : levels.of(k, j, j + 1)) {
         chunk.row = k;
         sheets.chunks.push_back(chunk);
       }
@@ -147,13 +188,40 @@ Sheets sheets_along_y(const ActiveRows& rows) {
   return sheets;
 }
 
-// Sheets along x, and the cells level by level in the order i, j.
+// The gaps, sheet by sheet along x.
+Sheets gaps_along_x(const ActiveRows& rows) {
+  Sheets sheets;
+  sheets.count = rows.nx;
+  sheets.rows = rows.nz;
+  sheets.columns = rows.ny;
+  std::vector<std::vector<Chunk>> of_row(static_cast<std::size_t>(rows.nx) * rows.nz);  // [sheet][level]
+  for (int k = 0; k < rows.nz; ++k) {
+    for (const Chunk& chunk : rows.gaps.of(k)) {
+      for (int i = chunk.column; i < chunk.column + chunk.n; ++i) {
+        std::vector<Chunk>& row = of_row[static_cast<std::size_t>(i) * rows.nz + k];
+        const bool extends =
+            !row.empty() && row.back().cell == chunk.cell && row.back().column + row.back().n == chunk.row;
+        if (!extends) row.push_back({chunk.cell, chunk.row, k, 0});
+        ++row.back().n;
+      }
+    }
+  }
+  for (std::size_t row = 0; row < of_row.size(); ++row) {
+    sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+    sheets.chunks.insert(sheets.chunks.end(), of_row[row].begin(), of_row[row].end());
+    if ((row + 1) % rows.nz == 0) sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
+  }
+  return sheets;
+}
+
+// Sheets along x, and the cells level by level in the order i, j; those of the air in their own places.
 std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& rows) {
   std::vector<std::uint32_t> transposed(rows.size());
   std::vector<std::uint32_t> begin(static_cast<std::size_t>(rows.nz) * rows.nx + 1, 0);  // [k][i]
   std::vector<std::int32_t> row_of(rows.size());                                         // j of each turned cell
   for (int k = 0; k < rows.nz; ++k) {
     std::uint32_t* const of_level = begin.data() + static_cast<std::size_t>(k) * rows.nx;
+    *of_level = rows.level_cell[k];
     for (const Chunk& chunk : rows.levels.of(k)) {
       for (int i = 0; i < chunk.n; ++i) ++of_level[chunk.column + i + 1];
     }
@@ -166,6 +234,7 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
         row_of[place] = chunk.row;
       }
     }
+    for (std::uint32_t c = rows.voxels_end(k); c < rows.level_cell[k + 1]; ++c) transposed[c] = c;
   }
   Sheets sheets;
   sheets.count = rows.nx;
@@ -175,9 +244,10 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
     for (int k = 0; k < rows.nz; ++k) {
       sheets.begin.push_back(static_cast<std::uint32_t>(sheets.chunks.size()));
       const std::size_t at = static_cast<std::size_t>(k) * rows.nx + i;
-      for (std::uint32_t first = begin[at]; first < begin[at + 1];) {
+      const std::uint32_t end = i + 1 < rows.nx ? begin[at + 1] : rows.voxels_end(k);
+      for (std::uint32_t first = begin[at]; first < end;) {
         std::uint32_t last = first + 1;
-        while (last < begin[at + 1] && row_of[last] == row_of[last - 1] + 1) ++last;
+        while (last < end && row_of[last] == row_of[last - 1] + 1) ++last;
         append_chunks(sheets, first, row_of[first], k, static_cast<int>(last - first));
         first = last;
       }
@@ -186,6 +256,32 @@ std::pair<Sheets, std::vector<std::uint32_t>> sheets_along_x(const ActiveRows& r
   }
   sheets.chunks.resize(sheets.chunks.size() + Sheets::padding);
   return {std::move(sheets), std::move(transposed)};
+}
+
+// Neighbours of the air, which are the same block above and below, and the share of each of its places.
+template <class Real>
+void add_air(const BoxGrid& box, Cells<Real>& cells) {
+  const ActiveRows& rows = cells.rows;
+  cells.share_of_place.assign(rows.size(), Real(1));
+  const auto alike = [&](int k, int other) {
+    return other >= 0 && other < rows.nz && rows.air[other].count() > 0 && rows.air[other].x == rows.air[k].x &&
+           rows.air[other].y == rows.air[k].y;
+  };
+  for (int k = 0; k < rows.nz; ++k) {
+    const AirBlocks& air = rows.air[k];
+    double distance = 0;
+    for (const int other : {k - 1, k + 1}) {
+      if (alike(k, other)) distance += .5 * (box.thickness_m(k) + box.thickness_m(other)) / box.thickness_m(k);
+    }
+    for (std::uint32_t b = 0; b < static_cast<std::uint32_t>(air.count()); ++b) {
+      const std::uint32_t c = air.first_cell + b;
+      cells.share_of_place[c] = rows.places[c] > 0 ? Real(1) / static_cast<Real>(rows.places[c]) : Real(0);
+      for (std::size_t axis = 0; axis < 3; ++axis) cells.low[axis][c] = cells.high[axis][c] = c;
+      if (alike(k, k - 1)) cells.low[2][c] = rows.air[k - 1].first_cell + b;
+      if (alike(k, k + 1)) cells.high[2][c] = rows.air[k + 1].first_cell + b;
+      cells.scale[2][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
+    }
+  }
 }
 
 }  // namespace
@@ -224,6 +320,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   }
   const std::array<int, 3> count{box.nx, box.ny, box.nz()};
   for (std::size_t c = 0; c < n; ++c) {
+    if (dense[c] == no_place) continue;
     const std::array<int, 3> at{static_cast<int>(dense[c] % box.nx), static_cast<int>(dense[c] / box.nx % box.ny),
                                 static_cast<int>(dense[c] / (static_cast<std::size_t>(box.nx) * box.ny))};
     for (int axis = 0; axis < 3; ++axis) {
@@ -257,12 +354,17 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
       cells.scale[axis][c] = distance > 0 ? static_cast<Real>(1 / distance) : Real(0);
     }
   }
+  if (cells.rows.has_air()) add_air(box, cells);
   const VaryingAxes varying = varying_axes(cells);
   cells.heterogeneous = n >= worth_shortcuts && !independent_columns && box.columns() > 1 &&
                         (varying.x || box.nx == 1) && (varying.y || box.ny == 1);
   if (cells.heterogeneous && box.periodic && box.nx > 1 && box.ny > 1) {
     cells.even_levels = longest_even_run(box, cells.rows);
-    cells.transposed[1].sheets = sheets_along_y(cells.rows);
+    cells.transposed[1].sheets = sheets_along_y(cells.rows, cells.rows.levels);
+    if (cells.rows.has_air()) {
+      cells.transposed[1].gaps = sheets_along_y(cells.rows, cells.rows.gaps);
+      cells.transposed[0].gaps = gaps_along_x(cells.rows);
+    }
     auto& along_x = cells.transposed[0];
     std::tie(along_x.sheets, along_x.cell) = sheets_along_x(cells.rows);
     along_x.extinction.assign(n + lane_padding, Real(0));

@@ -58,22 +58,54 @@ struct ActiveRows {
   std::vector<RowSpan> spans;
   std::vector<std::uint32_t> level_cell;  ///< [nz + 1] cells of level k are [level_cell[k], level_cell[k+1])
   Sheets levels;                          ///< along z
+  /// [nz] blocks of air of each level, which are its last cells; empty: none has any.
+  std::vector<AirBlocks> air;
+  Sheets gaps;                        ///< along z: all places of a chunk, of any number, have the chunk's one cell
+  std::vector<std::uint32_t> places;  ///< [n] voxels that have this cell; empty: one each
 
   std::size_t size() const { return level_cell.back(); }
   std::size_t largest_level() const;
+  double places_of(std::size_t cell) const { return places.empty() ? 1 : places[cell]; }
+  bool has_air() const { return !air.empty(); }
+  /// Cells of single voxels in level k are [level_cell[k], voxels_end(k)).
+  std::uint32_t voxels_end(int k) const {
+    return air.empty() ? level_cell[k + 1] : level_cell[k + 1] - static_cast<std::uint32_t>(air[k].count());
+  }
+  bool has_voxels(int k) const { return level_cell[k] < voxels_end(k); }
 };
 
 ActiveRows active_rows(const OpticalGrid& grid);
+
+/// Calls use(cell, place) for every voxel that has a cell, place = (k*ny + j)*nx + i, level by level.
+template <class Use>
+void for_each_place(const ActiveRows& rows, const Use& use) {
+  for (int k = 0; k < rows.nz; ++k) {
+    const auto place = [&](const Chunk& chunk) {
+      return (static_cast<std::size_t>(k) * rows.ny + chunk.row) * rows.nx + chunk.column;
+    };
+    for (const Chunk& chunk : rows.levels.of(k)) {
+      for (int i = 0; i < chunk.n; ++i) use(chunk.cell + static_cast<std::uint32_t>(i), place(chunk) + i);
+    }
+    if (!rows.has_air()) continue;
+    for (const Chunk& chunk : rows.gaps.of(k)) {
+      for (int i = 0; i < chunk.n; ++i) use(chunk.cell, place(chunk) + i);
+    }
+  }
+}
 
 /// The cells as a march along x or y meets them: sheets along that axis, rows by level, columns along the other.
 template <class Real>
 struct TransposedCells {
   Sheets sheets;
+  Sheets gaps;
   /// Along x, for which cells have a separate order: [n] index of each among the cells, and [n + lane_padding] their
   /// extinction.
   std::vector<std::uint32_t> cell;
   std::vector<Real> extinction;
 };
+
+template <class Real>
+struct CellView;
 
 /// Cells of one problem in the precision Real, forward peaks truncated.
 template <class Real>
@@ -87,6 +119,8 @@ struct Cells {
   LevelRange even_levels{0, 0};
   std::array<TransposedCells<Real>, 2> transposed;
   std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
+  /// [n] 1 / places of each cell of the air, that of a voxel's cell is 1; empty: no cell is of the air.
+  std::vector<Real> share_of_place;
   std::vector<std::vector<Real>>
       scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': share of the extinction scattered by p
   /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. A cell of
@@ -98,6 +132,9 @@ struct Cells {
   std::array<std::vector<Real>, 3> scale;
 
   std::size_t size() const { return rows.size(); }
+  /// @param extinction_of, x, y, z in the order of a march: extinction and gradient along its axes.
+  CellView<Real> view(const std::vector<Real>& extinction_of, const std::vector<Real>& x, const std::vector<Real>& y,
+                      const std::vector<Real>& z) const;
 };
 
 /// Horizontal axes of more than one cell along which cells differ.
@@ -114,6 +151,7 @@ template <class Real>
 struct CellView {
   const Real* extinction;
   std::array<const Real*, 3> gradient{};  ///< relative, of the source; null: it is constant in each cell
+  const Real* share_of_place = nullptr;   ///< as that of Cells
 
   CellView(const Real* extinction_of, const std::array<const Real*, 3>& gradient_of)
       : extinction(extinction_of), gradient(gradient_of) {}
@@ -127,6 +165,14 @@ struct CellView {
   bool is_linear() const { return gradient[0] != nullptr; }
 };
 
+template <class Real>
+CellView<Real> Cells<Real>::view(const std::vector<Real>& extinction_of, const std::vector<Real>& x,
+                                 const std::vector<Real>& y, const std::vector<Real>& z) const {
+  CellView<Real> cells(extinction_of.data(), x, y, z);
+  cells.share_of_place = share_of_place.data();
+  return cells;
+}
+
 /// @param forward_fraction [p] f of each phase function.
 /// @param independent_columns no differences along x and y (independent columns).
 /// @param worth_shortcuts fewer cells than this are never `varied`: they are solved soon enough without.
@@ -134,7 +180,8 @@ template <class Real>
 Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_fraction, bool independent_columns,
                        std::size_t worth_shortcuts = 2000);
 
-/// Indices (k*ny + j)*nx + i of the active cells.
+/// Indices (k*ny + j)*nx + i of the active cells; those of the air have no_place.
+constexpr std::uint32_t no_place = 0xFFFFFFFF;
 std::vector<std::uint32_t> dense_indices(const ActiveRows& rows);
 std::vector<std::uint32_t> dense_indices(const OpticalGrid& grid);
 

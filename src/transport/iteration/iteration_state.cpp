@@ -45,6 +45,9 @@ void add_layout(Digest& digest, const TransportSystem<Real>& system, bool packed
     digest.add(span.i);
     digest.add(span.n);
   }
+  for (const AirBlocks& air : system.cells->rows.air) {
+    for (const int number : {air.x, air.y, air.width_x, air.width_y}) digest.add(number);
+  }
 }
 
 template <class Real>

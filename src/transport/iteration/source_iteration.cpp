@@ -66,7 +66,7 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
     for (std::uint32_t c = system.cells->rows.level_cell[k]; c < system.cells->rows.level_cell[k + 1]; ++c) {
       const double actinic = static_cast<double>(scalar_flux[c]) +
                              (system.beam.irradiance.empty() ? 0. : static_cast<double>(system.beam.irradiance[c]));
-      absorbed += system.absorption[c] * actinic * volume;
+      absorbed += system.absorption[c] * actinic * volume * system.cells->rows.places_of(c);
     }
   }
   double surface = 0;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cloudbow/transport/solution.hpp"
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 #include "transport/observers/viewing_source.hpp"
 
 namespace cloudbow {

@@ -6,26 +6,47 @@
 
 #include "cloudbow/core/parallel_errors.hpp"
 #include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/clear_voxels.hpp"
 #include "transport/observers/radiance_march.hpp"
 
 namespace cloudbow {
 
+namespace {
+
+// Layers in blocks that absorb, up to the clouds: their voxels have light of their own.
 template <class Real>
-void fill_cell_fields(const ConvergedField<Real>& field, Solution& solution) {
+bool absorbs_in_blocks(const TransportSystem<Real>& system) {
+  const ActiveRows& rows = system.cells->rows;
+  bool below_voxels = false, absorbs = false;
+  for (int k = rows.nz - 1; k >= 0 && rows.has_air(); --k) {
+    below_voxels = below_voxels || rows.has_voxels(k);
+    for (std::uint32_t c = rows.voxels_end(k); below_voxels && c < rows.level_cell[k + 1]; ++c)
+      absorbs = absorbs || system.absorption[c] > 0;
+  }
+  return absorbs;
+}
+
+}  // namespace
+
+template <class Real>
+void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>* source, Solution& solution) {
   const Problem& problem = field.problem;
   const SolverOptions& options = field.options;
   const TransportSystem<Real>& system = field.system;
   const IterationResult<Real>& solved = field.result;
-  const auto dense = dense_indices(system.cells->rows);
   const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
   if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
   if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
-  for (std::size_t c = 0; c < dense.size(); ++c) {
-    const double actinic =
+  std::vector<float> within_blocks;
+  if (options.absorption && source != nullptr && absorbs_in_blocks(system))
+    within_blocks = light_within_blocks(field, *source);
+  for_each_place(system.cells->rows, [&](std::uint32_t c, std::size_t place) {
+    double actinic =
         static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam.irradiance[c]) : 0.);
-    if (options.absorption) solution.absorbed_power[dense[c]] = static_cast<float>(system.absorption[c] * actinic);
-    if (options.actinic) solution.actinic_flux[dense[c]] = static_cast<float>(actinic);
-  }
+    if (place < within_blocks.size()) actinic *= static_cast<double>(within_blocks[place]);
+    if (options.absorption) solution.absorbed_power[place] = static_cast<float>(system.absorption[c] * actinic);
+    if (options.actinic) solution.actinic_flux[place] = static_cast<float>(actinic);
+  });
 }
 
 template <class Real>
@@ -73,8 +94,8 @@ RadianceField make_radiance_field(const ConvergedField<Real>& converged, Directi
   return field;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                              \
-  template void fill_cell_fields<Real>(const ConvergedField<Real>&, Solution&); \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                        \
+  template void fill_cell_fields<Real>(const ConvergedField<Real>&, DirectionalSource<Real>*, Solution&); \
   template RadianceField make_radiance_field<Real>(const ConvergedField<Real>&, DirectionalSource<Real>&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

@@ -8,8 +8,10 @@
 namespace cloudbow {
 
 /// Fills absorbed_power and actinic_flux if options request them.
+/// @param source of the scattered light, for absorption by layers in blocks; its first order is replaced. Null: there
+/// are no blocks.
 template <class Real>
-void fill_cell_fields(const ConvergedField<Real>& field, Solution& solution);
+void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>* source, Solution& solution);
 
 /// Voxel-mean radiance of the delta-scaled problem along the control points of a frame in which none is horizontal.
 /// @param source of the scattered light; its first order is set here.

@@ -2,9 +2,9 @@
 // otherwise the ordinates do (docs/theory.md, "Final gather").
 #pragma once
 
+#include "transport/gather/gather.hpp"
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/observers/converged_field.hpp"
-#include "transport/observers/gather.hpp"
 #include "transport/observers/lateral_boundary.hpp"
 
 namespace cloudbow {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cloudbow/core/not_negative.hpp"
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 #include "transport/rays/cell_walk.hpp"
 #include "transport/rays/crossing.hpp"
 
@@ -47,11 +47,10 @@ struct SightScene {
         cell_at(box.columns() * static_cast<std::size_t>(box.nz()), no_cell),
         x_max_m(box.x_min_m + box.nx * box.dx_m),
         y_max_m(box.y_min_m + box.ny * box.dy_m) {
-    const std::vector<std::uint32_t> dense = dense_indices(cells_of.rows);
-    for (std::size_t c = 0; c < dense.size(); ++c) cell_at[dense[c]] = static_cast<std::uint32_t>(c);
+    for_each_place(cells_of.rows, [&](std::uint32_t cell, std::size_t place) { cell_at[place] = cell; });
     if (gradient[0] == nullptr) {
       constant_extinction.assign(cells_of.extinction.begin(),
-                                 cells_of.extinction.begin() + static_cast<std::ptrdiff_t>(dense.size()));
+                                 cells_of.extinction.begin() + static_cast<std::ptrdiff_t>(cells_of.size()));
       return;
     }
     linear_cells = joined(cells_of, gradient);

@@ -4,7 +4,7 @@
 
 #include "cloudbow/core/not_negative.hpp"
 #include "cloudbow/core/parallel_errors.hpp"
-#include "transport/observers/backward_march.hpp"
+#include "transport/gather/backward_march.hpp"
 #include "transport/observers/sight_line.hpp"
 
 namespace cloudbow {

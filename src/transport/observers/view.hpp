@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cloudbow/transport/solution.hpp"
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 #include "transport/observers/viewing_source.hpp"
 #include "transport/system/transport_system.hpp"
 

@@ -64,16 +64,26 @@ class CellWalk {
   void advance() {
     entry_ = std::max(entry_, exit_);
     if (exit_ == next_z_) {
+      const bool was_uniform = crosses_uniform_level();
       step_vertically();
+      if (was_uniform) find_column(point(entry_));
     } else if (exit_ == x_.next) {
       step(x_);
     } else {
       step(y_);
     }
-    exit_ = std::min({x_.next, y_.next, next_z_});
+    if (is_inside()) set_exit();
   }
 
  private:
+  // A uniform level is crossed as one cell. Its column is not known before the line has left it.
+  bool crosses_uniform_level() const { return sight_.z() != 0 && box_.is_uniform(k_); }
+  void set_exit() { exit_ = crosses_uniform_level() ? next_z_ : std::min({x_.next, y_.next, next_z_}); }
+  void find_column(const Eigen::Vector3d& start) {
+    x_ = axis_at(start.x(), eye_.x(), sight_.x(), box_.x_min_m, box_.dx_m, box_.nx);
+    y_ = axis_at(start.y(), eye_.y(), sight_.y(), box_.y_min_m, box_.dy_m, box_.ny);
+  }
+
   // One horizontal axis.
   struct Axis {
     double eye;
@@ -157,13 +167,12 @@ inline CellWalk::CellWalk(const BoxGrid& box, const Eigen::Vector3d& eye, const 
     return;
   }
   const Eigen::Vector3d start = point(entry_);
-  x_ = axis_at(start.x(), eye.x(), sight.x(), box.x_min_m, box.dx_m, box.nx);
-  y_ = axis_at(start.y(), eye.y(), sight.y(), box.y_min_m, box.dy_m, box.ny);
+  find_column(start);
   const auto above = std::upper_bound(box.z_edge_m.begin() + 1, box.z_edge_m.end() - 1, start.z());
   k_ = static_cast<int>(above - box.z_edge_m.begin()) - 1;
   if (sight.z() < 0 && k_ > 0 && start.z() == box.z_edge_m[k_]) --k_;
   next_z_ = next_level_wall();
-  exit_ = std::min({x_.next, y_.next, next_z_});
+  set_exit();
 }
 
 }  // namespace cloudbow

@@ -21,6 +21,20 @@ template <class Real>
   return t < Real(.5) ? series : thick;
 }
 
+// In a fixed order.
+template <class Real>
+Real sum_of_transmissions(const Real* path, int n) {
+  Real part[lanes] = {};
+  int i = 0;
+  for (; i + lanes <= n; i += lanes) {
+    for (int lane = 0; lane < lanes; ++lane) part[lane] += transmission(path[i + lane]);
+  }
+  for (int lane = 0; i < n; ++i, ++lane) part[lane] += transmission(path[i]);
+  Real sum = 0;
+  for (const Real of_lane : part) sum += of_lane;
+  return sum;
+}
+
 template <class Real>
 struct Accumulator {
   std::vector<Real> irradiance;
@@ -56,13 +70,17 @@ std::array<std::vector<Real>, 3> slopes_from(const std::vector<Accumulator<Real>
       spread += sum.spread[k] / rays;
     }
     const Eigen::Matrix3d inverse = regular_inverse(spread - place * place.transpose());
+    const double along_z = spread(2, 2) - place.z() * place.z();
     constexpr double dark = 1e-20;
     for (std::uint32_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c) {
       const double here = static_cast<double>(irradiance[c]);
       if (here <= dark * sun_irradiance) continue;
       Eigen::Vector3d moment = Eigen::Vector3d::Zero();
       for (const auto& sum : sums) moment += Eigen::Vector3d(sum.moment[0][c], sum.moment[1][c], sum.moment[2][c]);
-      const Eigen::Vector3d g = inverse * (moment / here - place);
+      const Eigen::Vector3d off = moment / here - place;
+      // Blocks of air have a slope along z alone.
+      const Eigen::Vector3d g =
+          c < rows.voxels_end(k) ? Eigen::Vector3d(inverse * off) : Eigen::Vector3d(0, 0, off.z() / along_z);
       for (int axis = 0; axis < 3; ++axis) slope[axis][c] = static_cast<Real>(g[axis]);
     }
   }
@@ -183,6 +201,27 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
                                  __attribute__((always_inline)) { before[i] += active ? sigma[i] * length : Real(0); });
                 };
           };
+          const Real sigma_of_air =
+              rows.has_air() && rows.air[level].count() > 0 ? padded[rows.air[level].first_cell] : Real(0);
+          const auto cross_air = [&](const Segment& segment) {
+            const SegmentGeometry<Real> of(segment, pattern.chord_m[step]);
+            const Real t = sigma_of_air * of.length;
+            const auto phi = exponential_functions(std::min(t, static_cast<Real>(largest_optical_path)));
+            return [&, of, t, phi](std::size_t m, std::size_t cell, int count) {
+              Real* __restrict const before = path.data() + m;
+              if (options.irradiance) {
+                const Real entering = of.share * irradiance_of_ray / static_cast<Real>(rows.places[cell]) *
+                                      sum_of_transmissions(before, count);
+                const Real held = entering * mean_transmission(t);
+                sum.irradiance[cell] += held;
+                if (options.slopes) {
+                  const Real along = entering * (phi.phi1 - phi.phi2);
+                  sum.moment[2][cell] += of.from_z * held + (of.to_z - of.from_z) * along;
+                }
+              }
+              for (int i = 0; i < count; ++i) before[i] += t;
+            };
+          };
           const auto enter = [&](const Segment& segment, double at) {
             if (box.periodic) return;
             const Real outside = static_cast<Real>((1 - at) * layer_path[step] + at * layer_path[step + 1]);
@@ -194,11 +233,11 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
           };
           if (options.slopes) {
             sum.note_places(pattern, step);
-            cross_level(pattern, step, level, rows, light_up_with_moments, enter);
+            cross_level(pattern, step, level, rows, light_up_with_moments, cross_air, enter);
           } else if (options.irradiance) {
-            cross_level(pattern, step, level, rows, light_up, enter);
+            cross_level(pattern, step, level, rows, light_up, cross_air, enter);
           } else {
-            cross_level(pattern, step, level, rows, dim, enter);
+            cross_level(pattern, step, level, rows, dim, cross_air, enter);
           }
           if (!box.periodic || rows.level_cell[level] < rows.level_cell[level + 1]) {
             for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);

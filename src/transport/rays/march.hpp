@@ -37,13 +37,26 @@ template <class Cross>
   }
 }
 
+/// The same for rays in a gap, all of whose places have the chunk's one cell.
+template <class Cross>
+[[gnu::always_inline]] inline void cross_gap(std::size_t row, const Chunk& chunk, int shift, int nx,
+                                             const Cross& cross) {
+  int m = chunk.column - shift;
+  if (m < 0) m += nx;
+  const int before_seam = std::min(chunk.n, nx - m);
+  cross(row + m, chunk.cell, before_seam);
+  if (chunk.n > before_seam) cross(row, chunk.cell, chunk.n - before_seam);
+}
+
 /// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` in n cells from index `cell`.
-/// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. Calls
-/// `enter(segment, at)` before a segment that begins at a horizontal face, at = fraction of the level done.
-template <class Begin, class Enter>
+/// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. Runs in
+/// the air have any number of rays and one cell, and cross = begin_air(segment). Calls `enter(segment, at)` before a
+/// segment that begins at a horizontal face, at = fraction of the level done.
+template <class Begin, class BeginAir, class Enter>
 inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Begin& begin,
-                        const Enter& enter) {
+                        const BeginAir& begin_air, const Enter& enter) {
   const std::span<const Chunk> chunks = rows.levels.of(level);
+  const std::span<const Chunk> gaps = rows.has_air() ? rows.gaps.of(level) : std::span<const Chunk>{};
   const int nx = rows.nx;
   const int ny = rows.ny;
   double at = 0;
@@ -51,7 +64,7 @@ inline void cross_level(const PathPattern& pattern, int step, int level, const A
     const Segment& segment = pattern.segments[s];
     if (segment.entry != Entry::none) enter(segment, at);
     at += segment.fraction;
-    if (segment.fraction <= 0 || chunks.empty()) continue;
+    if (segment.fraction <= 0 || (chunks.empty() && gaps.empty())) continue;
     const int ox = wrapped(segment.shift_x, nx);
     const int oy = wrapped(segment.shift_y, ny);
     const auto cross = begin(segment);
@@ -59,6 +72,13 @@ inline void cross_level(const PathPattern& pattern, int step, int level, const A
       int r = chunk.row - oy;
       if (r < 0) r += ny;
       cross_run(static_cast<std::size_t>(r) * nx, chunk, ox, nx, cross);
+    }
+    if (gaps.empty()) continue;
+    const auto cross_air = begin_air(segment);
+    for (const Chunk& gap : gaps) {
+      int r = gap.row - oy;
+      if (r < 0) r += ny;
+      cross_gap(static_cast<std::size_t>(r) * nx, gap, ox, nx, cross_air);
     }
   }
 }
@@ -178,7 +198,7 @@ struct LinearSource {
     source_gradient(cells, 0, cells.size(), value.data(), gradient[0].data(), gradient[1].data(), gradient[2].data());
   }
   CellView<Real> view(const Cells<Real>& cells) const {
-    return {cells.extinction.data(), gradient[0], gradient[1], gradient[2]};
+    return cells.view(cells.extinction, gradient[0], gradient[1], gradient[2]);
   }
 };
 
@@ -295,6 +315,56 @@ template <class Kind, class Real>
   }
 }
 
+/// All of n rays leave a crossing with the same share of their light and the same light more. Returns the sum of the
+/// light that they enter with, in a fixed order.
+template <class Real>
+inline Real cross_alike(const Crossing<Real>& crossing, Real emitted, int n, Real* ray) {
+  const Real emission = crossing.t * emitted;
+  const Real absorbed = crossing.absorbed();
+  Real part[lanes] = {};
+  int i = 0;
+  for (; i + lanes <= n; i += lanes) {
+    Real* __restrict const some = ray + i;
+#pragma omp simd
+    for (int lane = 0; lane < lanes; ++lane) {
+      part[lane] += some[lane];
+      some[lane] += emission - absorbed * some[lane];
+    }
+  }
+  for (int lane = 0; i < n; ++i, ++lane) {
+    part[lane] += ray[i];
+    ray[i] += emission - absorbed * ray[i];
+  }
+  Real sum = 0;
+  for (const Real of_lane : part) sum += of_lane;
+  return sum;
+}
+
+/// n rays cross as many places of one cell of the air.
+template <class Kind, class Real>
+inline void cross_air(const SegmentGeometry<Real>& g, const Crossing<Real>& crossing, int n,
+                      const CellView<Real>& cells, std::size_t cell, const Real* source, Real* ray,
+                      const CellSums<Real>& sums) {
+  Real entry = source[cell], exit = source[cell];
+  if constexpr (Kind::linear) {
+    const Real x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
+    entry *= g.at_entry(x, y, z);
+    exit *= g.at_exit(x, y, z);
+  }
+  const Real in = cross_alike(crossing, crossing.emitted(entry, exit), n, ray) / static_cast<Real>(n);
+  if constexpr (Kind::keep_mean) {
+    const Real share = g.share * static_cast<Real>(n) * cells.share_of_place[cell];
+    const Real held = share * crossing.mean(in, entry, exit);
+    sums.mean[cell] += held;
+    if constexpr (Kind::keep_moments) {
+      const Real along = share * crossing.first_moment(in, entry, exit);
+      sums.moment[0][cell] += g.from_x * held + (g.to_x - g.from_x) * along;
+      sums.moment[1][cell] += g.from_y * held + (g.to_y - g.from_y) * along;
+      sums.moment[2][cell] += g.from_z * held + (g.to_z - g.from_z) * along;
+    }
+  }
+}
+
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
 template <class Kind, class Real>
 [[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
@@ -348,7 +418,15 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
           cross_cells<decltype(kind)>(geometry, count, cells, cell, source, rays + ray, sums);
         };
       };
-      cross_level(pattern, step, pattern.level(step), rows, begin, enter);
+      const auto begin_air = [&](const Segment& segment) {
+        const SegmentGeometry<Real> geometry(segment, chord);
+        const Crossing<Real> crossing(
+            optical_path(cells.extinction[rows.air[pattern.level(step)].first_cell], geometry.length));
+        return [=](std::size_t ray, std::size_t cell, int count) {
+          cross_air<decltype(kind)>(geometry, crossing, count, cells, cell, source, rays + ray, sums);
+        };
+      };
+      cross_level(pattern, step, pattern.level(step), rows, begin, begin_air, enter);
     });
     at_level(step + 1, rays);
   }

@@ -1,5 +1,6 @@
 #include "transport/rays/path_pattern.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -27,11 +28,21 @@ double next_face(double position, double slope, int cell) {
   return ((slope > 0 ? cell + 1 : cell) - position) / slope;
 }
 
+// The cell that the ray is in at the end of the level.
+int last_cell(double position, double slope, int cell) {
+  constexpr double end = 1 - 1e-9;  // a face met at the level's end is crossed in the next level
+  if (std::abs(slope) < 1e-12) return cell;
+  const double at = position + slope * end;
+  return slope > 0 ? std::max(cell, static_cast<int>(std::ceil(at)) - 1)
+                   : std::min(cell, static_cast<int>(std::floor(at)));
+}
+
 }  // namespace
 
 double pattern_segments(const BoxGrid& box, const Direction& travel, bool independent_columns, LevelRange levels) {
   const Slope per_metre = horizontal_slope(box, travel, independent_columns);
-  const double height_m = box.z_edge_m[levels.last] - box.z_edge_m[levels.first];
+  double height_m = 0;
+  for (int k = levels.first; k < levels.last; ++k) height_m += box.is_uniform(k) ? 0 : box.thickness_m(k);
   return height_m * (std::abs(per_metre.x) + std::abs(per_metre.y)) + levels.last - levels.first + 3;
 }
 
@@ -62,6 +73,18 @@ PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, doubl
     const double side = pattern.upward ? 1 : -1;
     pattern.level_begin.push_back(static_cast<std::uint32_t>(pattern.segments.size()));
     pattern.chord_m.push_back(height / std::abs(travel.z()));
+    if (box.is_uniform(k)) {
+      cell_x = last_cell(x, tx, cell_x);
+      cell_y = last_cell(y, ty, cell_y);
+      pattern.segments.push_back({cell_x, cell_y, entry, 1., {0, 0, -side / 2}, {0, 0, side / 2}});
+      pattern.mean_place.push_back({0., 0.});
+      entry = Entry::none;
+      x += tx;
+      y += ty;
+      pattern.x.push_back(x);
+      pattern.y.push_back(y);
+      continue;
+    }
     for (double t = 0;;) {
       const double to_x = next_face(x, tx, cell_x);
       const double to_y = next_face(y, ty, cell_y);

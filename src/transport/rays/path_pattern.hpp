@@ -51,7 +51,8 @@ struct PathPattern {
 /// @param travel direction of the march, travel.z != 0.
 /// @param start_x, start_y start within the launch column, in [0, 1).
 /// @param independent_columns light stays in its column (independent columns): horizontal motion is ignored, chords are
-/// not. A periodic axis of one column is not crossed either: the field does not vary along it.
+/// not. A periodic axis of one column is not crossed either: the field does not vary along it. A uniform level has one
+/// segment, which lies in the column that the rays leave it by.
 PathPattern make_path_pattern(const BoxGrid& box, const Direction& travel, double start_x, double start_y,
                               bool independent_columns, LevelRange levels);
 

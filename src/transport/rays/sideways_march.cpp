@@ -19,10 +19,12 @@ double centred_start(double rest, bool ascending) { return ascending ? (1 - rest
 template <class Real, class Kind>
 class SidewaysMarch {
  public:
-  SidewaysMarch(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                SidewaysPlanes<Real>& planes, const CellSums<Real>& sums, SidewaysWorkspace<Real>& work)
+  SidewaysMarch(const SidewaysPath& path, const Sheets& sheets, const Sheets& gaps, const CellView<Real>& cells,
+                const Real* source, SidewaysPlanes<Real>& planes, const CellSums<Real>& sums,
+                SidewaysWorkspace<Real>& work)
       : path_(path),
         sheets_(sheets),
+        gaps_(gaps),
         cells_(cells),
         source_(source),
         planes_(planes),
@@ -149,9 +151,11 @@ class SidewaysMarch {
         const int low = std::max(0, first + crossed);
         const int high = std::min(levels_, last + crossed);
         if (low >= high || segment.fraction <= 0) continue;
-        const auto chunks = path_.upward ? sheets_.of(sheet, box_level(low), box_level(high - 1) + 1)
-                                         : sheets_.of(sheet, box_level(high - 1), box_level(low) + 1);
-        if (chunks.empty()) continue;
+        const int lowest = box_level(path_.upward ? low : high - 1);
+        const int end = box_level(path_.upward ? high - 1 : low) + 1;
+        const auto chunks = sheets_.of(sheet, lowest, end);
+        const auto gaps = gaps_.count > 0 ? gaps_.of(sheet, lowest, end) : std::span<const Chunk>{};
+        if (chunks.empty() && gaps.empty()) continue;
         const SegmentGeometry<Real> geometry(segment, chord);
         const int shift = wrapped(segment.shift_x, columns_);
         // Row of rays for a level of the box: base + slope * level.
@@ -163,6 +167,16 @@ class SidewaysMarch {
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
             cross_cells<Kind>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, sums_);
           });
+        }
+        for (std::size_t g = 0; g < gaps.size();) {
+          const int level = gaps[g].row;
+          const std::size_t row = static_cast<std::size_t>(base + slope * level) * columns_;
+          const Crossing<Real> crossing(optical_path(cells_.extinction[gaps[g].cell], geometry.length));
+          for (; g < gaps.size() && gaps[g].row == level; ++g) {
+            cross_gap(row, gaps[g], shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
+              cross_air<Kind>(geometry, crossing, n, cells_, cell, source_, work_.rays.data() + ray, sums_);
+            });
+          }
         }
       }
     }
@@ -190,6 +204,7 @@ class SidewaysMarch {
 
   const SidewaysPath& path_;
   const Sheets& sheets_;
+  const Sheets& gaps_;
   const CellView<Real>& cells_;
   const Real* source_;
   SidewaysPlanes<Real>& planes_;
@@ -243,16 +258,19 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
 }
 
 template <class Real>
-void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    SidewaysPlanes<Real>& planes, const CellSums<Real>& sums, SidewaysWorkspace<Real>& work) {
+void march_sideways(const SidewaysPath& path, const Sheets& sheets, const Sheets& gaps, const CellView<Real>& cells,
+                    const Real* source, SidewaysPlanes<Real>& planes, const CellSums<Real>& sums,
+                    SidewaysWorkspace<Real>& work) {
   for_kind_of<true>(cells, sums, [&](auto kind) {
-    SidewaysMarch<Real, decltype(kind)>(path, sheets, cells, source, planes, sums, work).run();
+    SidewaysMarch<Real, decltype(kind)>(path, sheets, gaps, cells, source, planes, sums, work).run();
   });
 }
 
-template void march_sideways<float>(const SidewaysPath&, const Sheets&, const CellView<float>&, const float*,
-                                    SidewaysPlanes<float>&, const CellSums<float>&, SidewaysWorkspace<float>&);
-template void march_sideways<double>(const SidewaysPath&, const Sheets&, const CellView<double>&, const double*,
-                                     SidewaysPlanes<double>&, const CellSums<double>&, SidewaysWorkspace<double>&);
+template void march_sideways<float>(const SidewaysPath&, const Sheets&, const Sheets&, const CellView<float>&,
+                                    const float*, SidewaysPlanes<float>&, const CellSums<float>&,
+                                    SidewaysWorkspace<float>&);
+template void march_sideways<double>(const SidewaysPath&, const Sheets&, const Sheets&, const CellView<double>&,
+                                     const double*, SidewaysPlanes<double>&, const CellSums<double>&,
+                                     SidewaysWorkspace<double>&);
 
 }  // namespace cloudbow

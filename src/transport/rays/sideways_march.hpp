@@ -53,10 +53,11 @@ struct SidewaysWorkspace {
   std::vector<Real> rays, row;
 };
 
-/// @param sheets along the axis, rows by level of the box, columns across.
+/// @param sheets along the axis, rows by level of the box, columns across; @param gaps as these, of the air.
 /// @param source [n], sums as for march(), in the sheets' order of cells.
 template <class Real>
-void march_sideways(const SidewaysPath& path, const Sheets& sheets, const CellView<Real>& cells, const Real* source,
-                    SidewaysPlanes<Real>& planes, const CellSums<Real>& sums, SidewaysWorkspace<Real>& work);
+void march_sideways(const SidewaysPath& path, const Sheets& sheets, const Sheets& gaps, const CellView<Real>& cells,
+                    const Real* source, SidewaysPlanes<Real>& planes, const CellSums<Real>& sums,
+                    SidewaysWorkspace<Real>& work);
 
 }  // namespace cloudbow

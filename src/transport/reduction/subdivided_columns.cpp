@@ -112,6 +112,8 @@ Problem with_subdivided_columns(const Problem& problem, SubdividedColumns parts)
       }
       map.end_row();
     }
+    const AirBlocks air = problem.grid.air_of(k);
+    map.add_air(air, {0, air.x, air.y, air.width_x * parts.x, air.width_y * parts.y});
   }
   fine.grid = remap(problem.grid, std::move(map));
   const std::vector<float>& albedo = problem.surface.albedo_map;

@@ -187,6 +187,7 @@ Problem with_subdivided_levels(const Problem& problem, const SubdividedLevels& c
       }
       map.end_row();
     }
+    map.add_air(problem.grid.air_of(k));
   }
   fine.grid = remap(problem.grid, std::move(map));
   return fine;

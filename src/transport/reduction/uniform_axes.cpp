@@ -100,6 +100,12 @@ UniformAxes uniform_axes(const Problem& problem) {
 }
 
 Problem collapse(const Problem& problem, UniformAxes uniform) {
+  const bool one_column = (uniform.x || problem.grid.box.nx == 1) && (uniform.y || problem.grid.box.ny == 1);
+  if (one_column && !problem.grid.air.empty()) {
+    Problem with_own_cells = problem;
+    with_own_cells.grid = without_air_blocks(problem.grid);
+    return collapse(with_own_cells, uniform);
+  }
   Problem small{{}, problem.phase, problem.sun, problem.sky_radiance, problem.surface};
   const OpticalGrid& from = problem.grid;
   GridMap map;
@@ -121,6 +127,10 @@ Problem collapse(const Problem& problem, UniformAxes uniform) {
       }
       map.end_row();
     }
+    AirBlocks air = from.air_of(k);
+    if (uniform.x && air.count() > 0) air.x = air.width_x = 1;
+    if (uniform.y && air.count() > 0) air.y = air.width_y = 1;
+    map.add_air(from.air_of(k), air);
   }
   const BoxGrid box = map.box;
   small.grid = remap(from, std::move(map));

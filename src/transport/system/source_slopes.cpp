@@ -91,13 +91,29 @@ void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope
     const Eigen::Matrix<Real, 3, 1> g = inverse * Eigen::Matrix<Real, 3, 1>(moment[0][c], moment[1][c], moment[2][c]);
     for (int axis = 0; axis < 3; ++axis) slope[axis][c] = g[axis];
   };
+  // Blocks of air have a slope along z alone. On average over their places, rays along x and y cross all sheets.
+  const auto fit_air = [&](int k) {
+    double along_z = spread.by_level[k](2, 2);
+    for (const auto& by_sheet : spread.by_sheet) {
+      double sum = 0;
+      for (const Eigen::Matrix3d& of_sheet : by_sheet) sum += of_sheet(2, 2);
+      if (k >= even_levels_.first && k < even_levels_.last && !by_sheet.empty())
+        along_z += sum / static_cast<double>(by_sheet.size());
+    }
+    const Real inverse = along_z > 0 ? static_cast<Real>(1 / along_z) : Real(0);
+    for (std::uint32_t c = rows.voxels_end(k); c < rows.level_cell[k + 1]; ++c) {
+      slope[0][c] = slope[1][c] = 0;
+      slope[2][c] = moment[2][c] * inverse;
+    }
+  };
   // Nothing throws here.
 #pragma omp for schedule(static)
   for (int k = 0; k < rows.nz; ++k) {
+    fit_air(k);
     if (spread.only_along_z() || k < even_levels_.first || k >= even_levels_.last) {
       const Eigen::Matrix<Real, 3, 3> inverse =
           regular_inverse(spread.by_level[k], spread.weight).template cast<Real>();
-      for (std::uint32_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c) apply(inverse, c);
+      for (std::uint32_t c = rows.level_cell[k]; c < rows.voxels_end(k); ++c) apply(inverse, c);
       continue;
     }
     for (std::uint32_t r = rows.level_row[k]; r < rows.level_row[k + 1]; ++r) {

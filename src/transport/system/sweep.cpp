@@ -40,15 +40,15 @@ std::vector<std::vector<int>> groups_side_by_side(const TransportSystem<Real>& s
 
 template <class Real>
 CellView<Real> view_along_z(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.extinction.data(), of.axis[0], of.axis[1], of.axis[2]};
+  return cells.view(cells.extinction, of.axis[0], of.axis[1], of.axis[2]);
 }
 template <class Real>
 CellView<Real> view_along_y(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.extinction.data(), of.axis[0], of.axis[2], of.axis[1]};
+  return cells.view(cells.extinction, of.axis[0], of.axis[2], of.axis[1]);
 }
 template <class Real>
 CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>& of) {
-  return {cells.transposed[0].extinction.data(), of.transposed[1], of.transposed[2], of.transposed[0]};
+  return cells.view(cells.transposed[0].extinction, of.transposed[1], of.transposed[2], of.transposed[0]);
 }
 
 // Gradient of the mean source of some ordinates. Called by all threads of a team.
@@ -259,15 +259,15 @@ class OrdinateMarch {
         work_.transposed_moment[axis].assign(n + lane_padding, Real(0));
         sums.moment[axis] = work_.transposed_moment[axis].data();
       }
-      march_sideways(path, transposed.sheets, view_along_x(cells, gradient), work_.transposed_source.data(), planes,
-                     sums, work_.sideways);
+      march_sideways(path, transposed.sheets, transposed.gaps, view_along_x(cells, gradient),
+                     work_.transposed_source.data(), planes, sums, work_.sideways);
       add_transposed(cells, work_.transposed_mean.data(), work_.mean.data());
       for (std::size_t axis = 0; sums_.keeps_moments() && axis < 3; ++axis)
         add_transposed(cells, work_.transposed_moment[axis].data(), work_.moment[axis_of_box[axis]].data());
     } else {
       const CellSums<Real> sums{sums_.mean, {sums_.moment[0], sums_.moment[2], sums_.moment[1]}};
-      march_sideways(path, transposed.sheets, view_along_y(cells, gradient), source.data(), planes, sums,
-                     work_.sideways);
+      march_sideways(path, transposed.sheets, transposed.gaps, view_along_y(cells, gradient), source.data(), planes,
+                     sums, work_.sideways);
     }
     std::copy(at_level.begin(), at_level.end(), totals.profile.begin() + (record ? path.levels.first : 0));
     totals.out = planes.left;

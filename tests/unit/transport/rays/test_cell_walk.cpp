@@ -52,6 +52,29 @@ TEST(CellWalk, GoesOnThroughPeriodicAir) {
   EXPECT_EQ(cells, 2 + 3 * (sight::most_domains - 1));
 }
 
+TEST(CellWalk, UniformLevelsAreOneCell) {
+  // Below and above them the cells are those of a walk through every column.
+  const BoxGrid whole = box_of_tens(true);
+  BoxGrid box = whole;
+  box.uniform = {0, 1, 0, 0, 1};
+  for (const Direction& sight : {Direction(-3, .2, -1), Direction(.1, 5, -2), Direction(7, -4, 1)}) {
+    const Direction line = sight.normalized();
+    const Eigen::Vector3d eye(6, 15, line.z() > 0 ? -20 : 70);
+    CellWalk through(whole, eye, line), over(box, eye, line);
+    const auto outside_uniform = [&](CellWalk& walk) {
+      std::vector<std::size_t> cells;
+      for (std::size_t cell : cells_along(walk)) {
+        if (box.uniform[cell / box.columns()] == 0) cells.push_back(cell);
+      }
+      return cells;
+    };
+    EXPECT_EQ(outside_uniform(over), outside_uniform(through));
+    EXPECT_EQ(over.place(), through.place());
+    EXPECT_EQ(over.column(), through.column());
+    EXPECT_NEAR(over.entry(), through.entry(), 1e-9);
+  }
+}
+
 TEST(CellWalk, MissesWhatItDoesNotMeet) {
   EXPECT_EQ(CellWalk(box_of_tens(false), {-5, 15, 25}, {-1, 0, 0}).place(), Place::missed);
   EXPECT_EQ(CellWalk(box_of_tens(false), {-5, 35, 25}, {1, 0, 0}).place(), Place::missed);

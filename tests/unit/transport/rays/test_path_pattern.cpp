@@ -38,6 +38,28 @@ Slope columns_per_metre(const BoxGrid& box, const Direction& d) {
   return {d.x() / std::abs(d.z()) / box.dx_m, d.y() / std::abs(d.z()) / box.dy_m};
 }
 
+TEST(PathPattern, UniformLevelsHaveOneSegmentThatEndsInTheSameColumn) {
+  BoxGrid box = unequal_box(7, 5);
+  box.uniform = {0, 1, 0, 1, 1};
+  const BoxGrid whole = unequal_box(7, 5);
+  for (const Direction& travel : directions()) {
+    const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
+    const PathPattern full = make_path_pattern(whole, travel, .3, .6, false, {0, box.nz()});
+    EXPECT_EQ(pattern.x, full.x);
+    EXPECT_EQ(pattern.y, full.y);
+    for (int step = 0; step < pattern.levels(); ++step) {
+      EXPECT_EQ(pattern.shift_x(step + 1), full.shift_x(step + 1));
+      EXPECT_EQ(pattern.shift_y(step + 1), full.shift_y(step + 1));
+      if (box.is_uniform(pattern.level(step))) {
+        EXPECT_EQ(pattern.level_begin[step + 1] - pattern.level_begin[step], 1U);
+      }
+    }
+    EXPECT_LE(static_cast<double>(pattern.segments.size()), pattern_segments(box, travel, false, {0, box.nz()}));
+  }
+  EXPECT_LT(pattern_segments(box, directions()[30], false, {0, 5}),
+            pattern_segments(whole, directions()[30], false, {0, 5}));
+}
+
 TEST(PathPattern, FollowsTheStraightLineThroughItsCells) {
   for (const bool periodic : {true, false}) {
     const BoxGrid box = unequal_box(7, 5, periodic);

@@ -71,7 +71,7 @@ struct Sideways {
     planes.at_level = at_level;
     std::vector<Real> in_sheets(n + lane_padding);
     SidewaysWorkspace<Real> work;
-    march_sideways(path, transposed.sheets, view, value.data(), planes, {in_sheets.data(), {}}, work);
+    march_sideways(path, transposed.sheets, transposed.gaps, view, value.data(), planes, {in_sheets.data(), {}}, work);
     for (std::size_t c = 0; c < n; ++c) mean[along_x ? transposed.cell[c] : c] = in_sheets[c];
     mean.resize(n);
     if (along_x) leaving = transposed_plane(leaving, box.ny, box.nx);

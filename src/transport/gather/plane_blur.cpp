@@ -1,4 +1,4 @@
-#include "transport/observers/plane_blur.hpp"
+#include "transport/gather/plane_blur.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 
 namespace cloudbow {
 

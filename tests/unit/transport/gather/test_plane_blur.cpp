@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "transport/observers/plane_blur.hpp"
+#include "transport/gather/plane_blur.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {

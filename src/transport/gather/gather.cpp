@@ -1,4 +1,4 @@
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "cloudbow/core/parallel_errors.hpp"
-#include "transport/observers/backward_march.hpp"
-#include "transport/observers/gather_classes.hpp"
-#include "transport/observers/plane_blur.hpp"
-#include "transport/observers/source_gradients.hpp"
+#include "transport/gather/backward_march.hpp"
+#include "transport/gather/gather_classes.hpp"
+#include "transport/gather/plane_blur.hpp"
+#include "transport/gather/source_gradients.hpp"
 
 namespace cloudbow {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 
 namespace cloudbow {
 
@@ -58,6 +58,24 @@ template <bool linear, class Real>
       });
 }
 
+/// n rays, going back from the plane, meet as many places of one cell of the air.
+template <bool linear, class Real>
+inline void meet_air(const SegmentGeometry<Real>& g, const Crossing<Real>& crossing, int n, const CellView<Real>& cells,
+                     std::size_t cell, Real sent, Real* __restrict transmitted, Real* __restrict sum) {
+  Real emitted = crossing.phi.phi1;
+  if constexpr (linear) {
+    const Real x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
+    emitted = crossing.emitted(g.at_exit(x, y, z), g.at_entry(x, y, z));
+  }
+  const Real seen = crossing.t * sent * emitted;
+  const Real absorbed = crossing.absorbed();
+#pragma omp simd
+  for (int i = 0; i < n; ++i) {
+    sum[i] += seen * transmitted[i];
+    transmitted[i] -= absorbed * transmitted[i];
+  }
+}
+
 /// Rays leave the plane against the light's travel, along `pattern`; the light on their way, times `weight`, is added
 /// to `gathered`.
 /// @param source along `travel`.
@@ -98,7 +116,14 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
             meet_cells<linear>(g, count, cells, cell, sent + (cell - first_cell), through + ray, of_band + ray);
           };
         };
-        cross_level(pattern, step, level, rows, begin, leave);
+        const auto begin_air = [&](const Segment& segment) {
+          const SegmentGeometry<Real> g(segment, chord);
+          const Crossing<Real> crossing(optical_path(cells.extinction[rows.air[level].first_cell], g.length));
+          return [=](std::size_t ray, std::size_t cell, int count) {
+            meet_air<linear>(g, crossing, count, cells, cell, sent[cell - first_cell], through + ray, of_band + ray);
+          };
+        };
+        cross_level(pattern, step, level, rows, begin, begin_air, leave);
       });
     }
   }

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "transport/observers/gather.hpp"
+#include "transport/gather/gather.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {

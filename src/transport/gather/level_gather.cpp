@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "cloudbow/core/parallel_errors.hpp"
-#include "transport/observers/gather.hpp"
-#include "transport/observers/gather_classes.hpp"
-#include "transport/observers/plane_blur.hpp"
-#include "transport/observers/source_gradients.hpp"
+#include "transport/gather/gather.hpp"
+#include "transport/gather/gather_classes.hpp"
+#include "transport/gather/plane_blur.hpp"
+#include "transport/gather/source_gradients.hpp"
 
 namespace cloudbow {
 namespace {
@@ -175,6 +175,27 @@ template <bool linear, class Real>
     for_lanes<Real>(
         count, [&, light ](int i, bool active)
                    __attribute__((always_inline)) { light[i] -= active ? faded[i] * light[i] : Real(0); });
+  }
+}
+
+// n rays cross as many places of one cell of the air.
+template <bool linear, class Real>
+inline void cross_sums_in_air(const SegmentGeometry<Real>& g, const Crossing<Real>& crossing, int n,
+                              const CellView<Real>& cells, std::size_t cell, Real sent, std::size_t ray,
+                              Real* __restrict sum, std::span<Real* const> carried) {
+  Real emitted = crossing.phi.phi1;
+  if constexpr (linear) {
+    const Real x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
+    emitted = crossing.emitted(g.at_entry(x, y, z), g.at_exit(x, y, z));
+  }
+  const Real seen = crossing.t * sent * emitted;
+  const Real absorbed = crossing.absorbed();
+#pragma omp simd
+  for (int i = 0; i < n; ++i) sum[i] += seen - absorbed * sum[i];
+  for (Real* const slot : carried) {
+    Real* __restrict const light = slot + ray;
+#pragma omp simd
+    for (int i = 0; i < n; ++i) light[i] -= absorbed * light[i];
   }
 }
 
@@ -343,7 +364,15 @@ class LevelGather {
           cross_sums<linear>(g, count, cells, cell, sent + (cell - first_cell), ray, fresh + ray, carried);
         };
       };
-      cross_level(pattern, step, level, rows_, begin, enter);
+      const auto begin_air = [&](const Segment& segment) {
+        const SegmentGeometry<Real> g(segment, chord);
+        const Crossing<Real> crossing(optical_path(cells.extinction[rows_.air[level].first_cell], g.length));
+        return [=](std::size_t ray, std::size_t cell, int count) {
+          cross_sums_in_air<linear>(g, crossing, count, cells, cell, sent[cell - first_cell], ray, fresh + ray,
+                                    carried);
+        };
+      };
+      cross_level(pattern, step, level, rows_, begin, begin_air, enter);
     });
   }
 

@@ -1,4 +1,4 @@
-#include "transport/observers/gather_classes.hpp"
+#include "transport/gather/gather_classes.hpp"
 
 #include <algorithm>
 
