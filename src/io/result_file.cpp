@@ -445,6 +445,7 @@ class ResultWriter {
                                {"air", first_.report.air},
                                {"air_levels", whole(&R::air_levels)},
                                {"air_block_columns", whole(&R::air_block_columns)},
+                               {"air_error", real(&R::air_error)},
                                {"active_voxels", size(&R::active_voxels)},
                                {"threads", whole(&R::threads)},
                                {"seconds_total", real(&R::seconds_total)},

@@ -49,6 +49,7 @@ OpticalGrid remap(const OpticalGrid& grid, GridMap map) {
   other.row_begin = std::move(map.row_begin);
   other.spans = std::move(map.spans);
   if (!grid.air.empty()) other.air = std::move(map.air);
+  if (!other.air.empty()) other.air_error = grid.air_error;
   other.absorption = picked(grid.absorption, map.cell);
   for (const auto& scattering : grid.scattering) other.scattering.push_back(picked(scattering, map.cell));
   other.layer_absorption = picked(grid.layer_absorption, map.level);

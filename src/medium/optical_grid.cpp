@@ -239,7 +239,9 @@ std::vector<double> make_levels(const CloudPlanes& cloud, const std::vector<Laye
   const int count = static_cast<int>(merged.size()) - 1;
   for (int begin = 0; begin < count;) {
     int end = begin + 1;
-    if (in_cloud_box(begin) || profile.empty(begin)) {
+    // Without scattering there is no source that changes with height. In columns of layers alone levels are output too.
+    const bool has_source = profile.scatters(begin) || cloud.first == cloud.end;
+    if (in_cloud_box(begin) || profile.empty(begin) || !has_source) {
       levels.push_back(merged[begin]);
     } else {
       while (end < count && !in_cloud_box(end) && profile.same_optics(begin, end)) ++end;
@@ -279,26 +281,38 @@ void check_size(const BoxGrid& box, const LayerProfile& layers, const CloudPlane
 }
 
 constexpr int own_cells = -1;
-constexpr int narrowest_block = 4;  // columns
+constexpr int narrowest_block = 4;  // columns: blocks of 2 take as long as own cells
 
-/// Width of the blocks of layers up to a height, in columns; 0: one for each level; own_cells: no blocks.
-int blocks_of_air(const LevelOptions& options, const BoxGrid& box, const LayerProfile& layers, double top_m) {
-  if (options.air == AirCells::of_voxels || box.columns() == 1) return own_cells;
-  constexpr double most_forward = 6;  // light that hardly turns has the pattern that it had before
-  double depth = 0;
+/// Of column fluxes, RMS over the columns / mean. Measured against own cells on four fields (docs/theory.md, "Layers in
+/// blocks"): the pattern that a block loses is as wide, seen from the ground, as the block is.
+double error_of_blocks(double depth, double distance_m, double width_m) {
+  return depth * std::min(.1, .05 * width_m / distance_m);
+}
+
+/// Blocks of layers up to a height; own_cells columns: no blocks.
+AirBlockWidth blocks_of_air(const LevelOptions& options, const BoxGrid& box, const LayerProfile& layers, double top_m,
+                            const std::vector<double>& forward_fraction) {
+  if (options.air == AirCells::of_voxels || box.columns() == 1) return {own_cells, 0};
+  double depth = 0, height = 0;  // of the scattering, and its mean height
   bool any = false;
   for (int k = 0; k < box.nz(); ++k) {
     any = any || !layers.empty(k);
-    const double height = std::clamp(top_m - box.z_edge_m[k], 0., box.thickness_m(k));
+    const double thickness = std::clamp(top_m - box.z_edge_m[k], 0., box.thickness_m(k));
     for (std::size_t p = 0; p < layers.scattering.size(); ++p) {
-      const double g = options.asymmetry_parameter.empty() ? 0 : options.asymmetry_parameter[p];
-      depth += layers.scattering[p][k] * height * std::min(1 / std::max(1 - g, 1e-9), most_forward);
+      const double of_layer = (1 - forward_fraction[p]) * layers.scattering[p][k] * thickness;
+      depth += of_layer;
+      height += of_layer * (box.z_edge_m[k] + thickness / 2 - box.z_edge_m.front());
     }
   }
-  if (!any) return own_cells;
-  const int columns = air_block_columns(depth);
-  if (columns > 1 || columns == 0) return columns;
-  return options.air == AirCells::automatic ? own_cells : narrowest_block;
+  if (!any) return {own_cells, 0};
+  if (depth == 0) return {0, 0};
+  height /= depth;
+  const double distance_m = std::min(height, box.z_edge_m.back() - box.z_edge_m.front() - height);
+  const double column_m = std::max(box.dx_m, box.dy_m);
+  const AirBlockWidth width = air_block_width(depth, distance_m, column_m, std::max(box.nx, box.ny));
+  if (width.columns != 1) return width;
+  if (options.air == AirCells::automatic) return {own_cells, 0};
+  return {narrowest_block, error_of_blocks(depth, distance_m, narrowest_block * column_m)};
 }
 
 /// Fills one grid plane by plane, row by row.
@@ -365,19 +379,14 @@ class GridBuilder {
 
 }  // namespace
 
-int air_block_columns(double depth) {
-  // Error of columns, in per cent of their mean, per unit of depth, with blocks so wide. Measured against own cells,
-  // the larger of two fields (docs/theory.md, "Layers in blocks"). Blocks of 2 columns take as long as own cells.
-  struct Width {
-    int columns;
-    double error;
-  };
-  constexpr std::array<Width, 3> widths{{{0, 2.9}, {8, .63}, {narrowest_block, .26}}};
-  constexpr double wanted = .25;
-  for (const Width& width : widths) {
-    if (width.error * depth <= wanted) return width.columns;
-  }
-  return 1;
+AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns) {
+  constexpr double wanted = .003;
+  const double whole = error_of_blocks(depth, distance_m, columns * column_m);
+  if (whole <= wanted) return {0, whole};
+  int width = narrowest_block;
+  while (2 * width < columns && error_of_blocks(depth, distance_m, 2 * width * column_m) <= wanted) width *= 2;
+  const double error = error_of_blocks(depth, distance_m, width * column_m);
+  return error <= wanted ? AirBlockWidth{width, error} : AirBlockWidth{1, 0};
 }
 
 std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels_m) {
@@ -455,11 +464,12 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
   // Further above the clouds than these are deep, their pattern hardly shows.
   const double patterned_to_m =
       planes.first < planes.end ? 2 * planes.face_m(planes.end) - planes.face_m(planes.first) : domain_min_m[2];
-  const int air_columns = blocks_of_air(options, box, profile, patterned_to_m);
-  const bool air_blocks = air_columns != own_cells;
+  const AirBlockWidth air = blocks_of_air(options, box, profile, patterned_to_m, delta_m_fraction);
+  const bool air_blocks = air.columns != own_cells;
   check_size(box, profile, planes, phase_functions, air_blocks, options.memory_limit_bytes);
   GridBuilder builder(box, profile);
   OpticalGrid& grid = builder.grid();
+  grid.air_error = air.error;
   for (int k = 0; k < box.nz(); ++k) {
     const bool has_layers = !profile.empty(k);
     const bool fills_rows = has_layers && !air_blocks;
@@ -501,7 +511,7 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
     }
     if (air_blocks) {
       const bool filled = has_layers && grid.active_cells() - level_start < box.columns();
-      builder.add_air(k, filled, box.z_edge_m[k] < patterned_to_m && profile.scatters(k) ? air_columns : 0);
+      builder.add_air(k, filled, box.z_edge_m[k] < patterned_to_m && profile.scatters(k) ? air.columns : 0);
     }
   }
   mark_uniform_levels(grid);

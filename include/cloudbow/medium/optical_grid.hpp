@@ -62,6 +62,7 @@ struct OpticalGrid {
   BoxGrid box;
   /// [nz] layers between the clouds; empty: layers are in the voxels' own cells, all of which are active then.
   std::vector<AirBlocks> air;
+  double air_error = 0;                  ///< that the blocks leave in column fluxes, RMS over the columns / mean
   std::vector<std::uint32_t> row_begin;  ///< nz*ny + 1, as in CloudField
   std::vector<RowSpan> spans;
   std::vector<float> absorption;               ///< [n] 1/m, cloud and layers together
@@ -168,10 +169,17 @@ enum class AirCells {
   automatic   ///< in blocks, unless these would be too narrow to save anything
 };
 
-/// Width of blocks, in columns, from the scattering of the layers between the ground and the cloud's top.
-/// @param depth sum over the layers of scattering optical depth / (1 - g), at most 6 times that depth
-/// @returns 0: one block for a level; 1: blocks do not pay.
-int air_block_columns(double depth);
+/// Blocks of air, and what they leave out.
+struct AirBlockWidth {
+  int columns = 0;   ///< along x and y; 0: one block for a level; 1: blocks do not pay
+  double error = 0;  ///< of column fluxes, RMS over the columns / mean
+};
+
+/// The widest blocks that are accurate enough (docs/theory.md, "Layers in blocks").
+/// @param depth scattering optical depth of the layers near the clouds, delta-M scaled.
+/// @param distance_m mean distance of this scattering from the ground, or from the domain's top if that is less.
+/// @param column_m width of a column. @param columns of the domain, the larger number along x and y.
+AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns);
 
 /// Subdivision of levels without cloud. Optical depths are vertical and after delta-M. Interfaces are those between
 /// different optics, and the domain's top and bottom. At the optical distance t from the nearest interface, the
@@ -192,7 +200,6 @@ struct LevelOptions {
   /// finest_levels() of several.
   std::vector<double> levels_m;
   AirCells air = AirCells::of_voxels;
-  std::vector<double> asymmetry_parameter;  ///< [p], for the width of blocks of air; empty: as if all were 0
   /// Limit of the grid's coefficients; exceeding it is an error before memory is taken.
   std::uint64_t memory_limit_bytes = std::numeric_limits<std::uint64_t>::max();
 

@@ -37,6 +37,7 @@ struct SolverReport {
   std::string air = "none";      ///< cells of layers beside clouds: "levels", "cells", or "none" without such layers
   int air_levels = 0;            ///< levels whose layers have cells in blocks of columns
   int air_block_columns = 0;     ///< columns of the narrowest of these blocks along x or y
+  double air_error = 0;          ///< that the blocks leave in column fluxes, RMS over the columns / mean
   std::string radiance_storage;  ///< "float16", "float32" or "float64"
   std::size_t active_voxels = 0;
   int threads = 1;

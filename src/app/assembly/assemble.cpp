@@ -269,7 +269,6 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
   levels.levels_m = levels_m;
   levels.memory_limit_bytes = memory_limit_bytes;
   levels.air = scene.solver.air;
-  for (const PhaseFunction& phase : problem.phase) levels.asymmetry_parameter.push_back(phase.asymmetry_parameter());
   // Layers without a cloud are the same everywhere: they have no sides.
   const bool periodic = scene.domain.periodic || field == nullptr;
   try {

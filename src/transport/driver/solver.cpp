@@ -195,6 +195,7 @@ Solution solve_by_polar_streams(const SolvePlan& plan, const ProgressCallback& p
 // @param grid with the columns of the result.
 void report_air(const OpticalGrid& grid, SolverReport& report) {
   if (grid.box.columns() == 1) return;
+  report.air_error = grid.air_error;
   for (int k = 0; k < grid.box.nz(); ++k) {
     double layers = grid.layer_absorption[k];
     for (const auto& scattering : grid.layer_scattering) layers += scattering[k];

@@ -58,23 +58,54 @@ template <bool linear, class Real>
       });
 }
 
-/// n rays, going back from the plane, meet as many places of one cell of the air.
+/// Rays of one segment, going back from the plane, meet blocks of air.
 template <bool linear, class Real>
-inline void meet_air(const SegmentGeometry<Real>& g, const Crossing<Real>& crossing, int n, const CellView<Real>& cells,
-                     std::size_t cell, Real sent, Real* __restrict transmitted, Real* __restrict sum) {
-  Real emitted = crossing.phi.phi1;
-  if constexpr (linear) {
-    const Real x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
-    emitted = crossing.emitted(g.at_exit(x, y, z), g.at_entry(x, y, z));
+class AirMeeting {
+ public:
+  /// @param sent source of the level's cells; the first of them is `first_cell`.
+  AirMeeting(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* sent,
+             std::size_t first_cell, Real* transmitted, Real* sum)
+      : g_(geometry),
+        crossing_(optical_path(extinction, geometry.length)),
+        absorbed_(crossing_.absorbed()),
+        cells_(cells),
+        sent_(sent),
+        first_cell_(first_cell),
+        transmitted_(transmitted),
+        sum_(sum) {}
+
+  void enter(std::size_t cell) {
+    Real emitted = crossing_.phi.phi1;
+    if constexpr (linear) {
+      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
+      emitted = crossing_.emitted(g_.at_exit(x, y, z), g_.at_entry(x, y, z));
+    }
+    seen_ = crossing_.t * sent_[cell - first_cell_] * emitted;
   }
-  const Real seen = crossing.t * sent * emitted;
-  const Real absorbed = crossing.absorbed();
+  [[gnu::always_inline]] void cross(std::size_t ray, int n) const {
+    Real* __restrict const transmitted = transmitted_ + ray;
+    Real* __restrict const sum = sum_ + ray;
+    const Real seen = seen_;
+    const Real absorbed = absorbed_;
 #pragma omp simd
-  for (int i = 0; i < n; ++i) {
-    sum[i] += seen * transmitted[i];
-    transmitted[i] -= absorbed * transmitted[i];
+    for (int i = 0; i < n; ++i) {
+      sum[i] += seen * transmitted[i];
+      transmitted[i] -= absorbed * transmitted[i];
+    }
   }
-}
+  void leave() const {}
+
+ private:
+  SegmentGeometry<Real> g_;
+  Crossing<Real> crossing_;
+  Real absorbed_;
+  CellView<Real> cells_;
+  const Real* sent_;
+  std::size_t first_cell_;
+  Real* transmitted_;
+  Real* sum_;
+  Real seen_ = 0;  // light of the block per transmission
+};
 
 /// Rays leave the plane against the light's travel, along `pattern`; the light on their way, times `weight`, is added
 /// to `gathered`.
@@ -117,11 +148,9 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
           };
         };
         const auto begin_air = [&](const Segment& segment) {
-          const SegmentGeometry<Real> g(segment, chord);
-          const Crossing<Real> crossing(optical_path(cells.extinction[rows.air[level].first_cell], g.length));
-          return [=](std::size_t ray, std::size_t cell, int count) {
-            meet_air<linear>(g, crossing, count, cells, cell, sent[cell - first_cell], through + ray, of_band + ray);
-          };
+          const Real extinction = cells.extinction[rows.air[level].first_cell];
+          return AirMeeting<linear, Real>(SegmentGeometry<Real>(segment, chord), extinction, cells, sent, first_cell,
+                                          through, of_band);
         };
         cross_level(pattern, step, level, rows, begin, begin_air, leave);
       });

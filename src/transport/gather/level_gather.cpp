@@ -178,26 +178,55 @@ template <bool linear, class Real>
   }
 }
 
-// n rays cross as many places of one cell of the air.
+// Rays of one segment cross blocks of air.
 template <bool linear, class Real>
-inline void cross_sums_in_air(const SegmentGeometry<Real>& g, const Crossing<Real>& crossing, int n,
-                              const CellView<Real>& cells, std::size_t cell, Real sent, std::size_t ray,
-                              Real* __restrict sum, std::span<Real* const> carried) {
-  Real emitted = crossing.phi.phi1;
-  if constexpr (linear) {
-    const Real x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
-    emitted = crossing.emitted(g.at_entry(x, y, z), g.at_exit(x, y, z));
+class AirSums {
+ public:
+  // @param sent source of the level's cells; the first of them is `first_cell`.
+  AirSums(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* sent,
+          std::size_t first_cell, Real* sum, std::span<Real* const> carried)
+      : g_(geometry),
+        crossing_(optical_path(extinction, geometry.length)),
+        absorbed_(crossing_.absorbed()),
+        cells_(cells),
+        sent_(sent),
+        first_cell_(first_cell),
+        sum_(sum),
+        carried_(carried) {}
+
+  void enter(std::size_t cell) {
+    Real emitted = crossing_.phi.phi1;
+    if constexpr (linear) {
+      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
+      emitted = crossing_.emitted(g_.at_entry(x, y, z), g_.at_exit(x, y, z));
+    }
+    emission_ = crossing_.t * sent_[cell - first_cell_] * emitted;
   }
-  const Real seen = crossing.t * sent * emitted;
-  const Real absorbed = crossing.absorbed();
+  [[gnu::always_inline]] void cross(std::size_t ray, int n) const {
+    const Real emission = emission_;
+    const Real absorbed = absorbed_;
+    Real* __restrict const sum = sum_ + ray;
 #pragma omp simd
-  for (int i = 0; i < n; ++i) sum[i] += seen - absorbed * sum[i];
-  for (Real* const slot : carried) {
-    Real* __restrict const light = slot + ray;
+    for (int i = 0; i < n; ++i) sum[i] += emission - absorbed * sum[i];
+    for (Real* const slot : carried_) {
+      Real* __restrict const light = slot + ray;
 #pragma omp simd
-    for (int i = 0; i < n; ++i) light[i] -= absorbed * light[i];
+      for (int i = 0; i < n; ++i) light[i] -= absorbed * light[i];
+    }
   }
-}
+  void leave() const {}
+
+ private:
+  SegmentGeometry<Real> g_;
+  Crossing<Real> crossing_;
+  Real absorbed_;
+  CellView<Real> cells_;
+  const Real* sent_;
+  std::size_t first_cell_;
+  Real* sum_;
+  std::span<Real* const> carried_;
+  Real emission_ = 0;
+};
 
 // Work arrays of one group of directions, and its sums.
 template <class Real>
@@ -365,12 +394,9 @@ class LevelGather {
         };
       };
       const auto begin_air = [&](const Segment& segment) {
-        const SegmentGeometry<Real> g(segment, chord);
-        const Crossing<Real> crossing(optical_path(cells.extinction[rows_.air[level].first_cell], g.length));
-        return [=](std::size_t ray, std::size_t cell, int count) {
-          cross_sums_in_air<linear>(g, crossing, count, cells, cell, sent[cell - first_cell], ray, fresh + ray,
-                                    carried);
-        };
+        const Real extinction = cells.extinction[rows_.air[level].first_cell];
+        return AirSums<linear, Real>(SegmentGeometry<Real>(segment, chord), extinction, cells, sent, first_cell, fresh,
+                                     carried);
       };
       cross_level(pattern, step, level, rows_, begin, begin_air, enter);
     });

@@ -54,6 +54,19 @@ void add_gaps(const OpticalGrid& grid, ActiveRows& active) {
     }
     begin.resize(static_cast<std::size_t>(k + 1) * (active.ny + 1), static_cast<std::uint32_t>(chunks.size()));
   }
+  active.first_gap.push_back(0);
+  for (int k = 0; k < active.nz; ++k) {
+    std::vector<Chunk>& all = active.gaps_by_block;
+    if (grid.air[k].count() == 1 && !active.has_voxels(k)) {
+      all.push_back({grid.air[k].first_cell, 0, 0, active.nx * active.ny});
+    } else {
+      const auto of_level = active.gaps.of(k);
+      all.insert(all.end(), of_level.begin(), of_level.end());
+      std::stable_sort(all.begin() + active.first_gap.back(), all.end(),
+                       [](const Chunk& a, const Chunk& b) { return a.cell < b.cell; });
+    }
+    active.first_gap.push_back(static_cast<std::uint32_t>(all.size()));
+  }
 }
 
 }  // namespace

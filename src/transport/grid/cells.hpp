@@ -60,8 +60,11 @@ struct ActiveRows {
   Sheets levels;                          ///< along z
   /// [nz] blocks of air of each level, which are its last cells; empty: none has any.
   std::vector<AirBlocks> air;
-  Sheets gaps;                        ///< along z: all places of a chunk, of any number, have the chunk's one cell
-  std::vector<std::uint32_t> places;  ///< [n] voxels that have this cell; empty: one each
+  Sheets gaps;  ///< along z: all places of a chunk, of any number, have the chunk's one cell
+  /// The same, block by block of each level. A level without voxels and with one block is one chunk of all its columns.
+  std::vector<Chunk> gaps_by_block;
+  std::vector<std::uint32_t> first_gap;  ///< [nz + 1] chunks of level k are [first_gap[k], first_gap[k+1])
+  std::vector<std::uint32_t> places;     ///< [n] voxels that have this cell; empty: one each
 
   std::size_t size() const { return level_cell.back(); }
   std::size_t largest_level() const;
@@ -72,6 +75,10 @@ struct ActiveRows {
     return air.empty() ? level_cell[k + 1] : level_cell[k + 1] - static_cast<std::uint32_t>(air[k].count());
   }
   bool has_voxels(int k) const { return level_cell[k] < voxels_end(k); }
+  std::span<const Chunk> blocks_of(int k) const {
+    if (air.empty()) return {};
+    return {gaps_by_block.data() + first_gap[k], gaps_by_block.data() + first_gap[k + 1]};
+  }
 };
 
 ActiveRows active_rows(const OpticalGrid& grid);

@@ -64,6 +64,10 @@ struct Pack {
   static Mask first(int) { return true; }
   [[gnu::always_inline]] static Value load(const Real* from) { return *from; }
   [[gnu::always_inline]] static void store(Mask, const Value& v, Real* to) { *to = v; }
+  /// The values of the first cells, 0 in the others.
+  [[gnu::always_inline]] static Value masked(Mask, const Value& v) { return v; }
+  /// Over the cells, in their order.
+  [[gnu::always_inline]] static Real sum(const Value& v) { return v; }
 };
 template <>
 struct Pack<float> {
@@ -79,6 +83,12 @@ struct Pack<float> {
     return v;
   }
   [[gnu::always_inline]] static void store(const Mask& mask, const Value& v, float* to) { store_masked(mask, v, to); }
+  [[gnu::always_inline]] static Value masked(const Mask& mask, const Value& v) { return mask ? v : Value{}; }
+  [[gnu::always_inline]] static float sum(const Value& v) {
+    float total = 0;
+    for (int i = 0; i < lanes; ++i) total += v[i];
+    return total;
+  }
 };
 
 }  // namespace cloudbow

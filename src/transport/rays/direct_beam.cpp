@@ -21,20 +21,6 @@ template <class Real>
   return t < Real(.5) ? series : thick;
 }
 
-// In a fixed order.
-template <class Real>
-Real sum_of_transmissions(const Real* path, int n) {
-  Real part[lanes] = {};
-  int i = 0;
-  for (; i + lanes <= n; i += lanes) {
-    for (int lane = 0; lane < lanes; ++lane) part[lane] += transmission(path[i + lane]);
-  }
-  for (int lane = 0; i < n; ++i, ++lane) part[lane] += transmission(path[i]);
-  Real sum = 0;
-  for (const Real of_lane : part) sum += of_lane;
-  return sum;
-}
-
 template <class Real>
 struct Accumulator {
   std::vector<Real> irradiance;
@@ -54,6 +40,54 @@ struct Accumulator {
     }
     spread[level] += spread_of_places(pattern, step);
   }
+};
+
+// Rays of one segment cross blocks of air.
+template <class Real>
+class BeamInAir {
+ public:
+  // @param t optical path of the segment; @param path of the rays so far.
+  BeamInAir(const SegmentGeometry<Real>& geometry, Real t, Real irradiance_of_ray, const ActiveRows& rows,
+            std::vector<Real>& path, Accumulator<Real>& sum)
+      : g_(geometry), t_(t), entering_(g_.share * irradiance_of_ray), rows_(rows), path_(path), sum_(sum) {}
+
+  void enter(std::size_t cell) {
+    cell_ = cell;
+    part_.fill(0);
+  }
+  void cross(std::size_t ray, int n) {
+    Real* __restrict const before = path_.data() + ray;
+    if (!sum_.irradiance.empty()) {
+      int i = 0;
+      for (; i + lanes <= n; i += lanes) {
+#pragma omp simd
+        for (int lane = 0; lane < lanes; ++lane) part_[lane] += transmission(before[i + lane]);
+      }
+      for (int lane = 0; i < n; ++i, ++lane) part_[lane] += transmission(before[i]);
+    }
+    for (int i = 0; i < n; ++i) before[i] += t_;
+  }
+  void leave() {
+    if (sum_.irradiance.empty()) return;
+    Real light = 0;
+    for (const Real of_lane : part_) light += of_lane;
+    light *= entering_ / static_cast<Real>(rows_.places[cell_]);
+    const Real held = light * mean_transmission(t_);
+    sum_.irradiance[cell_] += held;
+    if (sum_.moment[2].empty()) return;
+    const auto phi = exponential_functions(std::min(t_, static_cast<Real>(largest_optical_path)));
+    sum_.moment[2][cell_] += g_.from_z * held + (g_.to_z - g_.from_z) * light * (phi.phi1 - phi.phi2);
+  }
+
+ private:
+  SegmentGeometry<Real> g_;
+  Real t_;
+  Real entering_;
+  const ActiveRows& rows_;
+  std::vector<Real>& path_;
+  Accumulator<Real>& sum_;
+  std::size_t cell_ = 0;
+  std::array<Real, lanes> part_{};
 };
 
 // Slopes relative to the irradiance, from the sums over all rays. Cells that the beam does not reach have none.
@@ -201,26 +235,10 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
                                  __attribute__((always_inline)) { before[i] += active ? sigma[i] * length : Real(0); });
                 };
           };
-          const Real sigma_of_air =
-              rows.has_air() && rows.air[level].count() > 0 ? padded[rows.air[level].first_cell] : Real(0);
-          const auto cross_air = [&](const Segment& segment) {
+          const auto begin_air = [&](const Segment& segment) {
             const SegmentGeometry<Real> of(segment, pattern.chord_m[step]);
-            const Real t = sigma_of_air * of.length;
-            const auto phi = exponential_functions(std::min(t, static_cast<Real>(largest_optical_path)));
-            return [&, of, t, phi](std::size_t m, std::size_t cell, int count) {
-              Real* __restrict const before = path.data() + m;
-              if (options.irradiance) {
-                const Real entering = of.share * irradiance_of_ray / static_cast<Real>(rows.places[cell]) *
-                                      sum_of_transmissions(before, count);
-                const Real held = entering * mean_transmission(t);
-                sum.irradiance[cell] += held;
-                if (options.slopes) {
-                  const Real along = entering * (phi.phi1 - phi.phi2);
-                  sum.moment[2][cell] += of.from_z * held + (of.to_z - of.from_z) * along;
-                }
-              }
-              for (int i = 0; i < count; ++i) before[i] += t;
-            };
+            return BeamInAir<Real>(of, padded[rows.air[level].first_cell] * of.length, irradiance_of_ray, rows, path,
+                                   sum);
           };
           const auto enter = [&](const Segment& segment, double at) {
             if (box.periodic) return;
@@ -233,11 +251,11 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
           };
           if (options.slopes) {
             sum.note_places(pattern, step);
-            cross_level(pattern, step, level, rows, light_up_with_moments, cross_air, enter);
+            cross_level(pattern, step, level, rows, light_up_with_moments, begin_air, enter);
           } else if (options.irradiance) {
-            cross_level(pattern, step, level, rows, light_up, cross_air, enter);
+            cross_level(pattern, step, level, rows, light_up, begin_air, enter);
           } else {
-            cross_level(pattern, step, level, rows, dim, cross_air, enter);
+            cross_level(pattern, step, level, rows, dim, begin_air, enter);
           }
           if (!box.periodic || rows.level_cell[level] < rows.level_cell[level + 1]) {
             for (std::size_t m = 0; m < columns; ++m) light[m] = transmission(path[m]);

@@ -37,26 +37,26 @@ template <class Cross>
   }
 }
 
-/// The same for rays in a gap, all of whose places have the chunk's one cell.
-template <class Cross>
-[[gnu::always_inline]] inline void cross_gap(std::size_t row, const Chunk& chunk, int shift, int nx,
-                                             const Cross& cross) {
-  int m = chunk.column - shift;
+/// Calls air.cross(ray, n) for rays in a gap. They are of the row of nx rays from index `row`.
+template <class Air>
+[[gnu::always_inline]] inline void cross_gap(std::size_t row, const Chunk& gap, int shift, int nx, Air& air) {
+  int m = gap.column - shift;
   if (m < 0) m += nx;
-  const int before_seam = std::min(chunk.n, nx - m);
-  cross(row + m, chunk.cell, before_seam);
-  if (chunk.n > before_seam) cross(row, chunk.cell, chunk.n - before_seam);
+  const int before_seam = std::min(gap.n, nx - m);
+  air.cross(row + m, before_seam);
+  if (gap.n > before_seam) air.cross(row, gap.n - before_seam);
 }
 
 /// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` in n cells from index `cell`.
-/// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. Runs in
-/// the air have any number of rays and one cell, and cross = begin_air(segment). Calls `enter(segment, at)` before a
-/// segment that begins at a horizontal face, at = fraction of the level done.
+/// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. For blocks
+/// of air it is air = begin_air(segment). Each gets air.enter(cell), air.cross(ray, n) for its runs, and air.leave().
+/// These runs have any number of rays. Calls `enter(segment, at)` before a segment that begins at a horizontal face.
+/// `at` is the fraction of the level done.
 template <class Begin, class BeginAir, class Enter>
 inline void cross_level(const PathPattern& pattern, int step, int level, const ActiveRows& rows, const Begin& begin,
                         const BeginAir& begin_air, const Enter& enter) {
   const std::span<const Chunk> chunks = rows.levels.of(level);
-  const std::span<const Chunk> gaps = rows.has_air() ? rows.gaps.of(level) : std::span<const Chunk>{};
+  const std::span<const Chunk> gaps = rows.blocks_of(level);
   const int nx = rows.nx;
   const int ny = rows.ny;
   double at = 0;
@@ -74,11 +74,20 @@ inline void cross_level(const PathPattern& pattern, int step, int level, const A
       cross_run(static_cast<std::size_t>(r) * nx, chunk, ox, nx, cross);
     }
     if (gaps.empty()) continue;
-    const auto cross_air = begin_air(segment);
-    for (const Chunk& gap : gaps) {
-      int r = gap.row - oy;
-      if (r < 0) r += ny;
-      cross_gap(static_cast<std::size_t>(r) * nx, gap, ox, nx, cross_air);
+    auto air = begin_air(segment);
+    for (std::size_t g = 0; g < gaps.size();) {
+      const std::uint32_t block = gaps[g].cell;
+      air.enter(block);
+      for (; g < gaps.size() && gaps[g].cell == block; ++g) {
+        if (gaps[g].n > nx) {
+          air.cross(0, gaps[g].n);
+          continue;
+        }
+        int r = gaps[g].row - oy;
+        if (r < 0) r += ny;
+        cross_gap(static_cast<std::size_t>(r) * nx, gaps[g], ox, nx, air);
+      }
+      air.leave();
     }
   }
 }
@@ -315,55 +324,77 @@ template <class Kind, class Real>
   }
 }
 
-/// All of n rays leave a crossing with the same share of their light and the same light more. Returns the sum of the
-/// light that they enter with, in a fixed order.
-template <class Real>
-inline Real cross_alike(const Crossing<Real>& crossing, Real emitted, int n, Real* ray) {
-  const Real emission = crossing.t * emitted;
-  const Real absorbed = crossing.absorbed();
-  Real part[lanes] = {};
-  int i = 0;
-  for (; i + lanes <= n; i += lanes) {
-    Real* __restrict const some = ray + i;
-#pragma omp simd
-    for (int lane = 0; lane < lanes; ++lane) {
-      part[lane] += some[lane];
-      some[lane] += emission - absorbed * some[lane];
-    }
-  }
-  for (int lane = 0; i < n; ++i, ++lane) {
-    part[lane] += ray[i];
-    ray[i] += emission - absorbed * ray[i];
-  }
-  Real sum = 0;
-  for (const Real of_lane : part) sum += of_lane;
-  return sum;
-}
-
-/// n rays cross as many places of one cell of the air.
+/// Rays of one segment cross blocks of air. All have the same optical path, and those of a block its source.
 template <class Kind, class Real>
-inline void cross_air(const SegmentGeometry<Real>& g, const Crossing<Real>& crossing, int n,
-                      const CellView<Real>& cells, std::size_t cell, const Real* source, Real* ray,
-                      const CellSums<Real>& sums) {
-  Real entry = source[cell], exit = source[cell];
-  if constexpr (Kind::linear) {
-    const Real x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
-    entry *= g.at_entry(x, y, z);
-    exit *= g.at_exit(x, y, z);
+class AirCrossing {
+ public:
+  /// @param extinction 1/m of the level's air. @param rays of the direction; the others as for cross_cells().
+  AirCrossing(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* source,
+              Real* rays, const CellSums<Real>& sums)
+      : g_(geometry),
+        crossing_(optical_path(extinction, geometry.length)),
+        absorbed_(crossing_.absorbed()),
+        cells_(cells),
+        source_(source),
+        rays_(rays),
+        sums_(sums) {}
+
+  void enter(std::size_t cell) {
+    cell_ = cell;
+    n_ = 0;
+    in_ = typename Pack<Real>::Value{};
+    entry_ = exit_ = source_[cell];
+    if constexpr (Kind::linear) {
+      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
+      entry_ *= g_.at_entry(x, y, z);
+      exit_ *= g_.at_exit(x, y, z);
+    }
+    emission_ = crossing_.t * crossing_.emitted(entry_, exit_);
   }
-  const Real in = cross_alike(crossing, crossing.emitted(entry, exit), n, ray) / static_cast<Real>(n);
-  if constexpr (Kind::keep_mean) {
-    const Real share = g.share * static_cast<Real>(n) * cells.share_of_place[cell];
-    const Real held = share * crossing.mean(in, entry, exit);
-    sums.mean[cell] += held;
-    if constexpr (Kind::keep_moments) {
-      const Real along = share * crossing.first_moment(in, entry, exit);
-      sums.moment[0][cell] += g.from_x * held + (g.to_x - g.from_x) * along;
-      sums.moment[1][cell] += g.from_y * held + (g.to_y - g.from_y) * along;
-      sums.moment[2][cell] += g.from_z * held + (g.to_z - g.from_z) * along;
+
+  [[gnu::always_inline]] void cross(std::size_t ray, int n) {
+    using Rays = Pack<Real>;
+    Real* const from = rays_ + ray;
+    n_ += n;
+    for (int first = 0; first < n; first += lanes) {
+      const int count = std::min(lanes, n - first);
+      const auto active = Rays::first(count);
+      for (int i = first; i < first + Rays::steps(count); ++i) {
+        const auto in = Rays::load(from + i);
+        in_ += Rays::masked(active, in);
+        Rays::store(active, in + (emission_ - absorbed_ * in), from + i);
+      }
     }
   }
-}
+
+  void leave() {
+    if constexpr (Kind::keep_mean) {
+      const Real in = Pack<Real>::sum(in_) / static_cast<Real>(n_);
+      const Real share = g_.share * static_cast<Real>(n_) * cells_.share_of_place[cell_];
+      const Real held = share * crossing_.mean(in, entry_, exit_);
+      sums_.mean[cell_] += held;
+      if constexpr (Kind::keep_moments) {
+        const Real along = share * crossing_.first_moment(in, entry_, exit_);
+        sums_.moment[0][cell_] += g_.from_x * held + (g_.to_x - g_.from_x) * along;
+        sums_.moment[1][cell_] += g_.from_y * held + (g_.to_y - g_.from_y) * along;
+        sums_.moment[2][cell_] += g_.from_z * held + (g_.to_z - g_.from_z) * along;
+      }
+    }
+  }
+
+ private:
+  SegmentGeometry<Real> g_;
+  Crossing<Real> crossing_;
+  Real absorbed_;
+  CellView<Real> cells_;
+  const Real* source_;
+  Real* rays_;
+  CellSums<Real> sums_;
+  std::size_t cell_ = 0;
+  int n_ = 0;
+  Real entry_ = 0, exit_ = 0, emission_ = 0;
+  typename Pack<Real>::Value in_ = {};  // sum of the radiances that enter the block
+};
 
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
 template <class Kind, class Real>
@@ -419,12 +450,9 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
         };
       };
       const auto begin_air = [&](const Segment& segment) {
-        const SegmentGeometry<Real> geometry(segment, chord);
-        const Crossing<Real> crossing(
-            optical_path(cells.extinction[rows.air[pattern.level(step)].first_cell], geometry.length));
-        return [=](std::size_t ray, std::size_t cell, int count) {
-          cross_air<decltype(kind)>(geometry, crossing, count, cells, cell, source, rays + ray, sums);
-        };
+        const Real extinction = cells.extinction[rows.air[pattern.level(step)].first_cell];
+        return AirCrossing<decltype(kind), Real>(SegmentGeometry<Real>(segment, chord), extinction, cells, source, rays,
+                                                 sums);
       };
       cross_level(pattern, step, pattern.level(step), rows, begin, begin_air, enter);
     });

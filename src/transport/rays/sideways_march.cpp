@@ -171,11 +171,14 @@ class SidewaysMarch {
         for (std::size_t g = 0; g < gaps.size();) {
           const int level = gaps[g].row;
           const std::size_t row = static_cast<std::size_t>(base + slope * level) * columns_;
-          const Crossing<Real> crossing(optical_path(cells_.extinction[gaps[g].cell], geometry.length));
-          for (; g < gaps.size() && gaps[g].row == level; ++g) {
-            cross_gap(row, gaps[g], shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
-              cross_air<Kind>(geometry, crossing, n, cells_, cell, source_, work_.rays.data() + ray, sums_);
-            });
+          AirCrossing<Kind, Real> air(geometry, cells_.extinction[gaps[g].cell], cells_, source_, work_.rays.data(),
+                                      sums_);
+          while (g < gaps.size() && gaps[g].row == level) {
+            const std::uint32_t block = gaps[g].cell;
+            air.enter(block);
+            for (; g < gaps.size() && gaps[g].row == level && gaps[g].cell == block; ++g)
+              cross_gap(row, gaps[g], shift, columns_, air);
+            air.leave();
           }
         }
       }

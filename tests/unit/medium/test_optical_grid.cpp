@@ -85,13 +85,21 @@ TEST(OpticalGrid, LayersInBlocksAreTheSameMatter) {
 }
 
 TEST(OpticalGrid, BlocksAreAsWideAsScatteringAllows) {
-  // Errors of columns per unit of depth: 2.9, .63 and .26 % with a level, 8 and 4 columns; .25 % are wanted.
-  EXPECT_EQ(air_block_columns(0), 0);
-  EXPECT_EQ(air_block_columns(.08), 0);
-  EXPECT_EQ(air_block_columns(.09), 8);
-  EXPECT_EQ(air_block_columns(.41), 4);
-  EXPECT_EQ(air_block_columns(.95), 4);
-  EXPECT_EQ(air_block_columns(1), 1) << "they do not pay";
+  // Error 5 % of depth times width over distance, up to 10 % of depth; .3 % are wanted.
+  const auto columns = [](double depth, double distance_m) {
+    const AirBlockWidth width = air_block_width(depth, distance_m, 50, 128);
+    EXPECT_LE(width.error, .003);
+    return width.columns;
+  };
+  EXPECT_EQ(columns(0, 1000), 0);
+  EXPECT_EQ(columns(.029, 1000), 0) << "10 % of it whatever the width";
+  EXPECT_EQ(columns(.05, 1000), 16) << "up to 1200 m";
+  EXPECT_EQ(columns(.1, 1000), 8) << "up to 600 m";
+  EXPECT_EQ(columns(.29, 1000), 4);
+  EXPECT_EQ(columns(.31, 1000), 1) << "blocks do not pay";
+  EXPECT_EQ(columns(.31, 2000), 4) << "from further away";
+  EXPECT_EQ(air_block_width(.31, 2000, 50, 8).columns, 4);
+  EXPECT_DOUBLE_EQ(air_block_width(.1, 1000, 50, 128).error, .05 * .1 * .4);
   EXPECT_TRUE(cloud_in_layers(AirCells::automatic, 30).air.empty());
   EXPECT_EQ(cloud_in_layers(AirCells::in_blocks, 30).air[0].width_x, 4);
   EXPECT_EQ(cloud_in_layers(AirCells::automatic, .01).air[0].width_x, 4) << "a whole level";

@@ -52,7 +52,12 @@ Marched<Real> march_once(const BoxGrid& box, const Cells<Real>& cells, const Dir
   return result;
 }
 
-const auto no_air = [](const Segment&) { return [](std::size_t, std::size_t, int) { FAIL(); }; };
+struct NoAir {
+  void enter(std::size_t) { FAIL(); }
+  void cross(std::size_t, int) { FAIL(); }
+  void leave() { FAIL(); }
+};
+const auto no_air = [](const Segment&) { return NoAir(); };
 
 TEST(CrossLevel, GivesEveryCellOneChordAndEveryRayOneLevel) {
   for (const bool periodic : {true, false}) {
