@@ -10,6 +10,7 @@
 #include <string>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/flush_denormals.hpp"
 #include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
@@ -239,6 +240,7 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
   Solution solution;
   {
     const ThreadScope threads(plan.threads());
+    const FlushDenormals flush;
     check_paths(plan);
     solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
                                        : solve_by_ordinates(plan, progress, checkpoints);

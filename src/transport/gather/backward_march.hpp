@@ -13,7 +13,7 @@ struct Band {
   int first_step;
   int last_step;      ///< exclusive
   double distance_m;  ///< of its middle from the plane
-  bool empty;         ///< no active cell in it
+  bool empty;         ///< no light comes from it
 };
 
 /// Sums for rays that leave a plane, one per column.
@@ -87,6 +87,11 @@ class AirMeeting {
     Real* __restrict const sum = sum_ + ray;
     const Real seen = seen_;
     const Real absorbed = absorbed_;
+    if (seen == 0) {
+#pragma omp simd
+      for (int i = 0; i < n; ++i) transmitted[i] -= absorbed * transmitted[i];
+      return;
+    }
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
       sum[i] += seen * transmitted[i];

@@ -30,7 +30,8 @@ double henyey_greenstein_density(double cosine) {
   return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5) / (4 * std::numbers::pi);
 }
 
-std::vector<Band> distance_bands(const BoxGrid& box, const ActiveRows& rows, const PathPattern& pattern) {
+template <class Real>
+std::vector<Band> distance_bands(const BoxGrid& box, const Cells<Real>& cells, const PathPattern& pattern) {
   std::vector<Band> bands;
   double distance = 0;
   for (int first = 0; first < pattern.levels();) {
@@ -41,7 +42,7 @@ std::vector<Band> distance_bands(const BoxGrid& box, const ActiveRows& rows, con
     for (int step = first; step < last; ++step) {
       const int k = pattern.level(step);
       thickness += box.thickness_m(k);
-      empty = empty && rows.level_cell[k] == rows.level_cell[k + 1];
+      empty = empty && !cells.scatters(k);
     }
     bands.push_back({first, last, distance + thickness / 2, empty});
     distance += thickness;
@@ -104,7 +105,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   std::vector<GatherDirection> sorted = directions;
   const std::vector<SpreadClass> classes = spread_classes(sorted);
   const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
-  const std::vector<Band> bands = distance_bands(box, scene.cells.rows, vertical);
+  const std::vector<Band> bands = distance_bands(box, scene.cells, vertical);
 
   // Downward, a few directions near the sun's carry much of the light, so their rays start at the centre.
   const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);

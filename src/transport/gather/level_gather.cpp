@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -46,9 +45,8 @@ struct MarchPlan {
 // Bands are as in gather_flux: levels one by one next to an interface, more of them at a time further away. As the
 // march moves on, bands merge as soon as the distance to them allows.
 //
-// @param level_cell [nz + 1] cells before each level.
-MarchPlan march_plan(const BoxGrid& box, std::span<const std::uint32_t> level_cell, bool upward,
-                     std::span<const int> edges) {
+// @param emits [nz] whether light comes from a level.
+MarchPlan march_plan(const BoxGrid& box, const std::vector<bool>& emits, bool upward, std::span<const int> edges) {
   struct Carried {
     int slot;
     double begin_m, end_m;  // height marched at its first and after its last level
@@ -65,7 +63,7 @@ MarchPlan march_plan(const BoxGrid& box, std::span<const std::uint32_t> level_ce
     for (const Carried& band : bands) level.carried.push_back(band.slot);
     const double begin_m = marched_m;
     marched_m += box.thickness_m(k);
-    if (level_cell[k + 1] > level_cell[k]) {
+    if (emits[static_cast<std::size_t>(k)]) {
       if (vacant.empty()) vacant.push_back(plan.slots++);
       level.fresh = vacant.back();
       vacant.pop_back();
@@ -182,7 +180,7 @@ template <bool linear, class Real>
 template <bool linear, class Real>
 class AirSums {
  public:
-  // @param sent source of the level's cells; the first of them is `first_cell`.
+  // @param sent source of the level's cells; the first of them is `first_cell`. @param sum null: none of them emits.
   AirSums(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* sent,
           std::size_t first_cell, Real* sum, std::span<Real* const> carried)
       : g_(geometry),
@@ -205,9 +203,11 @@ class AirSums {
   [[gnu::always_inline]] void cross(std::size_t ray, int n) const {
     const Real emission = emission_;
     const Real absorbed = absorbed_;
-    Real* __restrict const sum = sum_ + ray;
+    if (sum_ != nullptr) {
+      Real* __restrict const sum = sum_ + ray;
 #pragma omp simd
-    for (int i = 0; i < n; ++i) sum[i] += emission - absorbed * sum[i];
+      for (int i = 0; i < n; ++i) sum[i] += emission - absorbed * sum[i];
+    }
     for (Real* const slot : carried_) {
       Real* __restrict const light = slot + ray;
 #pragma omp simd
@@ -238,7 +238,7 @@ struct Workspace {
     Real* plane;
   };
   std::vector<Entry> entries;  // of sums at an interface
-  std::vector<Real> sent, ground;
+  std::vector<Real> sent, ground, dark;
   LinearSource<Real> own;
   std::vector<Real> sums;  // [planes][columns]
 
@@ -259,7 +259,7 @@ class LevelGather {
         upward_(upward),
         columns_(scene.box.columns()),
         levels_(edges.size()),
-        plan_(march_plan(scene.box, scene.cells.rows.level_cell, upward, edges)) {}
+        plan_(march_plan(scene.box, emitting_levels(scene), upward, edges)) {}
 
   std::vector<float> flux(std::vector<GatherDirection> directions) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
@@ -283,6 +283,12 @@ class LevelGather {
   }
 
  private:
+  static std::vector<bool> emitting_levels(const GatherScene<Real>& scene) {
+    std::vector<bool> emits;
+    for (int k = 0; k < scene.box.nz(); ++k) emits.push_back(scene.cells.scatters(k));
+    return emits;
+  }
+
   std::vector<float> blurred(const SumPlanes& planes, std::vector<Workspace<Real>>& work) const {
     ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
@@ -335,6 +341,11 @@ class LevelGather {
         fresh = work.rays[plan.fresh].data();
         const std::size_t first = rows_.level_cell[level];
         source.fill(first, rows_.level_cell[level + 1] - first, work.sent.data());
+      } else if (rows_.has_voxels(level)) {
+        // They only absorb: the kernel adds zeros.
+        work.dark.assign(columns_ + lane_padding, Real(0));
+        fresh = work.dark.data();
+        std::fill(work.sent.begin(), work.sent.end(), Real(0));
       }
       const auto outside = [&](double at) {
         if (side.empty()) return Real(0);
@@ -428,10 +439,9 @@ class LevelGather {
 
 std::size_t level_gather_bytes(const BoxGrid& box, std::span<const int> edges, int directions) {
   if (edges.empty()) return 0;
-  std::vector<std::uint32_t> level_cell(static_cast<std::size_t>(box.nz()) + 1);  // none is empty
-  std::iota(level_cell.begin(), level_cell.end(), 0U);
+  const std::vector<bool> all(static_cast<std::size_t>(box.nz()), true);
   auto set = gather_directions(directions, true, std::nullopt);
-  const SumPlanes planes(march_plan(box, level_cell, true, edges), box, edges.size(), spread_classes(set));
+  const SumPlanes planes(march_plan(box, all, true, edges), box, edges.size(), spread_classes(set));
   const std::size_t bytes = planes.size() * box.columns() * sizeof(float);
   return bytes * groups_for(box) + edges.size() * box.columns() * sizeof(float);
 }

@@ -2,6 +2,7 @@
 // each cell's neighbours.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -139,6 +140,13 @@ struct Cells {
   std::array<std::vector<Real>, 3> scale;
 
   std::size_t size() const { return rows.size(); }
+  /// Whether any cell of level k scatters.
+  bool scatters(int k) const {
+    return std::any_of(scattered.begin(), scattered.end(), [&](const std::vector<Real>& of_phase) {
+      return std::any_of(of_phase.begin() + rows.level_cell[k], of_phase.begin() + rows.level_cell[k + 1],
+                         [](Real share) { return share > 0; });
+    });
+  }
   /// @param extinction_of, x, y, z in the order of a march: extinction and gradient along its axes.
   CellView<Real> view(const std::vector<Real>& extinction_of, const std::vector<Real>& x, const std::vector<Real>& y,
                       const std::vector<Real>& z) const;
