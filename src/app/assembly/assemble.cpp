@@ -172,7 +172,8 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   if (options.beam_crosses_columns) check_asks_no_azimuths(scene);
   options.independent_columns = solver.mode == SolveMode::independent_columns || options.beam_crosses_columns;
   options.collapse_uniform_axes = solver.mode != SolveMode::three_dimensional;
-  static_cast<OutputOptions&>(options) = scene.output;
+  const OutputOptions& output = scene.output;
+  static_cast<OutputOptions&>(options) = output;
   for (const SceneRadiance& radiance : scene.radiances) {
     const Direction to_sensor = -travel_from(radiance.zenith_deg, radiance.azimuth_deg);
     options.views.push_back({radiance.name, to_sensor, radiance.width, radiance.height});

@@ -223,6 +223,7 @@ void check_light(const Problem& problem) {
 Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints) {
   const SolverOptions& options = plan.options();
   check_cell_thickness(plan.problem());
+  const FlushDenormals flush;
   std::optional<Problem> with_all_cells;
   if (plan.cells() > plan.problem().grid.active_cells()) {
     with_all_cells = plan.problem();
@@ -240,7 +241,6 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
   Solution solution;
   {
     const ThreadScope threads(plan.threads());
-    const FlushDenormals flush;
     check_paths(plan);
     solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
                                        : solve_by_ordinates(plan, progress, checkpoints);

@@ -233,6 +233,16 @@ TEST(Air, SameBitsForAnyNumberOfThreads) {
   }
 }
 
+TEST(Air, DenormalExtinctionAndLightAreNothing) {
+  // Float holds 1e-40 below its normal range; the light behind an optical path of 90 is there too.
+  const BoxGrid box = box_of_six_levels();
+  const Layers gas{{1e-40, 0, 0, 0, 0, 3.}, {1e-40, 0, 0, 0, 0, 0}};
+  const Solution solution = solve(problem_of(grid_in_blocks(box, clouds(box), gas, 0)), coarse_options());
+  EXPECT_TRUE(solution.report.converged);
+  EXPECT_NEAR(solution.ledger.absorptance, 1, 1e-6);
+  for (const float flux : solution.upwelling_flux) EXPECT_TRUE(std::isfinite(flux));
+}
+
 TEST(Air, IndependentColumnsTakeTheVoxelsOwnCells) {
   const BoxGrid box = box_of_six_levels();
   const Problem problem = problem_of(grid_in_blocks(box, clouds(box), air, 0));
