@@ -127,6 +127,18 @@ TEST(ErrorEstimate, WeighsDistancesAndAddsSquares) {
   EXPECT_TRUE(estimate.upwelling_flux_error.empty());
 }
 
+TEST(ErrorEstimate, CountsWhatBlocksOfAirLeaveOut) {
+  Solution solution = made_up(0, 0);
+  const CoarseSolves coarse_solves{made_up(.1, .3), made_up(.14, .3)};
+  const ErrorWeights weights{{1, .5, .5}, {1, 2, 1}, {.001, 0, .1}};
+  const ErrorEstimate without = estimate_error(solution, coarse_solves, weights, false);
+  solution.report.air_error = .003;
+  const ErrorEstimate with = estimate_error(solution, coarse_solves, weights, false);
+  EXPECT_NEAR(with.up.spatial, std::hypot(without.up.spatial, .003), rounding);
+  EXPECT_NEAR(with.down.spatial, std::hypot(without.down.spatial, .003), rounding);
+  EXPECT_NEAR(with.domain.spatial, std::hypot(without.domain.spatial, .0003), rounding);
+}
+
 TEST(ErrorEstimate, OfSingleColumnsHasTheRootMeanSquareOfTheWhole) {
   Solution solution = made_up(0, 0);
   solution.report.estimated_error = .003;
