@@ -60,7 +60,7 @@ OpticalGrid remap(const OpticalGrid& grid, GridMap map) {
 
 namespace {
 
-// Below level `end` all voxels with matter get cells of their own. Those without get some too, if these are wanted.
+// Below level `end` every voxel with matter gets its own cell; with `empty_ones` every voxel.
 OpticalGrid with_own_cells(const OpticalGrid& grid, bool empty_ones, int end) {
   const BoxGrid& box = grid.box;
   GridMap map;

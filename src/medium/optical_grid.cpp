@@ -340,7 +340,7 @@ class GridBuilder {
     grid_.scattering[phase][index] = checked_sum(grid_.layer_scattering[phase][k], cloud);
   }
   void end_row() { grid_.row_begin.push_back(static_cast<std::uint32_t>(grid_.spans.size())); }
-  /// After the last row of level k: its layers in blocks, if they fill any place without a cell of its own.
+  /// After the last row of level k: its layers in blocks. @param filled whether any voxel is without cloud.
   /// @param columns width of a block; 0: one block
   void add_air(int k, bool filled, int columns) {
     AirBlocks air;

@@ -36,7 +36,7 @@ std::vector<int> same_levels(const OpticalGrid& grid);
 /// The grid whose cells have the coefficients of `grid` at map.cell. Its levels have the layers of `grid` at map.level.
 OpticalGrid remap(const OpticalGrid& grid, GridMap map);
 
-/// Every cell of the box active: for light in cells without matter too. Each has a cell of its own.
+/// Every cell of the box active: for light in cells without matter too. No blocks of air are left.
 OpticalGrid with_empty_cells(const OpticalGrid& grid);
 
 /// Layers in the voxels' own cells, in place of blocks, in the levels below level `end`.

@@ -40,8 +40,8 @@ struct BoxGrid {
   bool is_uniform(int k) const { return periodic && !uniform.empty() && uniform[k] != 0; }
 };
 
-/// Matter of one level that is the same in all columns, in blocks of columns: one cell for all places of a block that
-/// have no cell of their own. Light that such a cell scatters is that of the block's mean.
+/// The layers of one level, in blocks of columns. The voxels of a block that hold no cloud share one cell, whose
+/// radiance is their mean.
 struct AirBlocks {
   std::uint32_t first_cell = 0;  ///< of the blocks, in the order y, x
   int x = 0;                     ///< blocks along x; 0: the level has no such matter
@@ -56,7 +56,7 @@ struct AirBlocks {
 };
 
 /// Active cells (those with any extinction) level by level. In a level those of single voxels come first, in the order
-/// j, i. Those of the air follow, if it has cells of its own. Coefficients per active cell in 1/m, unscaled (before
+/// j, i. Those of blocks of air follow, if there are any. Coefficients per active cell in 1/m, unscaled (before
 /// delta-M). Absorption is stored beside scattering, never as a difference: 1 - ssa = 1e-12 keeps its digits.
 struct OpticalGrid {
   BoxGrid box;
@@ -88,7 +88,7 @@ struct OpticalGrid {
   }
   /// The blocks of level k; none if layers are in the voxels' own cells.
   AirBlocks air_of(int k) const { return air.empty() ? AirBlocks{} : air[k]; }
-  /// Calls use(j, i, n) for each run of n voxels without cells of their own, from (i, j) on.
+  /// Calls use(j, i, n) for each run of n voxels without cloud, from (i, j) on. For grids with blocks of air.
   template <class Use>
   void for_each_gap(int k, const Use& use) const {
     for (int j = 0; j < box.ny; ++j) {

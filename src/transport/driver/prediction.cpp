@@ -226,7 +226,7 @@ double predict_seconds(const SolvePlan& plan) {
   constexpr int usual_sweeps = 11;
   const OrdinateSet ordinates = make_ordinate_set(options.directions);
   const BoxGrid& box = problem.grid.box;
-  // Levels without voxels of their own are crossed in one segment.
+  // Uniform levels are crossed in one segment.
   double height = 0, levels = 0, rays_in_air = 0;
   for (int k = 0; k < box.nz(); ++k) {
     if (problem.grid.air_of(k).count() > 0) rays_in_air += static_cast<double>(box.columns());

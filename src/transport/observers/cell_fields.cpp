@@ -13,7 +13,8 @@ namespace cloudbow {
 
 namespace {
 
-// Layers in blocks that absorb, up to the clouds: their voxels have light of their own.
+// Whether any block of air absorbs, from the ground to the highest level with a cloud. The light then is computed voxel
+// by voxel.
 template <class Real>
 bool absorbs_in_blocks(const TransportSystem<Real>& system) {
   const ActiveRows& rows = system.cells->rows;
