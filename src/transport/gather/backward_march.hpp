@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "transport/gather/air_source.hpp"
 #include "transport/gather/gather.hpp"
 
 namespace cloudbow {
@@ -58,35 +59,19 @@ template <bool linear, class Real>
       });
 }
 
-/// Rays of one segment, going back from the plane, meet blocks of air.
+/// Rays of one segment, going back from the plane, meet blocks of air: their light is added to `sum`.
 template <bool linear, class Real>
 class AirMeeting {
  public:
-  /// @param sent source of the level's cells; the first of them is `first_cell`.
-  AirMeeting(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* sent,
-             std::size_t first_cell, Real* transmitted, Real* sum)
-      : g_(geometry),
-        crossing_(optical_path(extinction, geometry.length)),
-        absorbed_(crossing_.absorbed()),
-        cells_(cells),
-        sent_(sent),
-        first_cell_(first_cell),
-        transmitted_(transmitted),
-        sum_(sum) {}
+  AirMeeting(const AirSource<linear, Real>& source, Real* transmitted, Real* sum)
+      : source_(source), transmitted_(transmitted), sum_(sum) {}
 
-  void enter(std::size_t cell) {
-    Real emitted = crossing_.phi.phi1;
-    if constexpr (linear) {
-      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
-      emitted = crossing_.emitted(g_.at_exit(x, y, z), g_.at_entry(x, y, z));
-    }
-    seen_ = crossing_.t * sent_[cell - first_cell_] * emitted;
-  }
+  void enter(std::size_t cell) { seen_ = source_.emission(cell, true); }
   [[gnu::always_inline]] void cross(std::size_t ray, int n) const {
     Real* __restrict const transmitted = transmitted_ + ray;
     Real* __restrict const sum = sum_ + ray;
     const Real seen = seen_;
-    const Real absorbed = absorbed_;
+    const Real absorbed = source_.absorbed();
     if (seen == 0) {
 #pragma omp simd
       for (int i = 0; i < n; ++i) transmitted[i] -= absorbed * transmitted[i];
@@ -101,12 +86,7 @@ class AirMeeting {
   void leave() const {}
 
  private:
-  SegmentGeometry<Real> g_;
-  Crossing<Real> crossing_;
-  Real absorbed_;
-  CellView<Real> cells_;
-  const Real* sent_;
-  std::size_t first_cell_;
+  AirSource<linear, Real> source_;
   Real* transmitted_;
   Real* sum_;
   Real seen_ = 0;  // light of the block per transmission
@@ -154,8 +134,8 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
         };
         const auto begin_air = [&](const Segment& segment) {
           const Real extinction = cells.extinction[rows.air[level].first_cell];
-          return AirMeeting<linear, Real>(SegmentGeometry<Real>(segment, chord), extinction, cells, sent, first_cell,
-                                          through, of_band);
+          const AirSource<linear, Real> air({segment, chord}, extinction, cells, sent, first_cell);
+          return AirMeeting<linear, Real>(air, through, of_band);
         };
         cross_level(pattern, step, level, rows, begin, begin_air, leave);
       });

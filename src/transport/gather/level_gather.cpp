@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cloudbow/core/parallel_errors.hpp"
+#include "transport/gather/air_source.hpp"
 #include "transport/gather/gather.hpp"
 #include "transport/gather/gather_classes.hpp"
 #include "transport/gather/plane_blur.hpp"
@@ -176,33 +177,18 @@ template <bool linear, class Real>
   }
 }
 
-// Rays of one segment cross blocks of air.
+// Rays of one segment cross blocks of air: their light is added to `sum`, and every array of `carried` is attenuated.
 template <bool linear, class Real>
 class AirSums {
  public:
-  // @param sent source of the level's cells; the first of them is `first_cell`. @param sum null: none of them emits.
-  AirSums(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* sent,
-          std::size_t first_cell, Real* sum, std::span<Real* const> carried)
-      : g_(geometry),
-        crossing_(optical_path(extinction, geometry.length)),
-        absorbed_(crossing_.absorbed()),
-        cells_(cells),
-        sent_(sent),
-        first_cell_(first_cell),
-        sum_(sum),
-        carried_(carried) {}
+  // @param sum null: no block emits.
+  AirSums(const AirSource<linear, Real>& source, Real* sum, std::span<Real* const> carried)
+      : source_(source), sum_(sum), carried_(carried) {}
 
-  void enter(std::size_t cell) {
-    Real emitted = crossing_.phi.phi1;
-    if constexpr (linear) {
-      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
-      emitted = crossing_.emitted(g_.at_entry(x, y, z), g_.at_exit(x, y, z));
-    }
-    emission_ = crossing_.t * sent_[cell - first_cell_] * emitted;
-  }
+  void enter(std::size_t cell) { emission_ = source_.emission(cell, false); }
   [[gnu::always_inline]] void cross(std::size_t ray, int n) const {
     const Real emission = emission_;
-    const Real absorbed = absorbed_;
+    const Real absorbed = source_.absorbed();
     if (sum_ != nullptr) {
       Real* __restrict const sum = sum_ + ray;
 #pragma omp simd
@@ -217,12 +203,7 @@ class AirSums {
   void leave() const {}
 
  private:
-  SegmentGeometry<Real> g_;
-  Crossing<Real> crossing_;
-  Real absorbed_;
-  CellView<Real> cells_;
-  const Real* sent_;
-  std::size_t first_cell_;
+  AirSource<linear, Real> source_;
   Real* sum_;
   std::span<Real* const> carried_;
   Real emission_ = 0;
@@ -406,8 +387,8 @@ class LevelGather {
       };
       const auto begin_air = [&](const Segment& segment) {
         const Real extinction = cells.extinction[rows_.air[level].first_cell];
-        return AirSums<linear, Real>(SegmentGeometry<Real>(segment, chord), extinction, cells, sent, first_cell, fresh,
-                                     carried);
+        const AirSource<linear, Real> air({segment, chord}, extinction, cells, sent, first_cell);
+        return AirSums<linear, Real>(air, fresh, carried);
       };
       cross_level(pattern, step, level, rows_, begin, begin_air, enter);
     });
