@@ -71,6 +71,15 @@ struct OpticalGrid {
   std::vector<double> layer_absorption;               ///< [nz] 1/m
   std::vector<std::vector<double>> layer_scattering;  ///< [p][nz] 1/m
 
+  // Thermal emission: Planck radiance B, W m-2 sr-1, in the spectral unit of the sun's irradiance. All are empty if no
+  // matter emits. In a cell B is linear in height.
+  std::vector<float> planck;              ///< [n] mean of the cell
+  std::vector<float> planck_step;         ///< [n] at the cell's top less at its bottom
+  std::vector<double> layer_planck;       ///< [nz] of the layers alone, mean
+  std::vector<double> layer_planck_step;  ///< [nz] at the level's top less at its bottom
+
+  bool emits() const { return !planck.empty(); }
+
   std::size_t active_cells() const { return absorption.size(); }
   /// Spans of the row of cells (., j, k).
   std::span<const RowSpan> row(int k, int j) const {

@@ -11,8 +11,8 @@
 
 namespace cloudbow {
 
-/// Range of irradiances and sky radiances, if they are not 0. Float then holds every flux and radiance that is 1e-12 of
-/// them or more. It also holds everything that a cloud or surface focuses.
+/// Range of irradiances, sky radiances and Planck radiances, if they are not 0. Float then holds every flux and
+/// radiance that is 1e-12 of them or more. It also holds everything that a cloud or surface focuses.
 inline constexpr double least_light = 1e-25, most_light = 1e25;
 
 struct Sun {
@@ -26,6 +26,9 @@ struct Problem {
   std::optional<Sun> sun;
   double sky_radiance = 0;  ///< W m-2 sr-1, 0 or least_light to most_light, uniform diffuse light from above
   Surface surface;
+
+  /// Whether matter or ground emits: thermal scenes, in which absorbed power is net of what is emitted.
+  bool emits() const { return grid.emits() || surface.emits(); }
 };
 
 }  // namespace cloudbow

@@ -7,17 +7,22 @@
 
 namespace cloudbow {
 
-/// Fractions of the solar power through the horizontal top (with sky: of all power that enters through the top).
-/// docs/theory.md, "Energy".
+/// Fractions of `power`. docs/theory.md, "Energy".
 struct EnergyLedger {
+  /// W m-2 of the horizontal top: of sun and sky through it, and of emission by the ground and by matter. That of
+  /// matter is what would leave each column, up and down, if nothing scattered (diffusivity 5/3).
+  double power = 0;
+  double incident = 1;          ///< of sun and sky through the top; 1 without emission
+  double surface_emission = 0;  ///< by the ground
   double reflectance = 0;
   double transmittance = 0;         ///< direct and diffuse
   double transmittance_direct = 0;  ///< true extinction
-  double absorptance = 0;           ///< volume integral of absorbed_power
+  double absorptance = 0;           ///< volume integral of absorbed_power: net of what matter emits
   double surface_absorptance = 0;
   double side_gain = 0;
   double side_loss = 0;
-  double residual = 0;  ///< 1 + side_gain - (reflectance + absorptance + surface_absorptance + side_loss)
+  /// incident + surface_emission + side_gain - (reflectance + absorptance + surface_absorptance + side_loss)
+  double residual = 0;
 };
 
 struct SolverReport {

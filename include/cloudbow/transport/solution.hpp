@@ -36,7 +36,9 @@ struct Solution {
   std::vector<double> profile_upwelling_flux;   ///< [nz+1] domain means
   std::vector<double> profile_downwelling_diffuse_flux;
   std::vector<double> profile_direct_flux;
-  std::vector<float> absorbed_power;  ///< [nz][ny][nx] W m-3, empty unless requested
+  bool emits = false;  ///< whether the problem has thermal emission
+  /// [nz][ny][nx] W m-3, less what the voxel emits; empty unless requested
+  std::vector<float> absorbed_power;
   std::vector<float> actinic_flux;    ///< [nz][ny][nx] W m-2, empty unless requested; NaN in empty cells, for which no
                                       ///< light was computed
   std::vector<RadianceImage> images;  ///< one for each of SolverOptions::views

@@ -1,0 +1,34 @@
+// The air by height: pressure, temperature and gases.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace cloudbow {
+
+/// Profiles at heights, linear between them in height (pressure: its logarithm).
+struct Atmosphere {
+  std::vector<double> height_m;                              ///< ascending, at least two
+  std::vector<double> pressure_pa;                           ///< descending, > 0
+  std::vector<double> temperature_k;                         ///< 100 to 400
+  std::map<std::string, std::vector<double>> mole_fraction;  ///< by gas ("h2o", "o3", "co2", "ch4", "n2o"), 0 to 1
+
+  // Beyond its ends the nearest value; pressure goes on with the scale height of the end.
+  double temperature_at(double height_m) const;  ///< K
+  double pressure_at(double height_m) const;     ///< Pa
+  double density_at(double height_m) const;      ///< kg m-3, of dry air at that pressure and temperature
+};
+
+/// The US standard atmosphere 1976 from -1 to 84.8 km, a closed form: temperature and pressure only.
+Atmosphere us_standard_1976();
+
+/// Text columns as AFGL profiles have them, or a netCDF file of CF variables. The file's content, not its name, decides
+/// which. @throws InputError that names the file, the line or variable, what was found and what is allowed.
+Atmosphere read_atmosphere(const std::filesystem::path& file);
+
+/// Order, length and range of all profiles. @param where what messages begin with. @throws InputError
+void check_atmosphere(const Atmosphere& atmosphere, const std::string& where);
+
+}  // namespace cloudbow
