@@ -280,6 +280,31 @@ TEST_F(AlbedoMapFile, ObeysPackingAndUnits) {
   EXPECT_THAT(message(content.write(folder_ / "map.nc")), HasSubstr("found -0.1 at row 0, column 0"));
 }
 
+TEST_F(AlbedoMapFile, TemperaturesAreInKelvin) {
+  const auto message_of = [&](const fs::path& file) -> std::string {
+    try {
+      read_temperature_map(file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  NetcdfFile content;
+  content.name = "surface_temperature";
+  content.first = 280;
+  content.step = 2;
+  content.units = "K";
+  EXPECT_THAT(read_temperature_map(content.write(folder_ / "map.nc")).value,
+              Pointwise(FloatEq(), {280.F, 282.F, 284.F, 286.F, 288.F, 290.F}));
+  content.units = "degC";
+  EXPECT_THAT(message_of(content.write(folder_ / "map.nc")), AllOf(HasSubstr("found 'degC'"), HasSubstr("allowed K")));
+  content.units = "";
+  content.first = 10;
+  EXPECT_THAT(message_of(content.write(folder_ / "map.nc")),
+              AllOf(HasSubstr("found 10 at row 0, column 0"), HasSubstr("100 to 1000 K, not Celsius")));
+  EXPECT_THAT(message_of(Picture{.line = {{0, 51, 255}}}.write(folder_ / "map.png")), HasSubstr("found PNG"));
+}
+
 TEST_F(AlbedoMapFile, RefusesMissingValues) {
   for (const auto& [attribute, value] :
        std::vector<std::pair<std::string, std::vector<double>>>{{"_FillValue", {5}},
