@@ -1,5 +1,5 @@
-// Planck's law. Truth: the law of Stefan and Boltzmann, the limits of Wien and of Rayleigh and Jeans, and quadratures
-// of the law at each wavelength with 40 digits (mpmath 1.2.1, mp.quad over 12 pieces of equal ratio, CODATA constants).
+// Planck's law. Truth: the law of Stefan and Boltzmann, and the limits of Wien and of Rayleigh and Jeans. Numbers with
+// 40 digits are quadratures of the law at each wavelength by mpmath 1.2.1 (mp.quad over 12 pieces of equal ratio).
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "../near_with_report.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/planck.hpp"
-#include "near_with_report.hpp"
 
 namespace cloudbow {
 namespace {
@@ -131,7 +131,7 @@ TEST(Planck, BrightnessTemperatureIsTheInverse) {
       const double radiance = planck(kelvin);
       // Smaller numbers have fewer digits; those that cold matter radiates in visible light are 0.
       if (radiance < std::numeric_limits<double>::min()) continue;
-      // Rounding of the radiance; where it is not steep, of the temperature.
+      // Rounding of the radiance and of the temperature.
       EXPECT_NEAR(relative(planck.brightness_temperature(radiance), kelvin), 0, 1e-13);
       ++round_trips;
     }
