@@ -136,7 +136,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   const SceneCloud& cloud = *scene.cloud;
   VdbReadOptions read = cloud.read;
   read.domain_m = given_domain(scene.domain);
-  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}};
+  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}, {}};
   VdbCloud& field = opened.field;
   VdbReadOptions auxiliary = read;
   auxiliary.scale = 1;
