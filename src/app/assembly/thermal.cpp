@@ -10,7 +10,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double linearity = 1e-3;  // of Planck radiance in a level of layers, of the largest in the scene
+constexpr double linearity = 1e-3;  // of Planck radiance in a level of layers, of the layer's largest
 
 /// Planck radiance at the ground, where it is warmest.
 double surface_radiance(const Surface& surface) {
@@ -50,9 +50,8 @@ std::vector<double> emission_levels(const Scene& scene, const OpenedCloud& cloud
   const Atmosphere& air = scene.atmosphere->air;
   for (const Layer& layer : scene.layers) {
     if (layer.optical_depth * (1 - layer.single_scattering_albedo) <= 0) continue;
-    const std::vector<double> of_layer =
-        heights_where_planck_is_linear([&](double z) { return air.temperature_at(z); }, scene.thermal->planck,
-                                       std::max(layer.bottom_m, z_m[0]), std::min(layer.top_m, z_m[1]), linearity);
+    const std::vector<double> of_layer = heights_where_planck_is_linear(
+        air, scene.thermal->planck, std::max(layer.bottom_m, z_m[0]), std::min(layer.top_m, z_m[1]), linearity);
     levels.insert(levels.end(), of_layer.begin(), of_layer.end());
   }
   if (scene.cloud) {

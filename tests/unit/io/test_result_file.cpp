@@ -202,7 +202,8 @@ TEST_F(ResultFile, OfASceneThatEmitsHoldsFluxesAndTemperatures) {
   const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   const auto kelvin = read_values<float>(file, "brightness_temperature_columns", H5T_NATIVE_FLOAT);
   EXPECT_EQ(kelvin[0], 0);
-  for (std::size_t n = 1; n < 6; ++n) EXPECT_NEAR(kelvin[n], 200 + 20 * n, 1e-3) << "radiance in float";
+  for (std::size_t n = 1; n < 6; ++n)
+    EXPECT_NEAR(kelvin[n], 200 + 20 * static_cast<double>(n), 1e-3) << "radiance in float";
   EXPECT_TRUE(std::isnan(read_values<float>(file, "brightness_temperature_eye", H5T_NATIVE_FLOAT)[2]));
   EXPECT_EQ(H5Lexists(file, "reflectance_factor_columns", H5P_DEFAULT), 0);
   EXPECT_EQ(H5Lexists(file, "absorbed_power", H5P_DEFAULT), 0);
