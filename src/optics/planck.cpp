@@ -79,8 +79,7 @@ struct BandIntegral {
   double steepness = 0;
 };
 
-/// The width is given by itself, because high - low would cancel in narrow bands, as would the difference of two
-/// series.
+/// The width is given by itself: in narrow bands high - low would cancel, as would the difference of two series.
 BandIntegral integrate(double low, double high, double width) {
   if (low > no_radiance_from || width <= 0) return {};
   if (width <= widest_quadrature) {
@@ -133,8 +132,8 @@ double temperature_at(double wavelength_um, double radiance) {
   return second_constant / (wavelength_um * x);
 }
 
-/// The logarithm of B is concave in ln T and convex in 1/T. So Newton's steps in ln T from below and in 1/T from above
-/// come closer to the root and never pass it.
+/// ln B is concave in ln T and convex in 1/T. Newton steps in ln T from below and in 1/T from above approach the root
+/// and never pass it.
 double temperature_of_band(const std::array<double, 2>& band_um, double radiance) {
   double temperature = 0;
   if (std::isinf(band_um[1])) {
@@ -148,7 +147,7 @@ double temperature_of_band(const std::array<double, 2>& band_um, double radiance
   for (int step = 0; step < most_steps; ++step) {
     const BandRadiance found = radiance_of_band(band_um, temperature);
     if (found.value <= 0) {
-      // Colder than the smallest number can tell.
+      // So cold that the radiance is below the smallest number.
       temperature = std::max(2 * temperature, second_constant / (band_um[1] * no_radiance_from));
       continue;
     }

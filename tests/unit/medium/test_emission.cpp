@@ -1,0 +1,1 @@
+#include "cloudbow/medium/emission.hpp"
