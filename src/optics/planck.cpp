@@ -30,14 +30,11 @@ constexpr double shortest_um = .1, longest_um = 1e4;
 
 constexpr double whole_integral =
     std::numbers::pi * std::numbers::pi * std::numbers::pi * std::numbers::pi / 15;  // from 0 to infinity
-constexpr double no_radiance_from = 800;  // x: e^-x x^3 is below the smallest number
+constexpr double no_radiance_from = 700;  // x: e^x is near the largest number
 constexpr double widest_quadrature = 2;   // of x: Gauss-Legendre takes all digits up to here, series beyond
 constexpr int quadrature_nodes = 16;
 
-double integrand(double x) { return x * x * x * std::exp(-x) / -std::expm1(-x); }
-
-/// d ln B / d ln T at a wavelength.
-double steepness(double x) { return x > 0 ? x / -std::expm1(-x) : 1; }
+double integrand(double x) { return x * x * x / std::expm1(x); }
 
 /// From x > 0 to infinity: 1 / (e^x - 1) = sum_n e^-nx, term by term.
 double integral_above(double x) {
@@ -88,18 +85,19 @@ BandIntegral integrate(double low, double high, double width) {
     double sum = 0, steep = 0;
     for (std::size_t n = 0; n < rule.node.size(); ++n) {
       const double x = middle + half * rule.node[n];
-      const double weighted = rule.weight[n] * integrand(x);
+      const double denominator = std::expm1(x);
+      const double weighted = rule.weight[n] * x * x * x / denominator;
       sum += weighted;
-      steep += weighted * steepness(x);
+      steep += weighted * (x + x / denominator);  // d ln B / d ln T at this wavelength
     }
-    return {half * sum, sum > 0 ? steep / sum : steepness(low)};
+    return {half * sum, sum > 0 ? steep / sum : 1};
   }
   constexpr double series_change = 1.5;
   const double tail = high > no_radiance_from ? 0 : integral_above(high);
   const double value = low > series_change ? integral_above(low) - tail : whole_integral - integral_below(low) - tail;
   // By parts: d(T^4 integral)/dT, whose ends move as x = second_constant / (wavelength T).
   const double ends = (low > 0 ? low * integrand(low) : 0) - (tail > 0 ? high * integrand(high) : 0);
-  return {value, value > 0 ? 4 + ends / value : steepness(low)};
+  return {value, value > 0 ? 4 + ends / value : 1};
 }
 
 /// Band radiance is this, times T^4, times the integral.
