@@ -30,14 +30,11 @@ constexpr double shortest_um = .1, longest_um = 1e4;
 
 constexpr double whole_integral =
     std::numbers::pi * std::numbers::pi * std::numbers::pi * std::numbers::pi / 15;  // from 0 to infinity
-constexpr double no_radiance_from = 800;  // x: e^-x x^3 is below the smallest number
+constexpr double no_radiance_from = 700;  // x: e^x is near the largest number
 constexpr double widest_quadrature = 2;   // of x: Gauss-Legendre takes all digits up to here, series beyond
 constexpr int quadrature_nodes = 16;
 
-double integrand(double x) { return x * x * x * std::exp(-x) / -std::expm1(-x); }
-
-/// d ln B / d ln T at a wavelength.
-double steepness(double x) { return x > 0 ? x / -std::expm1(-x) : 1; }
+double integrand(double x) { return x * x * x / std::expm1(x); }
 
 /// From x > 0 to infinity: 1 / (e^x - 1) = sum_n e^-nx, term by term.
 double integral_above(double x) {
@@ -79,8 +76,7 @@ struct BandIntegral {
   double steepness = 0;
 };
 
-/// The width is given by itself, because high - low would cancel in narrow bands, as would the difference of two
-/// series.
+/// The width is given by itself: in narrow bands high - low would cancel, as would the difference of two series.
 BandIntegral integrate(double low, double high, double width) {
   if (low > no_radiance_from || width <= 0) return {};
   if (width <= widest_quadrature) {
@@ -89,18 +85,19 @@ BandIntegral integrate(double low, double high, double width) {
     double sum = 0, steep = 0;
     for (std::size_t n = 0; n < rule.node.size(); ++n) {
       const double x = middle + half * rule.node[n];
-      const double weighted = rule.weight[n] * integrand(x);
+      const double denominator = std::expm1(x);
+      const double weighted = rule.weight[n] * x * x * x / denominator;
       sum += weighted;
-      steep += weighted * steepness(x);
+      steep += weighted * (x + x / denominator);  // d ln B / d ln T at this wavelength
     }
-    return {half * sum, sum > 0 ? steep / sum : steepness(low)};
+    return {half * sum, sum > 0 ? steep / sum : 1};
   }
   constexpr double series_change = 1.5;
   const double tail = high > no_radiance_from ? 0 : integral_above(high);
   const double value = low > series_change ? integral_above(low) - tail : whole_integral - integral_below(low) - tail;
   // By parts: d(T^4 integral)/dT, whose ends move as x = second_constant / (wavelength T).
   const double ends = (low > 0 ? low * integrand(low) : 0) - (tail > 0 ? high * integrand(high) : 0);
-  return {value, value > 0 ? 4 + ends / value : steepness(low)};
+  return {value, value > 0 ? 4 + ends / value : 1};
 }
 
 /// Band radiance is this, times T^4, times the integral.
@@ -133,8 +130,8 @@ double temperature_at(double wavelength_um, double radiance) {
   return second_constant / (wavelength_um * x);
 }
 
-/// The logarithm of B is concave in ln T and convex in 1/T. So Newton's steps in ln T from below and in 1/T from above
-/// come closer to the root and never pass it.
+/// ln B is concave in ln T and convex in 1/T. Newton steps in ln T from below and in 1/T from above approach the root
+/// and never pass it.
 double temperature_of_band(const std::array<double, 2>& band_um, double radiance) {
   double temperature = 0;
   if (std::isinf(band_um[1])) {
@@ -148,7 +145,7 @@ double temperature_of_band(const std::array<double, 2>& band_um, double radiance
   for (int step = 0; step < most_steps; ++step) {
     const BandRadiance found = radiance_of_band(band_um, temperature);
     if (found.value <= 0) {
-      // Colder than the smallest number can tell.
+      // So cold that the radiance is below the smallest number.
       temperature = std::max(2 * temperature, second_constant / (band_um[1] * no_radiance_from));
       continue;
     }
