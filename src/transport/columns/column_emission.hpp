@@ -20,11 +20,15 @@ struct Emission {
   Lanes<Real> jump{};       ///< reference there, less that at the top of the cell below
 };
 
+/// Absorption optical depth. Below it a source B loses fewer digits than s - 2 B u, which is of the order of B/depth of
+/// what is emitted; above it the opposite is true of emission less absorption.
+inline constexpr double least_opaque = .25;
+
 /// How a cell emits, and the references at its faces.
 struct CellEmission {
   /// @param absorption optical depth. @param mean, bottom_less_top of B.
   CellEmission(double thickness, double absorption, double mean, double bottom_less_top)
-      : opaque(absorption > 1),
+      : opaque(absorption > least_opaque),
         planck(mean),
         step(bottom_less_top),
         gradient(step / thickness),

@@ -274,12 +274,15 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
   const std::vector<V> nothing(basis_.shapes.size(), V{});
   const Cells none{V{}, V{} + Real(1), V{} + Real(1), V{}, nothing, nothing, {}};
   std::vector<Cells> cells(height, none);
-  V ground{}, reflected{}, reference_at_ground{}, reference{};
+  V ground{}, reflected{}, kept = V{} + Real(1), reference_at_ground{}, reference{};
   for (int lane = 0; lane < width; ++lane) {
     const std::size_t column = distinct_.first[first + lane];
     fill_lane(column, lane, cells, ground);
     reflected[lane] = static_cast<Real>(albedo(column));
-    if (emits_) fill_emission(column, lane, cells, reference_at_ground, reference);
+    kept[lane] = Real(1) - reflected[lane];
+    if (!emits_) continue;
+    kept[lane] = static_cast<Real>(1 - albedo(column));  // the emissivity, with all its digits
+    fill_emission(column, lane, cells, reference_at_ground, reference);
   }
 
   // The ground: G = 1 - 2A/(1 + A) u u^T of the first axis u, and c.
@@ -288,7 +291,7 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
     for (int j = 0; j <= i; ++j) below.conductance[columns::place(i, j)] = V{} + Real(i == j);
     below.source[i] = V{};
   }
-  below.conductance[0] = (Real(1) - reflected) / (Real(1) + reflected);
+  below.conductance[0] = kept / (Real(1) + reflected);
   below.source[0] = Real(-2) * reflected / (Real(1) + reflected) * ground * static_cast<Real>(basis_.isotropic / pi);
   if (emits_) columns::raise_reference<Real>(n, isotropic_, reference_at_ground, below);
   std::vector<V> memory(height * columns::Passage<Real>::size(n));
