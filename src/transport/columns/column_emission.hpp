@@ -1,32 +1,33 @@
-// Thermal emission of columns that are solved without iteration, in lanes (docs/theory.md, Eqs. 40a to 40e).
+// Thermal emission of columns that are solved without iteration, in lanes (docs/theory.md, Eqs. 40a to 40e). v is the
+// vector of isotropic light.
 //
-// In an opaque cell s is nearly 2 B u, and its emission minus its absorption is a small difference. There s is counted
-// from 2 B u, a solution inside the cell, and only the slope of B is a source. Other cells have sources: they may emit
-// much less than B. At faces between two cells the reference jumps.
+// In an opaque cell s is nearly 2 v times the Planck radiance, and emission less absorption is a small difference.
+// There s is counted from that value, and only the slope of the Planck radiance is a source. Other cells have sources,
+// since they may emit much less than a black body. At faces between cells the reference of s jumps.
 #pragma once
 
 #include "transport/columns/column_layers.hpp"
 
 namespace cloudbow::columns {
 
-/// Emission of a cell; u is the vector of isotropic light.
+/// Emission of a cell.
 template <class Real>
 struct Emission {
-  Lanes<Real> opaque{};     ///< 1 or 0: whether s is relative to 2 B u
-  Lanes<Real> planck{};     ///< B, mean of the cell; 0 in opaque lanes, as is the step
-  Lanes<Real> step{};       ///< B at the bottom less B at the top
-  Lanes<Real> gradient{};   ///< dB/dtau in opaque lanes, 0 in others
-  Lanes<Real> reference{};  ///< s at the cell's bottom is relative to 2 reference u
+  Lanes<Real> opaque{};     ///< 1 or 0: whether s is relative to 2 v times the Planck radiance
+  Lanes<Real> planck{};     ///< radiance, mean of the cell; 0 in opaque lanes, as is the step
+  Lanes<Real> step{};       ///< its value at the bottom less that at the top
+  Lanes<Real> gradient{};   ///< its derivative by optical depth in opaque lanes, 0 in others
+  Lanes<Real> reference{};  ///< s at the cell's bottom is relative to 2 v times this radiance
   Lanes<Real> jump{};       ///< reference there, less that at the top of the cell below
 };
 
-/// Absorption optical depth. Below it a source B loses fewer digits than s - 2 B u, which is of the order of B/depth of
-/// what is emitted; above it the opposite is true of emission less absorption.
+/// Absorption optical depth of a cell from which on it is opaque. In thinner cells, counting s from the Planck radiance
+/// would take digits from what they emit; in others, sources would take digits from emission less absorption.
 inline constexpr double least_opaque = .25;
 
 /// How a cell emits, and the references at its faces.
 struct CellEmission {
-  /// @param absorption optical depth. @param mean, bottom_less_top of B.
+  /// @param absorption optical depth. @param mean, bottom_less_top of the Planck radiance.
   CellEmission(double thickness, double absorption, double mean, double bottom_less_top)
       : opaque(absorption > least_opaque),
         planck(mean),
@@ -50,7 +51,7 @@ inline void set_emission(int lane, const CellEmission& cell, double below, Emiss
   emission.jump[lane] = static_cast<Real>(cell.bottom - below);
 }
 
-/// Source b of a thin layer per step of B, over |u| (Eq. 40b).
+/// Source b of a thin layer per step of the Planck radiance, over |v| (Eq. 40b).
 /// @param absorption optical depth of half of the layer
 /// @param loss [n] first row of B without scattering
 template <class Real>
@@ -65,8 +66,8 @@ inline void double_odd_source(int n, const Lanes<Real>* shunt, Lanes<Real>* odd)
   for (int i = 0; i < n; ++i) odd[i] = Real(.5) * (odd[i] - shunt[place(i, 0)]);
 }
 
-/// Adds the cell's emission to its sources (Eq. 40a, 40d).
-/// @param isotropic |u|
+/// Adds the cell's emission to its sources (Eq. 40b, 40d).
+/// @param isotropic |v|
 /// @param length A^-1
 template <class Real>
 inline void add_emission(int n, Real isotropic, const Emission<Real>& emission, const Lanes<Real>* length,
