@@ -10,6 +10,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/transport/solver.hpp"
+#include "emitting_slabs.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
@@ -263,6 +264,103 @@ TEST(Thermal, SunAndEmissionAdd) {
       power.push_back(static_cast<double>(a.absorbed_power[c]) + static_cast<double>(b.absorbed_power[c]));
     EXPECT_LT(rms_difference(sum.upwelling_flux, flux), std::max(tolerance, 1e-3) * pi);
     EXPECT_LT(rms_difference(sum.absorbed_power, power), tolerance * pi);
+  }
+}
+
+// The slab as 4 x 4 columns of cells of at most this depth.
+Problem voxels_of(const SlabCase& slab, double largest) {
+  Problem problem;
+  BoxGrid box = make_box(4, 4, 0);
+  std::vector<double> planck, step;
+  std::vector<const SlabLayer*> layer;
+  for (std::size_t l = slab.layers.size(); l-- > 0;) {
+    const SlabLayer& of = slab.layers[l];
+    problem.phase.push_back(of.g < 0   ? PhaseFunction::rayleigh()
+                            : of.g > 0 ? PhaseFunction::henyey_greenstein(of.g)
+                                       : PhaseFunction::isotropic());
+    const int parts = static_cast<int>(std::ceil(of.depth / largest - 1e-9));
+    for (int n = 0; n < parts; ++n) {
+      box.z_edge_m.push_back(box.z_edge_m.back() + of.depth / parts);
+      const double above = slab.planck[l] - slab.planck[l + 1];
+      planck.push_back(slab.planck[l + 1] + above * (n + .5) / parts);
+      step.push_back(above / parts);
+      layer.push_back(&of);
+    }
+  }
+  std::vector<float> absorption;
+  std::vector<std::vector<float>> scattering(slab.layers.size());
+  for (const SlabLayer* of : layer) {
+    for (std::size_t c = 0; c < box.columns(); ++c) {
+      absorption.push_back(static_cast<float>(1 - of->single_scattering_albedo));
+      for (std::size_t p = 0; p < scattering.size(); ++p) {
+        const bool own = &slab.layers[scattering.size() - 1 - p] == of;
+        scattering[p].push_back(own ? static_cast<float>(of->single_scattering_albedo) : 0.F);
+      }
+    }
+  }
+  problem.grid = make_grid(box, absorption, scattering);
+  problem.grid.layer_planck = planck;
+  problem.grid.layer_planck_step = step;
+  for (int k = 0; k < box.nz(); ++k) {
+    for (std::size_t c = problem.grid.first_cell(k); c < problem.grid.first_cell(k + 1); ++c) {
+      problem.grid.planck.push_back(static_cast<float>(planck[k]));
+      problem.grid.planck_step.push_back(static_cast<float>(step[k]));
+    }
+  }
+  problem.surface.albedo = slab.albedo;
+  problem.surface.planck = slab.ground;
+  problem.sky_radiance = slab.sky;
+  if (slab.mu0 > 0) problem.sun = Sun{travel_along(-slab.mu0, 20), 1.};
+  return problem;
+}
+
+// Fluxes and radiances of slabs in three dimensions, at the levels `balanced` and `fine`, against discrete ordinates.
+TEST(Thermal, SlabsOfVoxelsAreThoseOfDiscreteOrdinates) {
+  struct Level {
+    const char* name;
+    SolverOptions options;
+    double cell, flux, radiance;  // depth of a cell, per largest pi B, per largest radiance
+  };
+  SolverOptions balanced;
+  SolverOptions fine;
+  fine.directions = "double-gauss-12x24";
+  fine.fit.delta_m_order = 10;
+  fine.fit.beam_delta_m_order = 14;
+  fine.gather_directions = 2048;
+  fine.tolerance = 1e-5;
+  for (Level& level : std::vector<Level>{{"balanced", balanced, .5, 5e-3, .04}, {"fine", fine, .1, 1e-3, .01}}) {
+    for (const SlabCase& slab : discrete_ordinates()) {
+      SolverOptions options = level.options;
+      options.flux_levels = FluxLevels::boundaries;
+      for (const double mu : slab_cosines) {
+        for (std::size_t a = 0; a < slab.up.size(); ++a) {
+          const double azimuth = 20 + 90 * static_cast<double>(a);
+          options.views.push_back({"up", travel_along(mu, azimuth)});
+          options.views.push_back({"down", travel_along(-mu, azimuth)});
+        }
+      }
+      const Problem problem = voxels_of(slab, slab.layers[0].single_scattering_albedo > 0 ? level.cell : 10);
+      const Solution solution = solve(problem, options);
+      const double planck =
+          std::max({slab.ground, slab.sky, *std::max_element(slab.planck.begin(), slab.planck.end())});
+      const double up = solution.profile_upwelling_flux.back();
+      const double down = solution.profile_downwelling_diffuse_flux.front() + solution.profile_direct_flux.front();
+      EXPECT_NEAR(up, slab.levels.front().up, level.flux * pi * planck) << level.name << ' ' << slab.name;
+      EXPECT_NEAR(down, slab.levels.back().down, level.flux * pi * planck) << level.name << ' ' << slab.name;
+      double worst = 0, largest = 0;
+      std::size_t image = 0;
+      for (std::size_t m = 0; m < slab_cosines.size(); ++m) {
+        for (std::size_t a = 0; a < slab.up.size(); ++a) {
+          for (const auto* wanted : {&slab.up, &slab.down}) {
+            const double found = solution.images[image++].radiance[0];
+            worst = std::max(worst, std::abs(found - (*wanted)[a][m]));
+            largest = std::max(largest, (*wanted)[a][m]);
+          }
+        }
+      }
+      // Near the sun's direction light of its forward peak is the larger error.
+      EXPECT_LT(worst / largest, slab.mu0 > 0 ? .1 : level.radiance) << level.name << ' ' << slab.name;
+    }
   }
 }
 
