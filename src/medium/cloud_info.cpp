@@ -42,7 +42,8 @@ std::string format_box(const std::array<double, 3>& min, const std::array<double
 
 /// Whether sums over a column mean anything.
 bool is_content(const std::string& quantity) {
-  return quantity != "effective_radius" && quantity != "single_scattering_albedo" && quantity != "phase_index";
+  return quantity != "effective_radius" && quantity != "single_scattering_albedo" && quantity != "phase_index" &&
+         quantity != "temperature";
 }
 
 }  // namespace

@@ -87,7 +87,8 @@ namespace {
 
 /// Whether the grid describes the voxels of another one.
 bool is_auxiliary(const std::string& quantity) {
-  return quantity == "effective_radius" || quantity == "single_scattering_albedo" || quantity == "phase_index";
+  return quantity == "effective_radius" || quantity == "single_scattering_albedo" || quantity == "phase_index" ||
+         quantity == "temperature";
 }
 
 /// Optical depth of a grid of liquid water, by the radii of another grid.

@@ -21,14 +21,15 @@ struct Atmosphere {
   double density_at(double height_m) const;      ///< kg m-3, of dry air at that pressure and temperature
 };
 
-/// The US standard atmosphere 1976 from -1 to 84.8 km, a closed form: temperature and pressure only.
+/// The US standard atmosphere 1976 from -1 to 84.8 km above the sea, a closed form: temperature and pressure only.
+/// Between its heights, interpolation is exact to .01 K and to 1e-4 of the pressure.
 Atmosphere us_standard_1976();
 
-/// Text columns as AFGL profiles have them, or a netCDF file of CF variables. The file's content, not its name, decides
-/// which. @throws InputError that names the file, the line or variable, what was found and what is allowed.
+/// Text columns as AFGL profiles have them, or netCDF with CF variables: docs/formats.md, "Profiles of the air".
+/// @throws InputError that names the file, the line or variable, what was found and what is allowed.
 Atmosphere read_atmosphere(const std::filesystem::path& file);
 
-/// Order, length and range of all profiles. @param where what messages begin with. @throws InputError
-void check_atmosphere(const Atmosphere& atmosphere, const std::string& where);
+/// Order, length and range of all profiles. @param name begins each message. @throws InputError
+void check_atmosphere(const Atmosphere& atmosphere, const std::string& name);
 
 }  // namespace cloudbow
