@@ -6,8 +6,8 @@
 // 10.1029/2003JD003580).
 //
 // Thermal emission: photons start in cells and at the surface, as many as these emit. Backward, photons start at the
-// sensor, which is a plane, a cell or a view, and collect the Planck radiance of the matter that absorbs them. By
-// reciprocity both give the same. Backward, the noise is that of the differences in Planck radiance alone.
+// sensor: a plane, a cell or a view. They collect the Planck radiance of the matter that absorbs them. By reciprocity
+// both give the same. Backward, the noise is that of the differences in Planck radiance alone.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ struct View {
   double zenith_deg = 0, azimuth_deg = 0;
 };
 
-/// Planck radiances of matter, in the unit of the sun's flux per sr; empty: does not emit. A cell emits 4 pi B times
-/// its absorption coefficient and volume, the surface (1 - albedo) pi B per area.
+/// Planck radiances of matter, in the unit of the sun's flux per sr; empty: does not emit. A cell emits 4 pi B per
+/// volume and absorption coefficient, the surface (1 - albedo) pi B per area.
 struct Emission {
   std::vector<double> planck;   ///< mean over the cell, [k][j][i]
   std::vector<double> step;     ///< upper less lower face of the cell, linear between; empty: 0
@@ -62,8 +62,8 @@ struct MonteCarloEffort {
   int batches = 50;                ///< at least 2; their scatter gives the standard errors
   std::uint64_t seed = 1;
   int threads = 1;  ///< the result does not depend on it
-  /// From the sensors, for emission and sky without sun: as many photons for each column of a level or view, each
-  /// direction of flux and each cell.
+  /// From the sensors: emission and sky without sun. Columns of planes, with two fluxes, columns of views and cells get
+  /// as many photons each.
   bool backward = false;
 };
 

@@ -91,8 +91,8 @@ class BackwardBatch {
     return collect(p, planck) - planck;
   }
 
-  /// Planck radiances of what absorbs the photon, by the weight each absorbs. They are counted as differences to
-  /// `known`: all of the photon is absorbed by something, and roulette then adds noise by the differences alone.
+  /// Planck radiances of the matter that absorbs the photon, by weight. They are summed as differences to `known`,
+  /// since the weights have the sum 1. Roulette then adds noise by the differences alone.
   double collect(Photon p, double known) {
     double sum = known;
     for (;;) {

@@ -1,15 +1,16 @@
 // monte_carlo JOB: the solver of monte_carlo.hpp on a job in text; the result goes to stdout as JSON. A job is a list
-// of keys with their values, in any order but for `columns` and `z_edges`, which come before `medium` and emission:
+// of keys with their values, in any order; `columns` and `z_edges` come before `medium` and `emission`:
 //   columns NX NY DX DY            cells of DX x DY metres
 //   z_edges NZ Z0 ... Z_NZ         metres, ascending
 //   open_sides 0|1    absorption 0|1    surface_albedo A    sun ZENITH AZIMUTH    view ZENITH AZIMUTH (repeatable)
 //   levels N L1 ... LN             indices of z_edges, from 0
 //   medium SSA isotropic | rayleigh | henyey-greenstein G | table N ANGLE VALUE ... ANGLE VALUE, and then its
 //   extinction:
-//          profile E1 ... E_NZ  or  cells E1 ... E_(NX*NY*NZ), x fastest, the lowest layer first [1/m]
-//   sun_flux F (1)    sky_radiance B (0)
-//   emission planck CELLS | step CELLS | surface B1 ... B_(NX*NY)    CELLS as the extinction of a medium: profile or
-//          cells; mean Planck radiance, and its increase from the lower to the upper face
+//          profile E1 ... E_NZ  or  cells E1 ... E_(NX*NY*NZ), x fastest, the lowest layer first [1/m].
+//   sun_flux F (1)    sky_radiance B (0).
+//   emission planck CELLS | step CELLS | surface B1 ... B_(NX*NY):
+//          mean Planck radiance of the cells; its increase from the lower to the upper face; of the surface.
+//          CELLS as the extinction of a medium: profile or cells.
 //   photons N    batches N    seed N    threads N    backward 0|1
 #include <ctime>
 #include <exception>
