@@ -61,8 +61,10 @@ class Reader {
     const hsize_t levels = check_levels();
     const hsize_t columns = result.x_m.size() * result.y_m.size();
     const Handle summary = hdf5::open_group(file_, "summary");
-    const std::vector<double> reflectance = attribute_numbers(summary, "reflectance");
-    const std::vector<double> transmittance = attribute_numbers(summary, "transmittance");
+    const bool emits = exists(file_, "thermal");
+    const std::vector<double> reflectance = emits ? shares("upwelling_top") : attribute_numbers(summary, "reflectance");
+    const std::vector<double> transmittance =
+        emits ? shares("downwelling_bottom") : attribute_numbers(summary, "transmittance");
     const std::size_t wavelengths = std::max<std::size_t>(result.wavelengths_um.size(), 1);
     if (reflectance.size() != wavelengths || transmittance.size() != wavelengths) fail("its summary is damaged");
     const std::vector<hsize_t> shape = {levels, result.y_m.size(), result.x_m.size()};
@@ -82,6 +84,16 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const std::string& problem) const { throw InputError(fmt::format("{}: {}", path_, problem)); }
+
+  /// Terms of the ledger as fractions of its power, for scenes that emit.
+  std::vector<double> shares(const char* term) const {
+    const Handle ledger = hdf5::open_group(file_, "ledger");
+    const std::vector<double> flux = attribute_numbers(ledger, term), power = attribute_numbers(ledger, "power");
+    std::vector<double> share;
+    for (std::size_t n = 0; n < std::min(flux.size(), power.size()); ++n)
+      share.push_back(power[n] > 0 ? flux[n] / power[n] : 0);
+    return share;
+  }
 
   /// Number of levels with fluxes; the first and the last are the domain's.
   hsize_t check_levels() const {

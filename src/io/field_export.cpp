@@ -156,7 +156,11 @@ class Exporter {
       add("actinic_flux", [this] { return cell_field("actinic", "actinic_flux", "W m-2", false); });
     }
     if (options.absorption) {
-      add("absorbed_power", [this] { return cell_field("absorption", "absorbed_power", "W m-3", true); });
+      const char* const name = result_.has("net_absorbed_power") ? "net_absorbed_power" : "absorbed_power";
+      add(name, [this, name] { return cell_field("absorption", name, "W m-3", true); });
+    }
+    if (options.heating_rate) {
+      add("heating_rate", [this] { return cell_field("heating_rate", "heating_rate", "K s-1", true); });
     }
   }
 
@@ -192,7 +196,7 @@ class Exporter {
   VdbField radiance_field(std::span<const float> of_cells, const Direction& travel) const {
     VdbField field;
     field.quantity = "radiance";
-    field.units = "W m-2 sr-1";
+    field.units = result_.units("radiance_field/radiance", "W m-2 sr-1");
     field.direction = components(travel);
     field.voxel = voxels_->index();
     field.value = voxels_->means(of_cells);
@@ -222,7 +226,7 @@ class Exporter {
     voxels_.emplace(values.cell, result_.box(), plane_of_level_, planes_.count);
     VdbField field;
     field.quantity = variable;
-    field.units = units;
+    field.units = result_.units(variable, units);
     field.voxel = voxels_->index();
     field.value = voxels_->means(values.value);
     return field;
@@ -242,7 +246,7 @@ class Exporter {
 };
 
 void check_options(const FieldExportOptions& options) {
-  assert(options.travel || options.all_directions || options.actinic || options.absorption);
+  assert(options.travel || options.all_directions || options.actinic || options.absorption || options.heating_rate);
   if (options.travel && !(options.travel->allFinite() && options.travel->stableNorm() > 0)) {
     const Direction& d = *options.travel;
     throw InputError(

@@ -14,8 +14,10 @@
 #include <vector>
 
 #include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/results/energy_fluxes.hpp"
 #include "cloudbow/transport/output_fields.hpp"
-#include "io/netcdf4_file.hpp"
+#include "io/result_groups.hpp"
+#include "io/solution_writer.hpp"
 
 namespace cloudbow {
 
@@ -27,9 +29,9 @@ using Dimensions = std::vector<std::string>;
 
 constexpr const char* without_sun_disc = "the sun's disc is left out";
 
-Attributes attributes_of(const OutputField& field) {
-  Attributes attributes = {{"units", field.units}, {"long_name", field.long_name}};
-  if (field.standard_name != nullptr) attributes.push_back({"standard_name", field.standard_name});
+Attributes attributes_of(const OutputField& field, const FieldNames& names) {
+  Attributes attributes = {{"units", names.units}, {"long_name", names.long_name}};
+  if (names.standard_name != nullptr) attributes.push_back({"standard_name", names.standard_name});
   attributes.push_back({"cell_methods", field.grid == OutputField::Grid::levels ? "area: mean" : "area: mean z: mean"});
   return attributes;
 }
@@ -86,21 +88,30 @@ std::vector<float> reflectance_factor(std::span<const float> radiance, const std
   return factor;
 }
 
+std::vector<float> brightness_temperature(std::span<const float> radiance, const PlanckFunction& planck) {
+  std::vector<float> kelvin;
+  kelvin.reserve(radiance.size());
+  for (const float value : radiance) {
+    // A fisheye does not look into its corners.
+    kelvin.push_back(std::isnan(value) ? value : static_cast<float>(planck.brightness_temperature(value)));
+  }
+  return kelvin;
+}
+
 std::vector<double> components(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_t, 3>>& triples) {
   return {triples.empty() ? nullptr : triples.front().data(), 3 * triples.size()};
 }
 
-/// Writes one solution, or those of several wavelengths on the same grid with a dimension more.
-class ResultWriter {
+class ResultWriter : private SolutionWriter {
  public:
   ResultWriter(std::span<const Solution> solutions, const ResultInfo& info, std::span<const Solution> by_columns)
-      : solutions_(solutions),
+      : SolutionWriter(solutions, info),
+        solutions_(solutions),
         first_(solutions.front()),
         info_(info),
-        by_columns_(by_columns),
-        spectral_(!info.wavelengths_um.empty()) {}
+        by_columns_(by_columns) {}
 
   void write(const std::filesystem::path& path) const {
     hdf5::Handle file = hdf5::create_file(path);
@@ -111,11 +122,14 @@ class ResultWriter {
                                      {"scene", info_.scene}});
     write_fields(file);
     write_profile(file);
-    write_summary(file);
-    write_solver(file);
+    write_summary(file, *this);
+    write_ledger(file, *this);
+    write_thermal(file, *this);
+    write_solver(file, *this);
     if (!by_columns_.empty()) write_comparison(file);
-    if (!info_.error_estimates.empty()) write_error_estimate(file);
-    if (info_.plan) write_plan(file);
+    write_error_estimate(file, *this);
+    if (!info_.error_estimates.empty()) write_error_fields(file);
+    write_plan(file, *this);
     write_images(file);
     write_camera_images(file);
     if (first_.radiance_field) write_radiance_field(file);
@@ -123,54 +137,6 @@ class ResultWriter {
   }
 
  private:
-  /// @param values_of what the variable holds of one solution, a vector
-  template <class Values>
-  void write_variable(hid_t group, const std::string& name, Dimensions dimensions, const Values& values_of,
-                      const Attributes& attributes) const {
-    using Vector = std::decay_t<decltype(values_of(first_))>;
-    using Number = const typename Vector::value_type;
-    if (!spectral_) {
-      const auto& values = values_of(first_);
-      netcdf4::write_variable(group, name.c_str(), dimensions, std::span<Number>(values), attributes);
-      return;
-    }
-    Vector all;
-    for (const Solution& solution : solutions_) {
-      const auto& values = values_of(solution);
-      all.insert(all.end(), values.begin(), values.end());
-    }
-    dimensions.insert(dimensions.begin(), "wavelength");
-    netcdf4::write_variable(group, name.c_str(), dimensions, std::span<Number>(all), attributes);
-  }
-
-  /// A number, or one for each wavelength.
-  template <class Number>
-  netcdf4::AttributeValue each(const Number& number_of) const {
-    return each(number_of, solutions_);
-  }
-
-  template <class Number>
-  netcdf4::AttributeValue each(const Number& number_of, std::span<const Solution> solutions) const {
-    using Value = std::decay_t<decltype(number_of(first_))>;
-    if (!spectral_) return number_of(solutions.front());
-    std::vector<Value> all;
-    for (const Solution& solution : solutions) all.push_back(number_of(solution));
-    return all;
-  }
-
-  template <class Number>
-  netcdf4::AttributeValue each(const std::vector<Number>& numbers) const {
-    if (spectral_) return numbers;
-    return numbers.front();
-  }
-
-  void write_wavelength(hid_t group) const {
-    if (!spectral_) return;
-    netcdf4::write_coordinate(
-        group, "wavelength", info_.wavelengths_um,
-        {{"units", "um"}, {"long_name", "wavelength"}, {"standard_name", "radiation_wavelength"}});
-  }
-
   void write_z_edge(hid_t group) const {
     netcdf4::write_coordinate(group, "z_edge", first_.box.z_edge_m,
                               vertical_attributes("height of the horizontal interfaces"));
@@ -192,10 +158,35 @@ class ResultWriter {
     for (const OutputField& field : output_fields()) {
       const bool at_levels = field.grid == OutputField::Grid::levels;
       if (!at_levels && (first_.*field.values).empty()) continue;
+      const FieldNames field_names = names(field);
       write_variable(
-          file, field.name, {at_levels ? flux_level_name() : "z", "y", "x"},
-          [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field));
+          file, field_names.name, {at_levels ? flux_level_name() : "z", "y", "x"},
+          [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field, field_names));
     }
+    write_heating_rate(file, {"z", "y", "x"}, "area: mean z: mean", &HeatingRate::cell);
+  }
+
+  /// Writes nothing without heating rates.
+  template <class Values>
+  void write_heating_rate(hid_t group, const std::vector<std::string>& dimensions, const char* cell_methods,
+                          Values HeatingRate::*values) const {
+    if (info_.heating_rates.empty()) return;
+    std::string long_name =
+        "heating rate of the air: absorbed power over density and heat capacity at constant pressure";
+    if (emits()) long_name += ", less the power emitted";
+    if (unit() == SpectralUnit::wavelength) long_name += ", per micrometre of wavelength";
+    Attributes attributes{{"units", units("K s-1")},
+                          {"long_name", long_name},
+                          {"units_metadata", "temperature: difference"},
+                          {"specific_heat_j_kg_k", specific_heat}};
+    if (unit() == SpectralUnit::band && (!emits() || !first_.sun)) {
+      attributes.push_back({"standard_name", fmt::format("tendency_of_air_temperature_due_to_{}_heating",
+                                                         emits() ? "longwave" : "shortwave")});
+    }
+    attributes.push_back({"cell_methods", cell_methods});
+    write_variable(
+        group, "heating_rate",
+        dimensions, [&](const Solution& s) -> auto& { return info_.heating_rates[index_of(s)].*values; }, attributes);
   }
 
   std::string flux_level_name() const {
@@ -206,26 +197,36 @@ class ResultWriter {
   void write_comparison(hid_t file) const {
     for (const OutputField& field : output_fields()) {
       if (field.grid != OutputField::Grid::levels) continue;
-      write_variable(file, fmt::format("difference_{}", field.name), {flux_level_name(), "y", "x"},
+      const FieldNames field_names = names(field);
+      write_variable(file, fmt::format("difference_{}", field_names.name), {flux_level_name(), "y", "x"},
                      [this, &field](const Solution& s) {
                        std::vector<float> difference = s.*field.values;
-                       const Solution& columns = by_columns_[static_cast<std::size_t>(&s - &first_)];
+                       const Solution& columns = by_columns_[index_of(s)];
                        std::transform(difference.begin(), difference.end(), (columns.*field.values).begin(),
                                       difference.begin(), std::minus<>());
                        return difference;
                      },
-                     {{"units", field.units},
-                      {"long_name", fmt::format("{}: this solution minus independent columns", field.long_name)},
+                     {{"units", field_names.units},
+                      {"long_name", fmt::format("{}: this solution minus independent columns", field_names.long_name)},
                       {"cell_methods", "area: mean"}});
     }
 
     hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
     const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
+    if (emits()) {
+      const auto flux = [&of](double EnergyFluxes::*term) {
+        return of([term](const Solution& s) { return energy_fluxes(s.ledger).*term; });
+      };
+      netcdf4::write_attributes(group, {{"upwelling_top", flux(&EnergyFluxes::upwelling_top)},
+                                        {"downwelling_bottom", flux(&EnergyFluxes::downwelling_bottom)},
+                                        {"absorbed", flux(&EnergyFluxes::absorbed)}});
+    } else {
+      netcdf4::write_attributes(group, {{"reflectance", of([](const Solution& s) { return s.ledger.reflectance; })},
+                                        {"transmittance", of([](const Solution& s) { return s.ledger.transmittance; })},
+                                        {"absorptance", of([](const Solution& s) { return s.ledger.absorptance; })}});
+    }
     netcdf4::write_attributes(group,
-                              {{"reflectance", of([](const Solution& s) { return s.ledger.reflectance; })},
-                               {"transmittance", of([](const Solution& s) { return s.ledger.transmittance; })},
-                               {"absorptance", of([](const Solution& s) { return s.ledger.absorptance; })},
-                               {"energy_residual", of([](const Solution& s) { return s.ledger.residual; })},
+                              {{"energy_residual", of([](const Solution& s) { return s.ledger.residual; })},
                                {"converged", of([](const Solution& s) { return std::int32_t{s.report.converged}; })},
                                {"sweeps", of([](const Solution& s) { return std::int32_t{s.report.sweeps}; })},
                                {"estimated_error", of([](const Solution& s) { return s.report.estimated_error; })},
@@ -234,52 +235,7 @@ class ResultWriter {
     group.close();
   }
 
-  void write_error_estimate(hid_t file) const {
-    const auto of = [this](const auto& number_of) {
-      if (!spectral_) return netcdf4::AttributeValue(number_of(info_.error_estimates.front()));
-      std::vector<double> all;
-      for (const ErrorEstimate& estimate : info_.error_estimates) all.push_back(number_of(estimate));
-      return netcdf4::AttributeValue(all);
-    };
-    hdf5::Handle group = netcdf4::create_group(file, "error_estimate");
-    netcdf4::write_attributes(
-        group,
-        {{"units", "1"},
-         {"comment",
-          "domain: of reflectance and transmittance, fraction of incident; columns: up at the highest and down at "
-          "the lowest level, RMS over the columns / mean; columns_between: up or down, at the worst of the other "
-          "levels; 0 "
-          "without any"}});
-    struct Named {
-      const char* name;
-      ErrorParts ErrorEstimate::*parts;
-      double ByFlux::*distance;
-    };
-    for (const Named& flux : {Named{"domain", &ErrorEstimate::domain, &ByFlux::domain},
-                              Named{"columns_up", &ErrorEstimate::up, &ByFlux::up},
-                              Named{"columns_down", &ErrorEstimate::down, &ByFlux::down}}) {
-      const auto part = [&](double ErrorParts::*which) {
-        return of([&](const ErrorEstimate& estimate) { return estimate.*flux.parts.*which; });
-      };
-      const std::string name = flux.name;
-      netcdf4::write_attributes(
-          group, {{name, of([&](const ErrorEstimate& estimate) { return (estimate.*flux.parts).total(); })},
-                  {name + "_angular", part(&ErrorParts::angular)},
-                  {name + "_spatial", part(&ErrorParts::spatial)},
-                  {name + "_iteration", part(&ErrorParts::iteration)},
-                  {name + "_angular_distance",
-                   of([&](const ErrorEstimate& estimate) { return estimate.angular_distance.*flux.distance; })},
-                  {name + "_spatial_distance",
-                   of([&](const ErrorEstimate& estimate) { return estimate.spatial_distance.*flux.distance; })},
-                  {name + "_probe_distance",
-                   of([&](const ErrorEstimate& estimate) { return estimate.probe_distance.*flux.distance; })}});
-    }
-    netcdf4::write_attributes(group,
-                              {{"columns", of([](const ErrorEstimate& estimate) { return estimate.columns(); })},
-                               {"columns_between", of([](const ErrorEstimate& e) { return e.between_ends; })},
-                               {"cpu_seconds", of([](const ErrorEstimate& estimate) { return estimate.cpu_seconds; })},
-                               {"calibrated_for", info_.error_estimates.front().calibrated_for}});
-    group.close();
+  void write_error_fields(hid_t file) const {
     write_error_field(file, "upwelling_flux_error", "up at the highest level", &ErrorEstimate::upwelling_flux_error);
     write_error_field(file, "downwelling_flux_error", "down (direct and diffuse) at the lowest level",
                       &ErrorEstimate::downwelling_flux_error);
@@ -289,36 +245,20 @@ class ResultWriter {
   void write_error_field(hid_t file, const char* name, const char* which,
                          std::vector<float> ErrorEstimate::*field) const {
     if ((info_.error_estimates.front().*field).empty()) return;
-    write_variable(file, name, {"y", "x"},
-                   [&](const Solution& s) -> auto& {
-                     return info_.error_estimates[static_cast<std::size_t>(&s - &first_)].*field;
-                   },
-                   {{"units", "W m-2"},
+    write_variable(file, name,
+                   {"y", "x"}, [&](const Solution& s) -> auto& { return info_.error_estimates[index_of(s)].*field; },
+                   {{"units", units("W m-2")},
                     {"long_name", fmt::format("estimated error of the flux {}", which)},
                     {"cell_methods", "area: mean"}});
   }
 
-  void write_plan(hid_t file) const {
-    const RunPlan& plan = *info_.plan;
-    hdf5::Handle group = netcdf4::create_group(file, "plan");
-    if (plan.target_error) netcdf4::write_attributes(group, {{"target_error", *plan.target_error}, {"of", plan.of}});
-    if (plan.budget_seconds) netcdf4::write_attributes(group, {{"budget_seconds", *plan.budget_seconds}});
-    netcdf4::write_attributes(group, {{"accuracy", plan.accuracy},
-                                      {"levels_solved", plan.levels_solved},
-                                      {"predicted_error", plan.predicted_error},
-                                      {"predicted_seconds", plan.predicted_seconds},
-                                      {"seconds", plan.seconds},
-                                      {"predicted_memory_bytes", plan.predicted_memory_bytes},
-                                      {"seconds_in_all", plan.seconds_in_all},
-                                      {"met", std::int32_t{plan.met}}});
-    group.close();
-  }
-
-  /// Of an image whose radiance is `radiance_of` a solution; only if there is a sun.
+  /// Of an image whose radiance is `radiance_of` a solution; only if there is a sun, and nothing else shines.
   template <class Radiance>
   void write_reflectance_factor(hid_t file, const std::string& name, const ImagePlane& plane,
                                 const Radiance& radiance_of) const {
-    if (std::none_of(solutions_.begin(), solutions_.end(), [](const Solution& s) { return s.sun.has_value(); })) return;
+    if (emits() ||
+        std::none_of(solutions_.begin(), solutions_.end(), [](const Solution& s) { return s.sun.has_value(); }))
+      return;
     write_variable(
         file, "reflectance_factor_" + name, {plane.y, plane.x},
         [&](const Solution& s) { return reflectance_factor(radiance_of(s), s.sun); },
@@ -326,6 +266,22 @@ class ResultWriter {
          {"long_name",
           "reflectance factor pi I / (mu0 F0): diffuse radiance over that of a level, white, Lambertian surface in the "
           "sun above the atmosphere"},
+         {"comment", without_sun_disc}});
+  }
+
+  /// Of an image whose radiance is `radiance_of` a solution, if it was requested.
+  template <class Radiance>
+  void write_brightness_temperature(hid_t file, const std::string& name, const ImagePlane& plane,
+                                    const Radiance& radiance_of) const {
+    const std::vector<std::string>& wanted = info_.brightness_temperatures;
+    if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) return;
+    write_variable(
+        file, "brightness_temperature_" + name, {plane.y, plane.x},
+        [&](const Solution& s) { return brightness_temperature(radiance_of(s), info_.thermal[index_of(s)].planck); },
+        {{"units", "K"},
+         {"long_name", "brightness temperature: that of a black body with this radiance"},
+         {"standard_name", "brightness_temperature"},
+         {"units_metadata", "temperature: on_scale"},
          {"comment", without_sun_disc}});
   }
 
@@ -348,7 +304,7 @@ class ResultWriter {
       const ImagePlane plane = write_view_plane(file, view);
       const auto radiance_of = [n](const Solution& s) -> auto& { return s.images[n].radiance; };
       write_variable(file, "radiance_" + view.name, {plane.y, plane.x}, radiance_of,
-                     {{"units", "W m-2 sr-1"},
+                     {{"units", units("W m-2 sr-1")},
                       {"long_name",
                        fmt::format("diffuse radiance at the {} of the domain, mean over the {} where the line of sight "
                                    "crosses it",
@@ -358,6 +314,7 @@ class ResultWriter {
                       {"sensor_zenith_deg", std::acos(std::clamp(view.travel.z(), -1., 1.)) / degree},
                       {"sensor_azimuth_deg", std::atan2(view.travel.y(), view.travel.x()) / degree}});
       write_reflectance_factor(file, view.name, plane, radiance_of);
+      write_brightness_temperature(file, view.name, plane, radiance_of);
     }
   }
 
@@ -373,7 +330,7 @@ class ResultWriter {
                                 {{"units", "1"}, {"long_name", "pixel centre, columns from the image's left edge"}});
       const auto radiance_of = [n](const Solution& s) -> auto& { return s.camera_images[n].radiance; };
       write_variable(file, "camera_" + camera.name, {plane.y, plane.x}, radiance_of,
-                     {{"units", "W m-2 sr-1"},
+                     {{"units", units("W m-2 sr-1")},
                       {"long_name", "diffuse radiance that a camera sees, mean over the pixel"},
                       {"comment", without_sun_disc},
                       {"projection", projection_name(camera.projection)},
@@ -383,6 +340,7 @@ class ResultWriter {
                       {"up", components(camera.up)},
                       {"field_of_view_deg", camera.field_of_view / degree}});
       write_reflectance_factor(file, camera.name, plane, radiance_of);
+      write_brightness_temperature(file, camera.name, plane, radiance_of);
     }
   }
 
@@ -393,78 +351,14 @@ class ResultWriter {
     write_z_edge(group);
     for (const OutputField& field : output_fields()) {
       if (field.profile == nullptr) continue;
+      const FieldNames field_names = names(field);
       write_variable(
-          group, field.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
-          attributes_of(field));
+          group, field_names.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
+          attributes_of(field, field_names));
     }
-    group.close();
-  }
-
-  void write_summary(hid_t file) const {
-    hdf5::Handle group = netcdf4::create_group(file, "summary");
-    const auto of = [this](double EnergyLedger::*term) {
-      return each([term](const Solution& s) { return s.ledger.*term; });
-    };
-    netcdf4::write_attributes(group, {{"reflectance", of(&EnergyLedger::reflectance)},
-                                      {"transmittance", of(&EnergyLedger::transmittance)},
-                                      {"transmittance_direct", of(&EnergyLedger::transmittance_direct)},
-                                      {"absorptance", of(&EnergyLedger::absorptance)},
-                                      {"surface_absorptance", of(&EnergyLedger::surface_absorptance)},
-                                      {"side_gain", of(&EnergyLedger::side_gain)},
-                                      {"side_loss", of(&EnergyLedger::side_loss)},
-                                      {"energy_residual", of(&EnergyLedger::residual)}});
-    group.close();
-  }
-
-  void write_solver(hid_t file) const {
-    hdf5::Handle group = netcdf4::create_group(file, "solver");
-    const auto real = [this](double SolverReport::*term) {
-      return each([term](const Solution& s) { return s.report.*term; });
-    };
-    const auto whole = [this](int SolverReport::*term) {
-      return each([term](const Solution& s) { return std::int32_t{s.report.*term}; });
-    };
-    const auto size = [this](std::size_t SolverReport::*term) {
-      return each([term](const Solution& s) { return static_cast<std::int64_t>(s.report.*term); });
-    };
-    using R = SolverReport;
-    netcdf4::write_attributes(group,
-                              {{"converged", each([](const Solution& s) { return std::int32_t{s.report.converged}; })},
-                               {"stalled", each([](const Solution& s) { return std::int32_t{s.report.stalled}; })},
-                               {"sweeps", whole(&R::sweeps)},
-                               {"estimated_error", real(&R::estimated_error)},
-                               {"gather_rescaling", real(&R::gather_rescaling)},
-                               {"control_points", whole(&R::control_points)},
-                               {"directions", first_.report.directions},
-                               {"radiance_storage", first_.report.radiance_storage},
-                               {"mode", first_.report.mode},
-                               {"left_out_axes", first_.report.collapsed_axes},
-                               {"added_levels", whole(&R::added_levels)},
-                               {"column_parts_x", whole(&R::column_parts_x)},
-                               {"column_parts_y", whole(&R::column_parts_y)},
-                               {"air", first_.report.air},
-                               {"air_levels", whole(&R::air_levels)},
-                               {"air_block_columns", whole(&R::air_block_columns)},
-                               {"air_error", real(&R::air_error)},
-                               {"active_voxels", size(&R::active_voxels)},
-                               {"threads", whole(&R::threads)},
-                               {"seconds_total", real(&R::seconds_total)},
-                               {"seconds_tables", real(&R::seconds_tables)},
-                               {"seconds_beam", real(&R::seconds_beam)},
-                               {"seconds_sweeps", real(&R::seconds_sweeps)},
-                               {"seconds_scattering", real(&R::seconds_scattering)},
-                               {"seconds_acceleration", real(&R::seconds_acceleration)},
-                               {"seconds_gather", real(&R::seconds_gather)},
-                               {"cpu_seconds", real(&R::cpu_seconds)},
-                               {"peak_memory_bytes", size(&R::peak_memory_bytes)},
-                               {"fit_closure", real(&R::fit_closure)},
-                               {"fit_max_error", real(&R::fit_max_error)},
-                               {"fit_fallbacks", whole(&R::fit_fallbacks)},
-                               {"surface_largest_albedo", real(&R::surface_largest_albedo)},
-                               {"surface_largest_correction", real(&R::surface_largest_correction)}});
-    if (!info_.phase_classes.empty()) {
-      netcdf4::write_attributes(
-          group, {{"phase_classes", each(info_.phase_classes)}, {"phase_class_error", each(info_.phase_class_error)}});
+    if (!info_.heating_rates.empty()) {
+      netcdf4::write_coordinate(group, "z", midpoints(first_.box.z_edge_m), height_attributes(first_.box.cloud));
+      write_heating_rate(group, {"z"}, "area: mean z: mean", &HeatingRate::profile);
     }
     group.close();
   }
@@ -501,7 +395,7 @@ class ResultWriter {
     write_variable(
         group, "radiance", {"active_voxel", "control_point"},
         [](const Solution& s) -> auto& { return s.radiance_field->radiance; },
-        {{"units", "W m-2 sr-1"},
+        {{"units", units("W m-2 sr-1")},
          {"long_name", "voxel mean of the diffuse radiance of the delta-scaled problem, direct beam excluded"}});
     group.close();
   }
@@ -510,7 +404,6 @@ class ResultWriter {
   const Solution& first_;
   const ResultInfo& info_;
   std::span<const Solution> by_columns_;
-  bool spectral_;
 };
 
 }  // namespace
@@ -525,6 +418,9 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
   assert(!solutions.empty() && solutions.front().box.nz() >= 1);
   assert(info.error_estimates.empty() || info.error_estimates.size() == solutions.size());
   assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
+  assert(info.thermal.empty() || info.thermal.size() == solutions.size());
+  assert(info.heating_rates.empty() || info.heating_rates.size() == solutions.size());
+  assert(info.brightness_temperatures.empty() || !info.thermal.empty());
   AtomicFile target(file);
   try {
     ResultWriter(solutions, info, by_columns).write(target.temporary());

@@ -101,6 +101,11 @@ std::vector<float> ResultInput::cell_field(const char* name, const char* field) 
   return hdf5::read_all<float>(dataset);
 }
 
+std::string ResultInput::units(const char* name, const char* otherwise) const {
+  const Handle dataset = hdf5::open_dataset(file_, name);
+  return hdf5::has_attribute(dataset, "units") ? hdf5::attribute_text(dataset, "units") : otherwise;
+}
+
 namespace {
 
 Handle open_radiance(hid_t file, const std::string& path) {

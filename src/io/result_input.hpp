@@ -27,6 +27,9 @@ class ResultInput {
 
   /// A variable of shape (z, y, x). @param field of output.fields that makes it, for the message if it is missing.
   std::vector<float> cell_field(const char* name, const char* field) const;
+  bool has(const char* name) const { return hdf5::exists(file_, name); }
+  /// Of a variable; `otherwise` if it has none.
+  std::string units(const char* name, const char* otherwise) const;
 
  private:
   friend class RadianceFieldInput;

@@ -13,7 +13,42 @@
 namespace cloudbow {
 namespace {
 
-void check_values(const std::filesystem::path& file, AlbedoMap& map) {
+const MapQuantity albedo_quantity{"albedo",
+                                  {"albedo"},
+                                  {"1, %",
+                                   {{"", 1},
+                                    {"1", 1},
+                                    {"-", 1},
+                                    {"none", 1},
+                                    {"unitless", 1},
+                                    {"fraction", 1},
+                                    {"dimensionless", 1},
+                                    {"%", 0.01},
+                                    {"percent", 0.01},
+                                    {"percentage", 0.01}}}};
+
+constexpr double lowest_temperature_k = 100, highest_temperature_k = 1000;
+const MapQuantity temperature_quantity{
+    "temperature", {"surface_temperature", "temperature"}, {"K", {{"", 1}, {"k", 1}, {"kelvin", 1}}}};
+
+/// Place of value n, in words.
+std::string place_in(const GroundMap& map, std::size_t n) {
+  const std::size_t nx = static_cast<std::size_t>(map.nx);
+  return fmt::format("row {}, column {}, counted from the smallest y and x", n / nx, n % nx);
+}
+
+void check_temperatures(const std::filesystem::path& file, const GroundMap& map) {
+  for (std::size_t n = 0; n < map.value.size(); ++n) {
+    const float kelvin = map.value[n];
+    if (kelvin >= lowest_temperature_k && kelvin <= highest_temperature_k) continue;
+    if (std::isnan(kelvin))
+      fail_import(file, "no value at {} (allowed: a temperature everywhere) fill the gaps", place_in(map, n));
+    fail_import(file, "temperature out of range (found {} at {}, allowed {} to {} K, not Celsius)", kelvin,
+                place_in(map, n), lowest_temperature_k, highest_temperature_k);
+  }
+}
+
+void check_values(const std::filesystem::path& file, GroundMap& map) {
   constexpr float rounding = 1e-6F;  // of packed numbers
   for (std::size_t n = 0; n < map.value.size(); ++n) {
     float& albedo = map.value[n];
@@ -21,8 +56,7 @@ void check_values(const std::filesystem::path& file, AlbedoMap& map) {
       albedo = std::clamp(albedo, 0.F, 1.F);
       continue;
     }
-    const std::size_t nx = static_cast<std::size_t>(map.nx);
-    const std::string place = fmt::format("row {}, column {}, counted from the smallest y and x", n / nx, n % nx);
+    const std::string place = place_in(map, n);
     if (std::isnan(albedo)) fail_import(file, "no value at {} (allowed: an albedo everywhere) fill the gaps", place);
     fail_import(
         file,
@@ -47,17 +81,27 @@ void overlaps(int old_count, int new_count, Use&& use) {
 
 }  // namespace
 
-AlbedoMap read_albedo_map(const std::filesystem::path& file) {
+GroundMap read_albedo_map(const std::filesystem::path& file) {
   check_input(file, "a map of albedo as PNG or netCDF");
   const bool png = is_png(file);
   return after_sandbox(file, {.library = png ? "libpng" : "netCDF"}, [&] {
-    AlbedoMap map = png ? read_png_map(file) : read_netcdf_map(file);
+    GroundMap map = png ? read_png_map(file) : read_netcdf_map(file, albedo_quantity);
     check_values(file, map);
     return map;
   });
 }
 
-void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m) {
+GroundMap read_temperature_map(const std::filesystem::path& file) {
+  check_input(file, "a map of temperature as netCDF");
+  if (is_png(file)) fail_import(file, "a picture (found PNG, allowed netCDF or HDF5) grey levels are no temperatures");
+  return after_sandbox(file, {.library = "netCDF"}, [&] {
+    GroundMap map = read_netcdf_map(file, temperature_quantity);
+    check_temperatures(file, map);
+    return map;
+  });
+}
+
+void check_covers(const GroundMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m) {
   const std::array<int, 2> cells{map.nx, map.ny};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double slack = std::max(0.01, 1.0 / cells[axis]);
@@ -69,7 +113,7 @@ void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const
   }
 }
 
-std::vector<float> area_means(const AlbedoMap& map, int nx, int ny) {
+std::vector<float> area_means(const GroundMap& map, int nx, int ny) {
   const auto width = static_cast<std::size_t>(nx);
   std::vector<double> sum(width * static_cast<std::size_t>(ny), 0.);
   // Rows come in their order, some twice in a row: one of them, brought to the new columns, is kept.

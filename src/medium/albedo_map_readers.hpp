@@ -3,6 +3,7 @@
 
 #include "cloudbow/medium/albedo_map.hpp"
 #include "import_parts.hpp"
+#include "les_vocabulary.hpp"
 
 namespace cloudbow {
 
@@ -17,11 +18,18 @@ inline void check_map_size(const std::filesystem::path& file, double nx, double 
               ny, most_map_values);
 }
 
+/// Meaning of a map's values.
+struct MapQuantity {
+  const char* name;
+  std::vector<const char*> variables;  ///< names in netCDF, the first that is there
+  UnitTable units;
+};
+
 /// True if the file begins as a PNG does.
 bool is_png(const std::filesystem::path& file);
 
-AlbedoMap read_png_map(const std::filesystem::path& file);
+GroundMap read_png_map(const std::filesystem::path& file);
 /// Missing values are NaN.
-AlbedoMap read_netcdf_map(const std::filesystem::path& file);
+GroundMap read_netcdf_map(const std::filesystem::path& file, const MapQuantity& quantity);
 
 }  // namespace cloudbow

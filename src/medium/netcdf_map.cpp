@@ -6,23 +6,10 @@
 #include <string>
 
 #include "albedo_map_readers.hpp"
-#include "les_vocabulary.hpp"
 #include "netcdf_input.hpp"
 
 namespace cloudbow {
 namespace {
-
-const UnitTable fraction_units{"1, %",
-                               {{"", 1},
-                                {"1", 1},
-                                {"-", 1},
-                                {"none", 1},
-                                {"unitless", 1},
-                                {"fraction", 1},
-                                {"dimensionless", 1},
-                                {"%", 0.01},
-                                {"percent", 0.01},
-                                {"percentage", 0.01}}};
 
 /// The two dimensions of a map, by their places among those of its variable.
 struct Plane {
@@ -47,21 +34,26 @@ std::string described(const NetcdfVariable& variable) {
   return fmt::format("{}({})", variable.name, shape);
 }
 
-const NetcdfVariable& find_map(const std::filesystem::path& file, const NetcdfInput& input) {
-  const NetcdfVariable* found = input.find("albedo");
+const NetcdfVariable& find_map(const std::filesystem::path& file, const NetcdfInput& input,
+                               const MapQuantity& quantity) {
+  const NetcdfVariable* named = nullptr;
+  for (const char* name : quantity.variables) {
+    if (named == nullptr) named = input.find(name);
+  }
+  const NetcdfVariable* found = named;
   std::string names;
   int planes = 0;
   for (const NetcdfVariable& variable : input.variables()) {
     names += (names.empty() ? "" : ", ") + described(variable);
-    if (found == &variable || !plane_of(variable) || input.find("albedo") != nullptr) continue;
+    if (found == &variable || !plane_of(variable) || named != nullptr) continue;
     found = &variable;
     ++planes;
   }
   if (found == nullptr || planes > 1 || !plane_of(*found)) {
     fail_import(file,
-                "no map of albedo (found variables {}; allowed 'albedo', or only one, with the dimensions y, x and "
-                "others of length 1)",
-                names.empty() ? "none" : names);
+                "no map of {} (found variables {}; allowed '{}', or only one, with the dimensions y, x and others of "
+                "length 1)",
+                quantity.name, names.empty() ? "none" : names, quantity.variables.front());
   }
   return *found;
 }
@@ -105,21 +97,21 @@ Axis read_axis(const std::filesystem::path& file, const NetcdfInput& input, cons
   return axis;
 }
 
-double unit_factor(const std::filesystem::path& file, const NetcdfVariable& map) {
-  if (const auto factor = factor_of(fraction_units, lower_case(map.units))) return *factor;
-  fail_import(file, "'{}': unit not known (found '{}', allowed {})", map.name, map.units, fraction_units.allowed);
+double unit_factor(const std::filesystem::path& file, const NetcdfVariable& map, const UnitTable& units) {
+  if (const auto factor = factor_of(units, lower_case(map.units))) return *factor;
+  fail_import(file, "'{}': unit not known (found '{}', allowed {})", map.name, map.units, units.allowed);
 }
 
-AlbedoMap read_map(const std::filesystem::path& file, const NetcdfInput& input) {
-  const NetcdfVariable& variable = find_map(file, input);
+GroundMap read_map(const std::filesystem::path& file, const NetcdfInput& input, const MapQuantity& quantity) {
+  const NetcdfVariable& variable = find_map(file, input, quantity);
   const Plane plane = *plane_of(variable);
   const bool transposed = is_transposed(file, variable, plane);
   const Axis x = read_axis(file, input, variable, transposed ? plane.slow : plane.fast);
   const Axis y = read_axis(file, input, variable, transposed ? plane.fast : plane.slow);
   check_map_size(file, static_cast<double>(x.length), static_cast<double>(y.length));
-  const double factor = unit_factor(file, variable);
+  const double factor = unit_factor(file, variable, quantity.units);
 
-  AlbedoMap map{static_cast<int>(x.length), static_cast<int>(y.length), {}, {x.length_m, y.length_m}};
+  GroundMap map{static_cast<int>(x.length), static_cast<int>(y.length), {}, {x.length_m, y.length_m}};
   map.value.resize(x.length * y.length);
   const std::size_t fast_length = variable.length[plane.fast], slow_length = variable.length[plane.slow];
   constexpr std::size_t values_at_once = 1 << 20;
@@ -142,7 +134,7 @@ AlbedoMap read_map(const std::filesystem::path& file, const NetcdfInput& input) 
 
 }  // namespace
 
-AlbedoMap read_netcdf_map(const std::filesystem::path& file) {
+GroundMap read_netcdf_map(const std::filesystem::path& file, const MapQuantity& quantity) {
   std::optional<NetcdfInput> input;
   try {
     input.emplace(file);
@@ -150,7 +142,7 @@ AlbedoMap read_netcdf_map(const std::filesystem::path& file) {
     const std::string why = std::string(error.what()).substr(file.string().size() + 2);
     fail_import(file, "neither PNG nor HDF5 nor netCDF that can be read ({})", why);
   }
-  return read_map(file, *input);
+  return read_map(file, *input, quantity);
 }
 
 }  // namespace cloudbow

@@ -83,7 +83,7 @@ bool is_png(const std::filesystem::path& file) {
   return png_sig_cmp(head.data(), 0, head.size()) == 0;
 }
 
-AlbedoMap read_png_map(const std::filesystem::path& file) {
+GroundMap read_png_map(const std::filesystem::path& file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (stream == nullptr) fail_import(file, "cannot be read (check its permissions)");
   PngReader png(stream.get());
@@ -97,7 +97,7 @@ AlbedoMap read_png_map(const std::filesystem::path& file) {
 
   const unsigned largest = bytes == 2 ? 65535 : 255;
   const std::size_t colours = channels < 3 ? 1 : 3;
-  AlbedoMap map{static_cast<int>(nx), static_cast<int>(ny), {}, {}};
+  GroundMap map{static_cast<int>(nx), static_cast<int>(ny), {}, {}};
   map.value.reserve(nx * ny);
   for (std::size_t j = ny; j-- > 0;) {
     for (std::size_t i = 0; i < nx; ++i) {

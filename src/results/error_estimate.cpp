@@ -15,11 +15,12 @@ namespace {
 // fields of thick voxels (docs/error-estimates.md).
 constexpr double between_ends_factor = 1.5;
 
-// Fraction of the incident flux. Errors of columns whose mean is less are not relative to that mean.
+// Fraction of the incident and emitted power. Errors of columns whose mean is less are not relative to that mean.
 constexpr double least_mean = 1e-6;
 
-/// W m-2 through the horizontal top.
-double incident(const Solution& solution) {
+/// W m-2 through the horizontal top, and emitted.
+double power_of(const Solution& solution) {
+  if (solution.emits) return solution.ledger.power;
   return solution.profile_downwelling_diffuse_flux.back() + solution.profile_direct_flux.back();
 }
 
@@ -113,7 +114,7 @@ std::vector<float> error_field(const Planes& planes, const ErrorParts& parts, co
 
 ByFlux flux_distance(const Solution& solution, const Solution& other) {
   ByFlux distance;
-  const double power = incident(solution);
+  const double power = power_of(solution);
   if (power > 0) {
     distance.domain = std::max(
         {largest_difference(solution.profile_upwelling_flux, other.profile_upwelling_flux) / power,
@@ -128,7 +129,7 @@ ByFlux flux_distance(const Solution& solution, const Solution& other) {
 
 ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other) {
   assert(solution.flux_level == other.flux_level);
-  const double least = least_mean * incident(solution);
+  const double least = least_mean * power_of(solution);
   ByFlux distance;
   for (std::size_t plane = 0; plane < planes(solution); ++plane) {
     if (plane + 1 < planes(solution))

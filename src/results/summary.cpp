@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "cloudbow/results/energy_fluxes.hpp"
+
 namespace cloudbow {
 
-std::string summary_table(const Solution& solution) {
+std::string summary_table(const Solution& solution, const std::string& flux_units) {
   const EnergyLedger& ledger = solution.ledger;
   const SolverReport& report = solution.report;
   std::string table;
@@ -13,13 +15,29 @@ std::string summary_table(const Solution& solution) {
   };
   const auto fraction = [](double value) { return fmt::format("{:9.6f}", value); };
 
-  line("reflectance", fraction(ledger.reflectance));
-  line("transmittance", fmt::format("{}   direct {:.6f}", fraction(ledger.transmittance), ledger.transmittance_direct));
-  line("absorptance", fraction(ledger.absorptance));
-  line("surface absorptance", fraction(ledger.surface_absorptance));
-  if (!solution.box.periodic) {
-    line("side gain", fraction(ledger.side_gain));
-    line("side loss", fraction(ledger.side_loss));
+  if (solution.emits) {
+    const EnergyFluxes energy = energy_fluxes(ledger);
+    const auto flux = [&](double value) { return fmt::format("{:9.4g} {}", value, flux_units); };
+    line("flux up at the top", flux(energy.upwelling_top));
+    line("flux down, ground",
+         flux(energy.downwelling_bottom) +
+             (solution.sun ? fmt::format("   direct {:.4g}", energy.direct_bottom) : std::string()));
+    line("net absorbed by air", flux(energy.absorbed));
+    line("net absorbed, ground", flux(energy.surface_net()));
+    if (!solution.box.periodic) {
+      line("side gain", flux(energy.side_gain));
+      line("side loss", flux(energy.side_loss));
+    }
+  } else {
+    line("reflectance", fraction(ledger.reflectance));
+    line("transmittance",
+         fmt::format("{}   direct {:.6f}", fraction(ledger.transmittance), ledger.transmittance_direct));
+    line("absorptance", fraction(ledger.absorptance));
+    line("surface absorptance", fraction(ledger.surface_absorptance));
+    if (!solution.box.periodic) {
+      line("side gain", fraction(ledger.side_gain));
+      line("side loss", fraction(ledger.side_loss));
+    }
   }
   if (report.added_levels > 0)
     line("levels", fmt::format(" {} more, where the direct beam fades within a voxel", report.added_levels));
@@ -33,7 +51,8 @@ std::string summary_table(const Solution& solution) {
   }
   if (!report.collapsed_axes.empty())
     line("solved as", fmt::format(" {}: nothing varies along {}", report.mode, report.collapsed_axes));
-  line("energy residual", fmt::format("{:9.1e}", ledger.residual));
+  line("energy residual",
+       fmt::format("{:9.1e}{}", ledger.residual, solution.emits ? "   of the power incident and emitted" : ""));
   line("estimated error",
        fmt::format("{:9.1e}   after {} sweep{}", report.estimated_error, report.sweeps, report.sweeps == 1 ? "" : "s"));
   line("time", fmt::format("{:9.2f} s with {} thread{} (tables {:.2f}, beam {:.2f}, sweeps {:.2f}, gather {:.2f})",

@@ -46,7 +46,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto path = fuzz::write_mutant({data, size}, "map");
   fuzz::expect_clean([&] {
-    const cloudbow::AlbedoMap map = cloudbow::read_albedo_map(path);
+    const cloudbow::GroundMap map = cloudbow::read_albedo_map(path);
     cloudbow::area_means(map, 5, 7);
   });
   return 0;

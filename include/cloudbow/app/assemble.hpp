@@ -26,6 +26,7 @@ struct CloudFigures {
   std::optional<ColumnFigures> water_path_g_m2;  ///< if the grid holds liquid water
   double largest_water_content_g_m3 = 0;
   std::optional<std::array<double, 2>> effective_radius_um;  ///< smallest and largest, if the scene names one
+  std::optional<std::array<double, 2>> temperature_k;        ///< lowest and highest, if voxels have their own
 };
 
 struct AssembledScene {

@@ -10,10 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "cloudbow/medium/atmosphere.hpp"
 #include "cloudbow/medium/optical_grid.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/optics/droplet_table.hpp"
 #include "cloudbow/optics/phase_function.hpp"
+#include "cloudbow/optics/planck.hpp"
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
@@ -34,6 +36,7 @@ struct SceneCloud {
   /// Given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.
   std::optional<double> single_scattering_albedo;
   std::string single_scattering_albedo_grid;  ///< empty: none
+  std::string temperature_grid;               ///< [K]; empty: the voxels have the temperature of the air
   int phase_function = 0;  ///< index into Scene::phase_functions; unused if droplets or phase_set are used
   std::optional<double> extinction_m2_per_g;  ///< by a mie table at the one effective radius
   /// A mie table whose effective radius varies from voxel to voxel (effective_radius_grid).
@@ -60,12 +63,29 @@ struct SceneSun {
   double irradiance_w_m2 = 1;
 };
 
+/// The air by height.
+struct SceneAtmosphere {
+  Atmosphere air;
+  std::string source;  ///< the name of the file, "us-1976" or "inline"
+};
+
+/// Emission of matter and ground, in one spectral interval. One of wavelength_um and band_um is there.
+struct SceneThermal {
+  PlanckFunction planck;
+  std::optional<double> wavelength_um;
+  std::optional<std::array<double, 2>> band_um;
+
+  /// Unit of fluxes: "W m-2 um-1" at a wavelength, "W m-2" over a band.
+  std::string flux_units() const { return wavelength_um ? "W m-2 um-1" : "W m-2"; }
+};
+
 struct SceneRadiance {
   std::string name;        ///< letters, digits and _
   double zenith_deg = 0;   ///< position of the sensor, seen from the scene; above 90 below it
   double azimuth_deg = 0;  ///< counter-clockwise from +x
   int width = 0;           ///< pixels along x and y; 0: one per column
   int height = 0;
+  bool brightness_temperature = false;  ///< wanted beside the radiance
 };
 
 enum class SolveMode { automatic, three_dimensional, independent_columns, independent_diffuse };
@@ -96,6 +116,7 @@ struct SceneOutput : OutputOptions {
   std::vector<double> heights_m;  ///< ascending, if flux_levels is listed
   bool error_estimate = true;     ///< coarse solves estimate the errors of the fluxes
   bool errors = false;            ///< of single columns too
+  bool heating_rate = false;      ///< of the air
 };
 
 struct Scene {
@@ -111,11 +132,17 @@ struct Scene {
   SceneDomain domain;
   std::optional<SceneSun> sun;
   double sky_radiance = 0;
-  Surface surface;                   ///< without its map
-  std::filesystem::path albedo_map;  ///< empty: none
+  std::optional<double> sky_temperature_k;  ///< in place of a radiance: sky_radiance is that of a black body
+  Surface surface;                          ///< without its maps
+  std::filesystem::path albedo_map;         ///< empty: none
+  std::optional<SceneAtmosphere> atmosphere;
+  std::optional<SceneThermal> thermal;
+  std::optional<double> surface_temperature_k;  ///< as Surface::planck is of
+  std::filesystem::path temperature_map;        ///< empty: none
   SceneSolver solver;
   std::vector<SceneRadiance> radiances;
-  std::vector<Camera> cameras;  ///< named as radiances are, none twice
+  std::vector<Camera> cameras;               ///< named as radiances are, none twice
+  std::vector<std::string> thermal_cameras;  ///< names of cameras whose brightness temperature is wanted
   SceneOutput output;
   std::map<std::string, std::string>
       place;  ///< "domain.min_m" to "FILE:LINE", for messages about errors that need the cloud to be found

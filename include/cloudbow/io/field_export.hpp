@@ -20,7 +20,8 @@ struct FieldExportOptions {
   std::optional<Direction> travel;
   bool all_directions = false;  ///< grids "radiance_000" ...: one for each control point
   bool actinic = false;         ///< grid "actinic_flux"
-  bool absorption = false;      ///< grid "absorbed_power"
+  bool absorption = false;      ///< grid "absorbed_power", in scenes that emit "net_absorbed_power"
+  bool heating_rate = false;    ///< grid "heating_rate"
   /// Limit of the radiances that are in memory at once with all_directions; at least one direction is.
   std::size_t batch_bytes = std::size_t{256} << 20;
 };

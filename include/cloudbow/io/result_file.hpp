@@ -1,6 +1,7 @@
 // The result file: HDF5 that is also netCDF-4 (docs/formats.md).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -8,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "cloudbow/optics/planck.hpp"
 #include "cloudbow/results/error_estimate.hpp"
+#include "cloudbow/results/heating_rate.hpp"
 #include "cloudbow/transport/solution.hpp"
 
 namespace cloudbow {
@@ -28,6 +31,18 @@ struct RunPlan {
   bool met = true;            ///< the target, by the estimate, and the budget
 };
 
+/// Emission in one solution (`/thermal`). One of wavelength_um and band_um is there.
+struct ThermalInfo {
+  PlanckFunction planck;
+  std::optional<double> wavelength_um;
+  std::optional<std::array<double, 2>> band_um;
+  std::string atmosphere;  ///< name of the file, "us-1976" or "inline"
+  std::optional<double> surface_temperature_k;
+  std::string surface_temperature_map;  ///< name of the file; empty: none
+  std::string cloud_temperature_grid;   ///< empty: none
+  std::optional<double> sky_temperature_k;
+};
+
 struct ResultInfo {
   std::string title;
   std::string source;  ///< program name and version
@@ -40,6 +55,9 @@ struct ResultInfo {
   std::vector<double> wavelengths_um{};  ///< of each solution; empty: the scene has no spectrum, and one solution
   std::vector<ErrorEstimate> error_estimates{};  ///< of each solution, or none
   std::optional<RunPlan> plan{};
+  std::vector<ThermalInfo> thermal{};                  ///< of each solution, or none; all of one spectral unit
+  std::vector<std::string> brightness_temperatures{};  ///< names of views and cameras; needs `thermal`
+  std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none
 };
 
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,

@@ -1,4 +1,4 @@
-// Maps of albedo from files of others: PNG, netCDF, HDF5.
+// Maps of the ground, its albedo and its temperature, from files of others: PNG, netCDF, HDF5.
 #pragma once
 
 #include <array>
@@ -8,10 +8,10 @@
 
 namespace cloudbow {
 
-struct AlbedoMap {
+struct GroundMap {
   int nx = 0;
   int ny = 0;
-  std::vector<float> value;  ///< [ny][nx], x and y ascending, each 0 to 1
+  std::vector<float> value;  ///< [ny][nx], x and y ascending: albedo, 0 to 1, or temperature, K
   /// Along x and y, if the file has coordinates in metres or kilometres.
   std::array<std::optional<double>, 2> length_m{};
 };
@@ -27,14 +27,19 @@ struct AlbedoMap {
 /// and units ("%") are obeyed.
 /// @throws InputError naming the file, what was found, what is allowed and the remedy: not such a file, damaged,
 /// pictures in colour, transparent pixels, missing values, values outside 0 to 1.
-AlbedoMap read_albedo_map(const std::filesystem::path& file);
+GroundMap read_albedo_map(const std::filesystem::path& file);
+
+/// A map of temperature [K], in netCDF or HDF5 as above: the variable "surface_temperature" or "temperature", or the
+/// only one of two dimensions, in kelvin.
+/// @throws InputError as above; for PNG; for values outside 100 to 1000 K.
+GroundMap read_temperature_map(const std::filesystem::path& file);
 
 /// A map of another size, by its own coordinates, belongs to another site.
 /// @param file for the message.
 /// @throws InputError if the map has coordinates and they are off by more than 1 % or a cell.
-void check_covers(const AlbedoMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m);
+void check_covers(const GroundMap& map, const std::filesystem::path& file, const std::array<double, 2>& domain_m);
 
 /// Means over nx x ny equal cells that cover the map's area: the map's mean is kept.
-std::vector<float> area_means(const AlbedoMap& map, int nx, int ny);
+std::vector<float> area_means(const GroundMap& map, int nx, int ny);
 
 }  // namespace cloudbow

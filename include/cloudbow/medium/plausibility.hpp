@@ -10,6 +10,10 @@ namespace cloudbow {
 inline constexpr double smallest_effective_radius_um = 0.1;
 inline constexpr double largest_effective_radius_um = 5000;
 
+/// Temperatures of droplets and ice crystals [K].
+inline constexpr double coldest_cloud_k = 150;
+inline constexpr double warmest_cloud_k = 350;
+
 /// A sentence about a liquid water content above 20 g/m3; none below.
 std::optional<std::string> doubt_water_content(double largest_g_m3);
 

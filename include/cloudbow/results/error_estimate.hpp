@@ -11,7 +11,8 @@ namespace cloudbow {
 
 /// One number for each flux whose errors are reported.
 struct ByFlux {
-  double domain = 0;  ///< reflectance and transmittance: the larger, fraction of incident
+  double domain = 0;  ///< reflectance and transmittance: the larger, fraction of incident; in scenes that emit the mean
+                      ///< fluxes up and down, fraction of EnergyLedger::power
   double up = 0;      ///< columns, up at the top: RMS over the columns / mean
   double down = 0;    ///< columns, down at the bottom, direct and diffuse: RMS over the columns / mean
 };

@@ -10,7 +10,7 @@ namespace cloudbow {
 
 /// Light that leaves the domain through its top and bottom, at one wavelength.
 struct BoundaryFluxes {
-  double reflectance = 0;  ///< fractions of the power that enters through the top
+  double reflectance = 0;  ///< fractions of the power that enters through the top, or is emitted
   double transmittance = 0;
   std::vector<double> up_at_top;       ///< [y][x] W m-2
   std::vector<double> down_at_bottom;  ///< [y][x] W m-2, direct and diffuse

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "app/assembly/open_cloud.hpp"
+#include "app/assembly/thermal.hpp"
 #include "app/process/cache_directory.hpp"
 #include "app/scene/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
@@ -174,6 +175,7 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
   options.collapse_uniform_axes = solver.mode != SolveMode::three_dimensional;
   const OutputOptions& output = scene.output;
   static_cast<OutputOptions&>(options) = output;
+  options.absorption = output.absorption || scene.output.heating_rate;
   for (const SceneRadiance& radiance : scene.radiances) {
     const Direction to_sensor = -travel_from(radiance.zenith_deg, radiance.azimuth_deg);
     options.views.push_back({radiance.name, to_sensor, radiance.width, radiance.height});
@@ -213,7 +215,7 @@ void check_cameras(const Scene& scene, double ground_m) {
 
 std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, const Domain& domain) {
   try {
-    const AlbedoMap map = read_albedo_map(scene.albedo_map);
+    const GroundMap map = read_albedo_map(scene.albedo_map);
     check_covers(map, scene.albedo_map, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]});
     return area_means(map, box.nx, box.ny);
   } catch (const InputError& error) {
@@ -267,6 +269,12 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
   LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
   levels.layer_cells = scene.domain.vertical_cells;
   levels.edges_m = scene.output.heights_m;
+  const std::array<double, 2> z_m{domain.min_m[2], domain.max_m[2]};
+  const std::vector<double> of_emission = emission_levels(scene, cloud, z_m);
+  levels.edges_m.insert(levels.edges_m.end(), of_emission.begin(), of_emission.end());
+  if (scene.atmosphere && (scene.thermal || scene.output.heating_rate)) {
+    if (const auto doubt = doubt_atmosphere(scene, z_m)) files.note(*doubt);
+  }
   levels.levels_m = levels_m;
   levels.memory_limit_bytes = memory_limit_bytes;
   levels.air = scene.solver.air;
@@ -280,6 +288,9 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, Cl
   }
   if (!scene.albedo_map.empty()) {
     problem.surface.albedo_map = albedo_of_columns(scene, problem.grid.box, domain);
+  }
+  if (scene.thermal) {
+    add_emission(scene, cloud, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]}, problem);
   }
   for (const double height : scene.output.heights_m) {
     const int level = nearest_edge(problem.grid.box.z_edge_m, height);

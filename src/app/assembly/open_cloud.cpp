@@ -80,6 +80,17 @@ std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, 
   return radius;
 }
 
+VoxelTemperatures read_temperature(const Scene& scene, CloudFiles& files, const CloudField& field,
+                                   VdbReadOptions options) {
+  options.grid = scene.cloud->temperature_grid;
+  options.auxiliary_quantity = "temperature";
+  try {
+    return files.auxiliary(scene.cloud->file, field, options, coldest_cloud_k, warmest_cloud_k);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}; temperatures are in K", scene.where("cloud.temperature_grid"), error.what()));
+  }
+}
+
 /// Quantity of the grid's numbers, after the scale. A scale can convert liquid water to extinction: it is then the
 /// extinction of 1 g/m3, which the radius of droplets bounds.
 std::string quantity_of(const Scene& scene, const VdbCloud& field) {
@@ -125,7 +136,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   const SceneCloud& cloud = *scene.cloud;
   VdbReadOptions read = cloud.read;
   read.domain_m = given_domain(scene.domain);
-  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}};
+  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}, {}};
   VdbCloud& field = opened.field;
   VdbReadOptions auxiliary = read;
   auxiliary.scale = 1;
@@ -191,6 +202,11 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
     const std::vector<float> number =
         files.auxiliary(cloud.file, field, auxiliary, 1, static_cast<double>(cloud.phase_set->function.size()));
     take_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, auxiliary.grid), opened);
+  }
+  if (!cloud.temperature_grid.empty()) {
+    opened.temperature_k = read_temperature(scene, files, field, auxiliary);
+    const auto [least, largest] = std::minmax_element(opened.temperature_k.begin(), opened.temperature_k.end());
+    opened.figures.temperature_k = {*least, *largest};
   }
   return opened;
 }

@@ -7,6 +7,7 @@
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/medium/cloud_files.hpp"
+#include "cloudbow/medium/emission.hpp"
 
 namespace cloudbow {
 
@@ -17,6 +18,7 @@ struct OpenedCloud {
       varying_phase;  ///< of droplets that vary from voxel to voxel: optics.phase_function counts here
   std::optional<PhaseClassReport> phase_classes;
   CloudFigures figures;
+  VoxelTemperatures temperature_k;  ///< empty: that of the air
 };
 
 /// @throws InputError if the files cannot be read, contradict the scene, or lack data.

@@ -39,10 +39,10 @@ int export_vdb(const Options& options) {
     }
     fields.travel = -travel_from(*options.zenith_deg, options.azimuth_deg);
   }
-  if (!fields.travel && !fields.all_directions && !fields.actinic && !fields.absorption) {
+  if (!fields.travel && !fields.all_directions && !fields.actinic && !fields.absorption && !fields.heating_rate) {
     throw InputError(
         "export: nothing to export (found no field, allowed one or more of --direction or --zenith-deg, "
-        "--all-directions, --actinic, --absorption)");
+        "--all-directions, --actinic, --absorption, --heating-rate)");
   }
   const FieldExportReport report = export_fields(fields);
   if (options.quiet) return exit_done;
@@ -93,7 +93,9 @@ void add_export(CLI::App& app, std::function<int()>& action) {
                        "Grids \"radiance_000\" ...: one for each control point, metadata \"direction\" of travel");
   export_app->add_flag("--actinic", fields.actinic,
                        "Grid \"actinic_flux\": 4 pi times the mean radiance, direct beam included");
-  export_app->add_flag("--absorption", fields.absorption, "Grid \"absorbed_power\" [W m-3]");
+  export_app->add_flag("--absorption", fields.absorption,
+                       "Grid \"absorbed_power\" [W m-3]; of a scene with [thermal] \"net_absorbed_power\"");
+  export_app->add_flag("--heating-rate", fields.heating_rate, "Grid \"heating_rate\" [K s-1]");
   export_app->add_flag("--quiet", options->quiet, "Nothing but errors");
   export_app->footer(
       "Voxels are the cloud's, in metres, z up; cells without a value are inactive. Radiance needs the field "

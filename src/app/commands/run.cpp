@@ -28,6 +28,7 @@
 #include "cloudbow/io/result_file.hpp"
 #include "cloudbow/medium/cloud_files.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
+#include "cloudbow/results/energy_fluxes.hpp"
 #include "cloudbow/results/summary.hpp"
 
 namespace cloudbow {
@@ -61,6 +62,23 @@ std::string figures_text(const ColumnFigures& figures, double columns, const cha
                      figures.largest, unit);
 }
 
+std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
+  const SceneThermal& thermal = *scene.thermal;
+  const BoxGrid& box = assembled.problem.grid.box;
+  const Atmosphere& air = scene.atmosphere->air;
+  std::string text = thermal.wavelength_um ? fmt::format("{} um", *thermal.wavelength_um)
+                                           : fmt::format("{} to {} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
+  text += scene.surface_temperature_k ? fmt::format("; ground {:.5g} K", *scene.surface_temperature_k)
+                                      : fmt::format("; ground {}", scene.temperature_map.filename().string());
+  text += fmt::format("; air {:.5g} K at the bottom, {:.5g} K at the top", air.temperature_at(box.z_edge_m.front()),
+                      air.temperature_at(box.z_edge_m.back()));
+  if (assembled.cloud && assembled.cloud->temperature_k) {
+    const auto [lowest, highest] = *assembled.cloud->temperature_k;
+    text += fmt::format("; cloud {:.5g} to {:.5g} K", lowest, highest);
+  }
+  return text;
+}
+
 /// By these a wrong unit is seen.
 void print_figures(const Scene& scene, const AssembledScene& assembled) {
   const BoxGrid& box = assembled.problem.grid.box;
@@ -82,6 +100,7 @@ void print_figures(const Scene& scene, const AssembledScene& assembled) {
   } else {
     fmt::print("domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
   }
+  if (scene.thermal) fmt::print("thermal   {}\n", thermal_text(scene, assembled));
   double layers = 0;
   for (const Layer& layer : scene.layers) layers += layer.optical_depth;
   if (!scene.layers.empty()) fmt::print("layers    optical depth: {:.4g}\n", layers);
@@ -133,14 +152,43 @@ void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
       fmt::print("{}{:<21}{} um\n", n == 0 ? "" : "\n", "wavelength", *scenes[n].wavelength_um);
     if (!solved.phase_classes.empty())
       fmt::print("{:<21}{}\n", "phase functions", classes_text(solved.phase_classes[n]));
-    fmt::print("{}", summary_table(solved.solutions[n]));
+    const std::string flux_units = scenes[n].thermal ? scenes[n].thermal->flux_units() : "W m-2";
+    fmt::print("{}", summary_table(solved.solutions[n], flux_units));
     if (!solved.errors.empty()) fmt::print("{}", error_line(solved.errors[n]));
     if (!solved.by_columns.empty()) {
       const EnergyLedger &ledger = solved.solutions[n].ledger, &columns = solved.by_columns[n].ledger;
+      if (scenes[n].thermal) {
+        const EnergyFluxes here = energy_fluxes(ledger), there = energy_fluxes(columns);
+        fmt::print("{:<21}up at the top {:+.4g}, down at the ground {:+.4g} {}\n", "minus columns",
+                   here.upwelling_top - there.upwelling_top, here.downwelling_bottom - there.downwelling_bottom,
+                   flux_units);
+        continue;
+      }
       fmt::print("{:<21}reflectance {:+.6f}, transmittance {:+.6f}\n", "minus columns",
                  ledger.reflectance - columns.reflectance, ledger.transmittance - columns.transmittance);
     }
   }
+}
+
+/// Emission and heating rates, for the result. Absorbed power that only these needed is given up.
+void add_thermal(const std::vector<Scene>& scenes, Solved& solved, ResultInfo& info) {
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    const Scene& scene = scenes[n];
+    if (scene.output.heating_rate) {
+      Solution& solution = solved.solutions[n];
+      info.heating_rates.push_back(heating_rate(solution, scene.atmosphere->air));
+      if (!scene.output.absorption) solution.absorbed_power = {};
+    }
+    if (!scene.thermal) continue;
+    info.thermal.push_back({scene.thermal->planck, scene.thermal->wavelength_um, scene.thermal->band_um,
+                            scene.atmosphere->source, scene.surface_temperature_k, scene.temperature_map.filename(),
+                            scene.cloud ? scene.cloud->temperature_grid : "", scene.sky_temperature_k});
+  }
+  for (const SceneRadiance& radiance : scenes.front().radiances) {
+    if (radiance.brightness_temperature) info.brightness_temperatures.push_back(radiance.name);
+  }
+  const std::vector<std::string>& cameras = scenes.front().thermal_cameras;
+  info.brightness_temperatures.insert(info.brightness_temperatures.end(), cameras.begin(), cameras.end());
 }
 
 /// Exit code.
@@ -246,6 +294,7 @@ int run(const RunOptions& options) {
     info.phase_classes.push_back(classes.classes);
     info.phase_class_error.push_back(classes.estimated_error);
   }
+  add_thermal(scenes, solved, info);
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
   }

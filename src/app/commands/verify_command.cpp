@@ -79,8 +79,8 @@ std::string json_entry(const PhysicalCheck& check, const CheckOutcome& outcome) 
 
 std::vector<PhysicalCheck> physical_checks() {
   std::vector<PhysicalCheck> all;
-  for (const auto& part :
-       {sphere_checks(), optics_checks(), column_checks(), energy_checks(), direction_checks(), field_checks()}) {
+  for (const auto& part : {sphere_checks(), optics_checks(), column_checks(), energy_checks(), thermal_checks(),
+                           direction_checks(), field_checks()}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

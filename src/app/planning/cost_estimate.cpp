@@ -14,11 +14,11 @@ namespace cloudbow {
 namespace {
 
 /// Memory of the fields that a solution holds.
-std::size_t solution_bytes(const AssembledScene& scene) {
+std::size_t solution_bytes(const Scene& read, const AssembledScene& scene) {
   const BoxGrid& box = scene.problem.grid.box;
   const SolverOptions& options = scene.options;
   const std::size_t levels = flux_levels(box, options).size();
-  const auto of_cells = static_cast<std::size_t>(cell_field_count(options));
+  const auto of_cells = static_cast<std::size_t>(cell_field_count(options) + (read.output.heating_rate ? 1 : 0));
   std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
   for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);
   for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
@@ -85,16 +85,16 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     if (scene.output.error_estimate) {
       cost.seconds += predict_coarse_seconds(plan, scene.solver.accuracy, planned.as);
       const SolvePlan coarse = plan.with(coarse_options(plan.whole_options(), scene.solver.accuracy, planned.as));
-      cost.memory = std::max(cost.memory, foreseen(scene, coarse) + solution_bytes(*planned.scene));
+      cost.memory = std::max(cost.memory, foreseen(scene, coarse) + solution_bytes(scene, *planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(by_columns(plan.whole_options()));
       cost.memory = std::max(cost.memory, predict_memory(columns));
       cost.seconds += predict_seconds(columns);
-      kept += solution_bytes(*planned.scene);  // at most: of these, fluxes alone are kept
+      kept += solution_bytes(scene, *planned.scene);  // at most: of these, fluxes alone are kept
     }
     levels.push_back(plan.whole().grid.box.z_edge_m);
-    kept += solution_bytes(*planned.scene);
+    kept += solution_bytes(scene, *planned.scene);
     if (scenes.size() == 1) cost.only = std::move(planned);
   }
   if (scenes.size() > 1 || compare) cost.memory += kept;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr NumberRange light_range{"0, or 1e-25 to 1e25", 0, most_light};
 constexpr NumberRange zenith{"0 <= z < 90: a sun above the horizon", 0, 90, true, false};
+constexpr NumberRange sky_temperature{"0 to 400 K, not Celsius", 0, 400};
 constexpr int max_vertical_cells = 100000;
 constexpr std::size_t max_wavelengths = 1000;
 
@@ -54,17 +55,16 @@ std::vector<double> read_wavelengths(const ConfigReader& root) {
 
 Scene SceneReader::read() {
   root_.check_keys({"title", "cloud", "phase_function", "layer", "domain", "sun", "sky", "surface", "solver",
-                    "radiance", "camera", "spectrum", "output"});
+                    "radiance", "camera", "spectrum", "output", "atmosphere", "thermal"});
   scene_.title = root_.find_text("title").value_or(scene_.path.stem().string());
+  if (const auto atmosphere = root_.find_table("atmosphere")) read_atmosphere_table(*atmosphere);
+  if (const auto thermal = root_.find_table("thermal")) read_thermal(*thermal);
   read_phase_functions();
   if (const auto cloud = root_.find_table("cloud")) read_cloud(*cloud);
   for (const ConfigReader& layer : root_.tables("layer")) read_layer(layer);
   if (const auto domain = root_.find_table("domain")) read_domain(*domain);
   if (const auto sun = root_.find_table("sun")) read_sun(*sun);
-  if (const auto sky = root_.find_table("sky")) {
-    sky->check_keys({"radiance_w_m2_sr"});
-    scene_.sky_radiance = light(*sky, "radiance_w_m2_sr", at_).value_or(0);
-  }
+  if (const auto sky = root_.find_table("sky")) read_sky(*sky);
   if (const auto surface = root_.find_table("surface")) read_surface(*surface);
   if (const auto solver = root_.find_table("solver")) read_solver(*solver);
   for (const ConfigReader& radiance : root_.tables("radiance")) read_radiance(radiance);
@@ -147,14 +147,37 @@ void SceneReader::read_sun(const ConfigReader& reader) {
                 "one of the two: azimuth_deg counter-clockwise from +x, or bearing_deg clockwise from +y");
   }
   sun.azimuth_deg = *azimuth;
-  sun.irradiance_w_m2 = light(reader, "irradiance_w_m2", at_).value_or(1);
+  const auto irradiance = light(reader, "irradiance_w_m2", at_);
+  if (scene_.thermal) {
+    // A sun of 1 beside emission would be a wrong number.
+    const std::string units = scene_.thermal->flux_units();
+    if (!irradiance) {
+      reader.fail_missing("irradiance_w_m2",
+                          fmt::format("the irradiance in {}, the unit of what [thermal] emits", units));
+    }
+    const std::string told = fmt::format("taken in {}, the unit of what [thermal] emits", units);
+    if (*irradiance > 0) note(reader, "irradiance_w_m2", std::span(&told, 1));
+  }
+  sun.irradiance_w_m2 = irradiance.value_or(1);
   if (sun.irradiance_w_m2 > 0) scene_.sun = sun;
+}
+
+void SceneReader::read_sky(const ConfigReader& reader) {
+  reader.check_keys({"radiance_w_m2_sr", "temperature_k"});
+  scene_.sky_radiance = light(reader, "radiance_w_m2_sr", at_).value_or(0);
+  if (!reader.has("temperature_k")) return;
+  check_thermal_key(reader, "temperature_k");
+  if (reader.has("radiance_w_m2_sr"))
+    reader.fail("temperature_k", "excludes radiance_w_m2_sr", "both", "one of the two");
+  scene_.sky_temperature_k = reader.number("temperature_k", sky_temperature);
+  const double radiance = scene_.thermal->planck(*scene_.sky_temperature_k);
+  scene_.sky_radiance = radiance < least_light ? 0 : radiance;
 }
 
 void SceneReader::read_surface(const ConfigReader& reader) {
   const std::string type =
       reader.find_choice("type", {"lambertian", "rpv", "ross-li", "cox-munk"}).value_or("lambertian");
-  std::vector<std::string> keys{"type", "slope_deg", "aspect_deg"};
+  std::vector<std::string> keys{"type", "slope_deg", "aspect_deg", "temperature_k", "temperature_map"};
   const auto check_keys = [&](std::initializer_list<std::string> more) {
     keys.insert(keys.end(), more);
     reader.check_keys(keys);
@@ -183,6 +206,7 @@ void SceneReader::read_surface(const ConfigReader& reader) {
         reader.number("wind_speed_m_s", {"0 to 50", 0, 50}),
         reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}, at_).value_or(1.34));
   }
+  read_surface_temperature(reader);
 }
 
 void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
@@ -196,16 +220,18 @@ void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
   remember(reader, "albedo_map");
 }
 
-void SceneReader::check_whole() const {
+void SceneReader::check_whole() {
   if (!scene_.cloud && scene_.layers.empty()) {
     throw InputError(
         fmt::format("{}: nothing that light could meet (found neither [cloud] nor [[layer]], allowed one or both)",
                     scene_.path.string()));
   }
-  if (!scene_.sun && scene_.sky_radiance <= 0) {
-    throw InputError(fmt::format("{}: no light (found neither [sun] nor [sky] that shines, allowed one or both)",
-                                 scene_.path.string()));
+  if (!scene_.sun && scene_.sky_radiance <= 0 && !scene_.thermal) {
+    throw InputError(fmt::format(
+        "{}: no light (found neither [sun] nor [sky] that shines, nor [thermal], allowed one or more of them)",
+        scene_.path.string()));
   }
+  check_emission();
 }
 
 std::string Scene::where(const std::string& key) const {

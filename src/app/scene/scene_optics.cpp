@@ -208,7 +208,7 @@ void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {
 void SceneReader::read_cloud(const ConfigReader& reader) {
   reader.check_keys({"file", "grid", "quantity", "scale", "voxel_size_m", "up_axis", "effective_radius_um",
                      "effective_radius_grid", "single_scattering_albedo", "single_scattering_albedo_grid",
-                     "phase_function"});
+                     "temperature_grid", "phase_function"});
   SceneCloud cloud;
   cloud.file = existing_file(reader, "file");
   if (reader.has("grid")) cloud.read.grid = reader.text("grid");
@@ -233,8 +233,12 @@ void SceneReader::read_cloud(const ConfigReader& reader) {
     }
     cloud.single_scattering_albedo_grid = reader.text("single_scattering_albedo_grid");
   }
+  if (reader.has("temperature_grid")) {
+    check_thermal_key(reader, "temperature_grid");
+    cloud.temperature_grid = reader.text("temperature_grid");
+  }
   read_cloud_optics(reader, cloud);
-  for (const char* key : {"file", "quantity", "effective_radius_um"}) remember(reader, key);
+  for (const char* key : {"file", "quantity", "effective_radius_um", "temperature_grid"}) remember(reader, key);
   scene_.cloud = std::move(cloud);
 }
 

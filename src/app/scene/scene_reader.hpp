@@ -1,5 +1,5 @@
-// The scene at one of its wavelengths, read table by table. The file scene.cpp reads domain, sun and surface. The file
-// scene_optics.cpp reads the optics, and scene_settings.cpp the solver and the outputs.
+// The scene at one of its wavelengths, read table by table. The file scene.cpp reads domain, sun and surface,
+// scene_optics.cpp the optics, scene_thermal.cpp air and temperatures, scene_settings.cpp the solver and the outputs.
 #pragma once
 
 #include <cstddef>
@@ -73,9 +73,20 @@ class SceneReader {
   /// Counter-clockwise from +x, from whichever of the two keys is there.
   static std::optional<double> read_azimuth(const ConfigReader& reader);
   void read_sun(const ConfigReader& reader);
+  void read_sky(const ConfigReader& reader);
   void read_surface(const ConfigReader& reader);
   void read_albedo_map_key(const ConfigReader& reader);
-  void check_whole() const;
+  void read_atmosphere_table(const ConfigReader& reader);
+  void read_thermal(const ConfigReader& reader);
+  /// The temperature of the ground, or its map.
+  void read_surface_temperature(const ConfigReader& reader);
+  /// `quantity` of an image: whether it is the brightness temperature.
+  bool read_quantity(const ConfigReader& reader) const;
+  /// @throws InputError for a key that has no meaning without [thermal].
+  void check_thermal_key(const ConfigReader& reader, const std::string& key) const;
+  /// What [thermal] needs of the scene, and what [atmosphere] is for.
+  void check_emission();
+  void check_whole();
 
   /// Name of an image in results and pictures.
   std::string read_image_name(const ConfigReader& reader) const;

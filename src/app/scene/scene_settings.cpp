@@ -43,6 +43,10 @@ void read_field(const ConfigReader& reader, const std::string& name, SceneOutput
     output.errors = true;
     return;
   }
+  if (name == "heating_rate") {
+    output.heating_rate = true;
+    return;
+  }
   bool found = false;
   std::vector<std::string> allowed;
   for (const OutputField& field : output_fields()) {
@@ -52,7 +56,7 @@ void read_field(const ConfigReader& reader, const std::string& name, SceneOutput
     if (field.asked != nullptr) output.*field.asked = true;
   }
   if (found) return;
-  allowed.insert(allowed.end(), {"radiance_field", "errors"});
+  allowed.insert(allowed.end(), {"heating_rate", "radiance_field", "errors"});
   reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", name),
               fmt::format("{}", fmt::join(allowed, ", ")));
 }
@@ -72,7 +76,7 @@ std::optional<double> read_max_level_optical_depth(const ConfigReader& reader) {
 }  // namespace
 
 void SceneReader::read_radiance(const ConfigReader& reader) {
-  reader.check_keys({"name", "zenith_deg", "azimuth_deg", "bearing_deg", "width", "height"});
+  reader.check_keys({"name", "zenith_deg", "azimuth_deg", "bearing_deg", "width", "height", "quantity"});
   SceneRadiance radiance;
   radiance.name = read_image_name(reader);
   radiance.zenith_deg = reader.number("zenith_deg", {"0 to 180 without 89 to 91", 0, 180});
@@ -86,11 +90,13 @@ void SceneReader::read_radiance(const ConfigReader& reader) {
   }
   radiance.width = reader.find_integer("width", 1, max_pixels).value_or(0);
   radiance.height = reader.find_integer("height", 1, max_pixels).value_or(0);
+  radiance.brightness_temperature = read_quantity(reader);
   scene_.radiances.push_back(radiance);
 }
 
 void SceneReader::read_camera(const ConfigReader& reader) {
-  reader.check_keys({"name", "type", "position_m", "look_at_m", "up", "field_of_view_deg", "width", "height", "rays"});
+  reader.check_keys(
+      {"name", "type", "position_m", "look_at_m", "up", "field_of_view_deg", "width", "height", "rays", "quantity"});
   const std::string name = read_image_name(reader);
   const std::string type = reader.find_choice("type", {"perspective", "fisheye", "panorama"}).value_or("perspective");
   const auto vector = [&](const char* key) -> std::optional<Eigen::Vector3d> {
@@ -132,6 +138,7 @@ void SceneReader::read_camera(const ConfigReader& reader) {
     scene_.cameras.push_back(
         make_camera(name, projection, placement, field_of_view_deg * std::numbers::pi / 180, width, height, rays));
   });
+  if (read_quantity(reader)) scene_.thermal_cameras.push_back(name);
   remember(reader, "position_m");
 }
 
@@ -205,7 +212,7 @@ void SceneReader::read_output(const ConfigReader& reader) {
     }
     for (const std::string& name : *fields) read_field(reader, name, output);
   }
-  remember(reader, "flux_levels");
+  for (const char* key : {"flux_levels", "fields"}) remember(reader, key);
 }
 
 }  // namespace cloudbow

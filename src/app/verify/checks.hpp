@@ -13,6 +13,7 @@ std::vector<PhysicalCheck> sphere_checks();
 std::vector<PhysicalCheck> optics_checks();
 std::vector<PhysicalCheck> column_checks();
 std::vector<PhysicalCheck> energy_checks();
+std::vector<PhysicalCheck> thermal_checks();
 std::vector<PhysicalCheck> direction_checks();
 std::vector<PhysicalCheck> field_checks();
 

@@ -60,7 +60,15 @@ inline Solution solution(int nx, int ny, int nz, std::vector<int> flux_level = {
   s.absorbed_power = field(4, count(nz), ny, nx);
   s.actinic_flux = field(5, count(nz), ny, nx);
   s.actinic_flux.front() = std::numeric_limits<float>::quiet_NaN();
-  s.ledger = {0.5, 0.375, 0.125, 0.0625, 0.03125, 0.25, 0.28125, 1e-7};
+  s.ledger = {.power = 8,
+              .reflectance = 0.5,
+              .transmittance = 0.375,
+              .transmittance_direct = 0.125,
+              .absorptance = 0.0625,
+              .surface_absorptance = 0.03125,
+              .side_gain = 0.25,
+              .side_loss = 0.28125,
+              .residual = 1e-7};
   s.report = {.converged = true,
               .sweeps = 17,
               .estimated_error = 5e-5,
@@ -85,6 +93,15 @@ inline Solution solution(int nx, int ny, int nz, std::vector<int> flux_level = {
               .fit_closure = 1e-12,
               .fit_max_error = 0.01,
               .fit_fallbacks = 0};
+  return s;
+}
+
+/// Of a scene that emits, without sun.
+inline Solution thermal_solution(int nx, int ny, int nz) {
+  Solution s = solution(nx, ny, nz);
+  s.emits = true;
+  s.ledger.incident = .25;
+  s.ledger.surface_emission = .75;
   return s;
 }
 

@@ -17,6 +17,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
+#include "cloudbow/io/boundary_result.hpp"
 #include "cloudbow/io/result_file.hpp"
 #include "sample_solution.hpp"
 
@@ -174,6 +175,79 @@ TEST_F(ResultFile, NoReflectanceFactorWithoutASun) {
   const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   EXPECT_EQ(H5Lexists(file, "reflectance_factor_columns", H5P_DEFAULT), 0);
   EXPECT_EQ(H5Lexists(file, "radiance_columns", H5P_DEFAULT), 1);
+  H5Fclose(file);
+}
+
+std::string read_attribute(hid_t file, const char* object, const char* name) {
+  std::string text(256, '\0');
+  EXPECT_GE(H5LTget_attribute_string(file, object, name, text.data()), 0) << object << ' ' << name;
+  return text.substr(0, text.find('\0'));
+}
+
+// Brightness temperature of a radiance B(T) is T; fractions of what enters mean nothing where matter emits.
+TEST_F(ResultFile, OfASceneThatEmitsHoldsFluxesAndTemperatures) {
+  const PlanckFunction planck = PlanckFunction::at(10.8);
+  Solution solution = sample::thermal_solution(3, 2, 1);
+  solution.sun = Sun{Direction(0, 0.8, -0.6), 10};
+  const Solution with_image = with_images(1);
+  solution.images = {with_image.images[0]};
+  solution.camera_images = with_image.camera_images;
+  for (std::size_t n = 0; n < 6; ++n)
+    solution.images[0].radiance[n] = n == 0 ? 0 : static_cast<float>(planck(200 + 20 * static_cast<double>(n)));
+  ResultInfo info = sample::info();
+  info.thermal = {{planck, 10.8, {}, "us-1976", 288.2, "", "temperature", 3.}};
+  info.brightness_temperatures = {"columns", "eye"};
+  info.heating_rates = {{std::vector<float>(6, 2e-3F), {1e-3}}};
+  write_result(folder_ / "r.h5", solution, info);
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const auto kelvin = read_values<float>(file, "brightness_temperature_columns", H5T_NATIVE_FLOAT);
+  EXPECT_EQ(kelvin[0], 0);
+  for (std::size_t n = 1; n < 6; ++n)
+    EXPECT_NEAR(kelvin[n], 200 + 20 * static_cast<double>(n), 1e-3) << "radiance in float";
+  EXPECT_TRUE(std::isnan(read_values<float>(file, "brightness_temperature_eye", H5T_NATIVE_FLOAT)[2]));
+  EXPECT_EQ(H5Lexists(file, "reflectance_factor_columns", H5P_DEFAULT), 0);
+  EXPECT_EQ(H5Lexists(file, "absorbed_power", H5P_DEFAULT), 0);
+  EXPECT_EQ(H5LTfind_dataset(file, "net_absorbed_power"), 1);
+  for (const auto& [variable, units] :
+       {std::pair("upwelling_flux", "W m-2 um-1"), std::pair("radiance_columns", "W m-2 sr-1 um-1"),
+        std::pair("net_absorbed_power", "W m-3 um-1"), std::pair("heating_rate", "K s-1 um-1"),
+        std::pair("brightness_temperature_eye", "K")})
+    EXPECT_EQ(read_attribute(file, variable, "units"), units) << variable;
+  EXPECT_EQ(read_attribute(file, "heating_rate", "units_metadata"), "temperature: difference");
+  EXPECT_THAT(read_values<double>(file, "profile/heating_rate", H5T_NATIVE_DOUBLE), ElementsAre(1e-3));
+  EXPECT_THAT(read_values<double>(file, "profile/z", H5T_NATIVE_DOUBLE), ElementsAre(520));
+  EXPECT_EQ(read_number(file, "ledger", "power"), 8);
+  EXPECT_EQ(read_number(file, "ledger", "upwelling_top"), 4);
+  EXPECT_EQ(read_number(file, "ledger", "surface_emitted"), 6);
+  EXPECT_EQ(read_number(file, "ledger", "incident"), 2);
+  EXPECT_EQ(read_attribute(file, "ledger", "units"), "W m-2 um-1");
+  EXPECT_EQ(read_number(file, "summary", "energy_residual"), solution.ledger.residual);
+  EXPECT_EQ(H5Aexists_by_name(file, "summary", "reflectance", H5P_DEFAULT), 0);
+  EXPECT_EQ(read_number(file, "thermal", "wavelength_um"), 10.8);
+  EXPECT_EQ(read_number(file, "thermal", "surface_temperature_k"), 288.2);
+  EXPECT_EQ(read_attribute(file, "thermal", "cloud_temperature_grid"), "temperature");
+  H5Fclose(file);
+
+  const BoundaryResult boundary = read_boundary_result(folder_ / "r.h5");
+  EXPECT_EQ(boundary.fluxes[0].reflectance, solution.ledger.reflectance) << "of power, for trade-offs";
+  EXPECT_EQ(boundary.fluxes[0].transmittance, solution.ledger.transmittance);
+}
+
+TEST_F(ResultFile, OfABandHasTheUnitsOfSunlight) {
+  Solution solution = sample::thermal_solution(3, 2, 1);
+  ResultInfo info = sample::info();
+  info.thermal = {{PlanckFunction::over({8, 12}), {}, std::array<double, 2>{8, 12}, "inline", {}, "t.nc", "", {}}};
+  info.heating_rates = {{std::vector<float>(6, 2e-3F), {1e-3}}};
+  write_result(folder_ / "r.h5", solution, info);
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_EQ(read_attribute(file, "upwelling_flux", "units"), "W m-2");
+  EXPECT_EQ(read_attribute(file, "upwelling_flux", "standard_name"), "upwelling_longwave_flux_in_air");
+  EXPECT_EQ(read_attribute(file, "heating_rate", "standard_name"),
+            "tendency_of_air_temperature_due_to_longwave_heating");
+  std::array<double, 2> band{};
+  EXPECT_GE(H5LTget_attribute_double(file, "thermal", "band_um", band.data()), 0);
+  EXPECT_THAT(band, ElementsAre(8, 12));
+  EXPECT_EQ(read_attribute(file, "thermal", "surface_temperature_map"), "t.nc");
   H5Fclose(file);
 }
 

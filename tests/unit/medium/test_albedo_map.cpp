@@ -87,7 +87,7 @@ struct Picture {
 
 TEST_F(AlbedoMapFile, ReadsGreyOfAPngFromTheLowestLineUp) {
   const Picture picture{.line = {{0, 51, 255}, {102, 153, 204}}};
-  const AlbedoMap map = read_albedo_map(picture.write(folder_ / "map.png"));
+  const GroundMap map = read_albedo_map(picture.write(folder_ / "map.png"));
   EXPECT_EQ(map.nx, 3);
   EXPECT_EQ(map.ny, 2);
   EXPECT_THAT(map.value, Pointwise(FloatEq(), {.4F, .6F, .8F, 0.F, .2F, 1.F}));
@@ -227,7 +227,7 @@ TEST_F(AlbedoMapFile, CoordinatesAndNamesSayWhichWayItLies) {
   NetcdfFile content;
   content.dimension = {{{"y", {0, 100}, "m"}, 2}, {{"x", {.2, .1, 0}, "km"}, 3}};
   expect_values(content.write(folder_ / "map.nc"), {.2F, .1F, 0, .5F, .4F, .3F});
-  const AlbedoMap map = read_albedo_map(folder_ / "map.nc");
+  const GroundMap map = read_albedo_map(folder_ / "map.nc");
   EXPECT_NEAR(*map.length_m[0], 300, 1e-4);  // coordinates in floats
   EXPECT_EQ(*map.length_m[1], 200);
   content.dimension = {{{"lon"}, 2}, {{"lat", {3, 2, 1}, "degrees_north"}, 3}};
@@ -278,6 +278,31 @@ TEST_F(AlbedoMapFile, ObeysPackingAndUnits) {
   content = {};
   content.first = -.1;
   EXPECT_THAT(message(content.write(folder_ / "map.nc")), HasSubstr("found -0.1 at row 0, column 0"));
+}
+
+TEST_F(AlbedoMapFile, TemperaturesAreInKelvin) {
+  const auto message_of = [&](const fs::path& file) -> std::string {
+    try {
+      read_temperature_map(file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  NetcdfFile content;
+  content.name = "surface_temperature";
+  content.first = 280;
+  content.step = 2;
+  content.units = "K";
+  EXPECT_THAT(read_temperature_map(content.write(folder_ / "map.nc")).value,
+              Pointwise(FloatEq(), {280.F, 282.F, 284.F, 286.F, 288.F, 290.F}));
+  content.units = "degC";
+  EXPECT_THAT(message_of(content.write(folder_ / "map.nc")), AllOf(HasSubstr("found 'degC'"), HasSubstr("allowed K")));
+  content.units = "";
+  content.first = 10;
+  EXPECT_THAT(message_of(content.write(folder_ / "map.nc")),
+              AllOf(HasSubstr("found 10 at row 0, column 0"), HasSubstr("100 to 1000 K, not Celsius")));
+  EXPECT_THAT(message_of(Picture{.line = {{0, 51, 255}}}.write(folder_ / "map.png")), HasSubstr("found PNG"));
 }
 
 TEST_F(AlbedoMapFile, RefusesMissingValues) {
@@ -354,7 +379,7 @@ TEST_F(AlbedoMapInHdf5, SaysWhatIsWrong) {
 }
 
 TEST(CheckCovers, MapsWithCoordinatesHaveTheSizeOfTheDomain) {
-  AlbedoMap map{200, 2, std::vector<float>(400, .5F), {}};
+  GroundMap map{200, 2, std::vector<float>(400, .5F), {}};
   EXPECT_NO_THROW(check_covers(map, "m.nc", {1, 1}));  // no coordinates: any size
   map.length_m = {1000, 500};
   EXPECT_NO_THROW(check_covers(map, "m.nc", {1009, 740}));  // along y a cell is half of the map
@@ -373,7 +398,7 @@ TEST(CheckCovers, MapsWithCoordinatesHaveTheSizeOfTheDomain) {
 }
 
 TEST(AreaMeans, KeepTheMeanAndTheValuesOfEqualCells) {
-  const AlbedoMap map{3, 2, {0, 1, 2, 3, 4, 5}, {}};
+  const GroundMap map{3, 2, {0, 1, 2, 3, 4, 5}, {}};
   EXPECT_EQ(area_means(map, 3, 2), map.value);
   EXPECT_EQ(area_means(map, 1, 1), (std::vector<float>{2.5F}));
   EXPECT_EQ(area_means(map, 6, 1), (std::vector<float>{1.5F, 1.5F, 2.5F, 2.5F, 3.5F, 3.5F}));
@@ -388,7 +413,7 @@ TEST(AreaMeans, KeepTheMeanAndTheValuesOfEqualCells) {
 
 // When each row was widened to the columns and kept, this took 2.4 GB.
 TEST(AreaMeans, OfALongStripTakeNoMoreMemoryThanItsColumns) {
-  const AlbedoMap strip{1, 100000, std::vector<float>(100000, .5F), {}};
+  const GroundMap strip{1, 100000, std::vector<float>(100000, .5F), {}};
   EXPECT_THAT(area_means(strip, 3000, 2), testing::Each(FloatEq(.5F)));
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

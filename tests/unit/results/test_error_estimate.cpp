@@ -53,6 +53,14 @@ TEST(FluxDistance, OfColumnsIsTheirRootMeanSquareOverTheMean) {
   EXPECT_EQ(distance.domain, 0);
 }
 
+TEST(FluxDistance, OfScenesThatEmitIsOfThePowerIncidentAndEmitted) {
+  Solution solution = made_up(0, 0), other = made_up(0, 0);
+  solution.emits = other.emits = true;
+  solution.ledger.power = other.ledger.power = 25;
+  other.profile_upwelling_flux[0] += .5;
+  EXPECT_NEAR(flux_distance(solution, other).domain, .5 / 25, 1e-12);
+}
+
 TEST(FluxDistance, OfTheDomainIsTheLargestOfAnyLevel) {
   Solution other = made_up(0, 0);
   other.profile_upwelling_flux[0] += .5;

@@ -23,6 +23,16 @@ TEST(SummaryTable, ShowsLedgerAndCost) {
   EXPECT_THAT(table, EndsWith("\nconverged\n"));
 }
 
+TEST(SummaryTable, ShowsFluxesOfScenesThatEmit) {
+  const std::string table = summary_table(sample::thermal_solution(2, 2, 2), "W m-2 um-1");
+  EXPECT_THAT(table, HasSubstr("flux up at the top           4 W m-2 um-1\n"));
+  EXPECT_THAT(table, HasSubstr("flux down, ground            3 W m-2 um-1\n"));
+  EXPECT_THAT(table, HasSubstr("net absorbed by air        0.5 W m-2 um-1\n"));
+  EXPECT_THAT(table, HasSubstr("net absorbed, ground     -5.75 W m-2 um-1\n"));
+  EXPECT_THAT(table, Not(HasSubstr("reflectance")));
+  EXPECT_THAT(table, Not(HasSubstr("transmittance")));
+}
+
 TEST(SummaryTable, ShowsSidesOnlyWhereTheyAreOpen) {
   Solution solution = sample::solution(2, 2, 2);
   EXPECT_THAT(summary_table(solution), Not(HasSubstr("side")));

@@ -131,8 +131,9 @@ TEST_F(AssembleTest, DropletsFromLiquidWater) {
               AllOf(HasSubstr("effective_radius_um"), HasSubstr("missing")));
 }
 
-/// A map of 1 x 2 albedos, .1 and .7, at these places along x.
-void write_map(const std::filesystem::path& file, std::array<double, 2> x, const std::string& units) {
+/// A map of 1 x 2 values, albedos of .1 and .7 if no others are given, at these places along x.
+void write_map(const std::filesystem::path& file, std::array<double, 2> x, const std::string& units,
+               const char* name = "albedo", const std::array<float, 2>& value = {.1F, .7F}) {
   int id = 0, y_dimension = 0, x_dimension = 0, coordinate = 0, variable = 0;
   ASSERT_EQ(nc_create(file.c_str(), NC_CLOBBER, &id), NC_NOERR);
   nc_def_dim(id, "y", 1, &y_dimension);
@@ -140,11 +141,10 @@ void write_map(const std::filesystem::path& file, std::array<double, 2> x, const
   nc_def_var(id, "x", NC_DOUBLE, 1, &x_dimension, &coordinate);
   nc_put_att_text(id, coordinate, "units", units.size(), units.c_str());
   const std::array<int, 2> dimensions{y_dimension, x_dimension};
-  nc_def_var(id, "albedo", NC_FLOAT, 2, dimensions.data(), &variable);
+  nc_def_var(id, name, NC_FLOAT, 2, dimensions.data(), &variable);
   nc_enddef(id);
   nc_put_var_double(id, coordinate, x.data());
-  const std::array<float, 2> albedo{.1F, .7F};
-  nc_put_var_float(id, variable, albedo.data());
+  nc_put_var_float(id, variable, value.data());
   nc_close(id);
 }
 
@@ -476,6 +476,84 @@ TEST(Accuracy, ColumnsAreSolvedInDoubleAndFineOnesWithTheirOwnDirections) {
   EXPECT_EQ(accuracy_options("fine", false, false).directions, "double-gauss-12x24");
   EXPECT_EQ(accuracy_options("fine", true, false).directions, "double-gauss-16x24");
   EXPECT_EQ(accuracy_options("fine", true, true).fit.beam_delta_m_order, 16);
+}
+
+const std::string air = "[atmosphere]\nheight_m = [0, 1000]\ntemperature_k = [290, 280]\nstandard = \"us-1976\"\n";
+
+// The voxel from 25 to 50 m has the temperature of the air in its middle, 289.625 K, or that of its own grid.
+TEST_F(AssembleTest, TemperaturesBecomePlanckRadiances) {
+  const PlanckFunction planck = PlanckFunction::at(10.8);
+  const std::string thermal = air + "[thermal]\nwavelength_um = 10.8\n";
+  const std::string emission = "irradiance_w_m2 = 0\n" + thermal + "[surface]\ntemperature_k = 300\n";
+  const Problem of_air = assembled(emission).problem;
+  ASSERT_TRUE(of_air.emits());
+  ASSERT_EQ(of_air.grid.planck.size(), 1U);
+  constexpr double rounding = 1e-6;  // of floats, and B is not quite linear in a voxel
+  EXPECT_NEAR(of_air.grid.planck[0] / planck(289.625), 1, rounding);
+  EXPECT_NEAR(of_air.grid.planck_step[0] / (planck(289.5) - planck(289.75)), 1, 1e-3);
+  EXPECT_EQ(of_air.surface.planck, planck(300));
+
+  CloudField field = make_cloud_field(
+      {4, 3, 2}, {25, 25, 25}, {0, 0, 0},
+      [] {
+        std::vector<float> dense(24, 0.F);
+        dense[(1 * 3 + 1) * 4 + 1] = .02F;
+        return dense;
+      }(),
+      "extinction");
+  write_cloud_vdb(folder_ / "cloud.vdb", field, {}, {{"T", "temperature", "K", {275.F}}, {"C", "", "", {2.F}}});
+  const std::string cloud = "single_scattering_albedo = 0.9\ntemperature_grid = ";
+  const AssembledScene of_grid = assembled(emission, cloud + "\"T\"");
+  EXPECT_NEAR(of_grid.problem.grid.planck[0] / planck(275), 1, rounding);
+  EXPECT_EQ(of_grid.cloud->temperature_k, (std::array<double, 2>{275, 275}));
+  EXPECT_THAT(message(emission, cloud + "\"C\""),
+              AllOf(HasSubstr("scene.toml:5: cloud.temperature_grid"), HasSubstr("has the value 2 (150 to 350")));
+  EXPECT_THAT(message(emission, cloud + "\"absent\""), AllOf(HasSubstr("temperature_grid"), HasSubstr("absent")));
+  EXPECT_THAT(message("", cloud + "\"T\""), HasSubstr("nothing emits without [thermal]"));
+  EXPECT_THAT(
+      message("irradiance_w_m2 = 0\n" + air + "[thermal]\nwavelength_um = 0.2\n[surface]\ntemperature_k = 300\n"),
+      HasSubstr("nothing emits in this spectral interval"));
+}
+
+TEST_F(AssembleTest, MapsOfTemperatureAreMeansOfRadiance) {
+  const PlanckFunction planck = PlanckFunction::over({8, 12});
+  write_map(folder_ / "map.nc", {25, 75}, "m", "surface_temperature", {280, 300});
+  const auto problem_of = [&](const std::string& more) {
+    return assembled("irradiance_w_m2 = 0\n" + air +
+                     "[thermal]\nband_um = [8, 12]\n[surface]\ntemperature_map = \"map.nc\"\n" + more)
+        .problem;
+  };
+  const std::vector<float> map = problem_of("").surface.planck_map;
+  ASSERT_EQ(map.size(), 12U);
+  EXPECT_FLOAT_EQ(map[0], static_cast<float>(planck(280)));
+  EXPECT_FLOAT_EQ(map[3], static_cast<float>(planck(300)));
+  const std::vector<float> mixed =
+      problem_of("[domain]\nmin_m = [25, 0, 0]\nmax_m = [100, 75, 50]\n").surface.planck_map;
+  EXPECT_EQ(mixed.size(), 9U);
+}
+
+TEST_F(AssembleTest, LayersThatAbsorbHaveLevelsFineEnoughForPlanck) {
+  const auto levels = [&](const std::string& more) {
+    const std::string layer =
+        "[[layer]]\nbottom_m = 50\ntop_m = 10050\noptical_depth = 1e-9\nphase_function = "
+        "\"isotropic\"\nsingle_scattering_albedo = ";
+    return assembled("irradiance_w_m2 = 1\n[atmosphere]\nstandard = \"us-1976\"\n" + layer + more).problem.grid;
+  };
+  const std::string thermal = "[thermal]\nwavelength_um = 10.8\n[surface]\ntemperature_k = 300\n";
+  EXPECT_EQ(levels("0\n").box.nz(), 3);
+  EXPECT_EQ(levels("1\n" + thermal).box.nz(), 3) << "matter that does not absorb does not emit";
+  const OpticalGrid fine = levels("0\n" + thermal);
+  const PlanckFunction planck = PlanckFunction::at(10.8);
+  const Atmosphere standard = us_standard_1976();
+  EXPECT_GT(fine.box.nz(), 3);
+  for (int k = 0; k < fine.box.nz(); ++k) {
+    const double low = fine.box.z_edge_m[k], high = fine.box.z_edge_m[k + 1];
+    const auto radiance = [&](double z) { return planck(standard.temperature_at(z)); };
+    for (const double t : {.25, .5, .75}) {
+      EXPECT_NEAR(radiance(low + t * (high - low)), (1 - t) * radiance(low) + t * radiance(high), 1.01e-3 * planck(300))
+          << low << " m";
+    }
+  }
 }
 
 }  // namespace

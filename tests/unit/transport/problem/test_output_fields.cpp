@@ -25,6 +25,24 @@ TEST(OutputFields, NamesAndArraysAreDistinct) {
   }
 }
 
+TEST(OutputFields, NamesAndUnitsOfScenesThatEmit) {
+  Solution solution;
+  const auto names = [&](std::size_t n, SpectralUnit unit) { return names_of(output_fields()[n], solution, unit); };
+  EXPECT_EQ(names(3, SpectralUnit::band).name, "absorbed_power");
+  EXPECT_STREQ(names(0, SpectralUnit::band).standard_name, "upwelling_shortwave_flux_in_air");
+  solution.emits = true;
+  EXPECT_EQ(names(3, SpectralUnit::band).name, "net_absorbed_power");
+  EXPECT_EQ(names(3, SpectralUnit::band).units, "W m-3");
+  EXPECT_EQ(names(3, SpectralUnit::wavelength).units, "W m-3 um-1");
+  EXPECT_EQ(names(0, SpectralUnit::wavelength).units, "W m-2 um-1");
+  EXPECT_STREQ(names(0, SpectralUnit::band).standard_name, "upwelling_longwave_flux_in_air");
+  EXPECT_STREQ(names(1, SpectralUnit::band).standard_name, "downwelling_longwave_flux_in_air");
+  EXPECT_STREQ(names(0, SpectralUnit::wavelength).standard_name, "upwelling_radiative_flux_per_unit_wavelength_in_air");
+  solution.sun = Sun{};
+  for (std::size_t n = 0; n < output_fields().size(); ++n)
+    EXPECT_EQ(names(n, SpectralUnit::band).standard_name, nullptr) << "neither shortwave nor longwave";
+}
+
 TEST(OutputFields, FieldsOfCellsAreCountedIfAskedFor) {
   OutputOptions options;
   EXPECT_EQ(cell_field_count(options), 1) << "absorbed power is the default";

@@ -1,0 +1,20 @@
+// Groups of a result file that contain attributes alone.
+#pragma once
+
+#include "io/solution_writer.hpp"
+
+namespace cloudbow {
+
+/// Fractions of the incident power; of scenes that emit, the residual alone.
+void write_summary(hid_t file, const SolutionWriter& writer);
+/// The energy ledger in W m-2.
+void write_ledger(hid_t file, const SolutionWriter& writer);
+/// Spectral interval and temperatures of emission; nothing without them.
+void write_thermal(hid_t file, const SolutionWriter& writer);
+void write_solver(hid_t file, const SolutionWriter& writer);
+/// Nothing without estimates.
+void write_error_estimate(hid_t file, const SolutionWriter& writer);
+/// Nothing without a plan.
+void write_plan(hid_t file, const SolutionWriter& writer);
+
+}  // namespace cloudbow
