@@ -24,7 +24,7 @@ using hdf5::Handle;
 
 namespace {
 
-constexpr std::int32_t checkpoint_format = 3;
+constexpr std::int32_t checkpoint_format = 4;
 constexpr hsize_t chunk_values = hsize_t{1} << 17;
 
 constexpr const char* allowed = "a file of run --checkpoint";

@@ -182,6 +182,7 @@ struct VoxelSums {
   double mass = 0;
   double mass_over_radius = 0;
   double scattering = 0;
+  double mass_times_kelvin = 0;
   double largest_mass = 0;
   float index = 0;
   bool is_mixed = false;
@@ -196,6 +197,7 @@ VoxelSums sums_of(const LevelledCloud& cloud, int i, int j, int first, const std
     sums.mass += mass;
     if (!cloud.effective_radius_um.empty()) sums.mass_over_radius += mass / cloud.effective_radius_um[cell];
     if (!cloud.single_scattering_albedo.empty()) sums.scattering += mass * cloud.single_scattering_albedo[cell];
+    if (!cloud.temperature_k.empty()) sums.mass_times_kelvin += mass * cloud.temperature_k[cell];
     if (cloud.phase_index.empty()) continue;
     sums.is_mixed = sums.is_mixed || (sums.index != 0 && sums.index != cloud.phase_index[cell]);
     if (mass > sums.largest_mass) {
@@ -227,7 +229,8 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 max_import_cells);
   }
-  constexpr double bytes_per_cell = 36;  // five fields of floats, and two of doubles, of which one is being read
+  // Five fields of floats, and two of doubles, of which one is being read.
+  const double bytes_per_cell = options.temperature_grid ? 40 : 36;
   const double allowed =
       static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {
@@ -332,6 +335,7 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   VdbAuxiliary radius{"reff", "effective_radius", "um", {}};
   VdbAuxiliary albedo{"single_scattering_albedo", "single_scattering_albedo", "1", {}};
   VdbAuxiliary index{"phase_index", "phase_index", "1", {}};
+  VdbAuxiliary temperature{"temperature", "temperature", "K", {}};
   std::size_t mixed = 0;
   RowSpanWriter rows(field);
   for (int k = 0; k < levels.count; ++k) {
@@ -348,6 +352,8 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
           albedo.value.push_back(std::min(1.0F, static_cast<float>(sums.scattering / sums.mass)));
         }
         if (!cloud.phase_index.empty()) index.value.push_back(sums.index);
+        if (!cloud.temperature_k.empty())
+          temperature.value.push_back(static_cast<float>(sums.mass_times_kelvin / sums.mass));
         if (sums.is_mixed) ++mixed;
       }
       rows.end_row();
@@ -359,7 +365,7 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
                     "the larger part; a --vertical-size-m whose voxels end where the levels do keeps them apart",
                     mixed, field.active_voxels()));
   }
-  for (VdbAuxiliary* auxiliary : {&radius, &albedo, &index}) {
+  for (VdbAuxiliary* auxiliary : {&radius, &albedo, &index, &temperature}) {
     if (!auxiliary->value.empty()) imported.auxiliaries.push_back(std::move(*auxiliary));
   }
   return imported;
@@ -371,6 +377,9 @@ std::string cloud_import_format(const CloudImportOptions& options) {
 
 ImportedCloud import_cloud(const CloudImportOptions& options) {
   const std::string format = cloud_import_format(options);
+  if (options.temperature_grid && format != "les") {
+    fail_import(options.file, "no temperature (found the format {}, allowed les) leave out --temperature-grid", format);
+  }
   if (format == "les") return to_uniform(import_les(options), options);
   if (format == "shdom") return to_uniform(import_shdom(options), options);
   if (format == "columns") return to_uniform(import_columns(options), options);

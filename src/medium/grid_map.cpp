@@ -52,6 +52,12 @@ OpticalGrid remap(const OpticalGrid& grid, GridMap map) {
   if (!other.air.empty()) other.air_error = grid.air_error;
   other.absorption = picked(grid.absorption, map.cell);
   for (const auto& scattering : grid.scattering) other.scattering.push_back(picked(scattering, map.cell));
+  if (grid.emits()) {
+    other.planck = picked(grid.planck, map.cell);
+    other.planck_step = picked(grid.planck_step, map.cell);
+    other.layer_planck = picked(grid.layer_planck, map.level);
+    other.layer_planck_step = picked(grid.layer_planck_step, map.level);
+  }
   other.layer_absorption = picked(grid.layer_absorption, map.level);
   for (const auto& scattering : grid.layer_scattering) other.layer_scattering.push_back(picked(scattering, map.level));
   mark_uniform_levels(other);

@@ -28,6 +28,7 @@ struct LevelledCloud {
   std::vector<float> effective_radius_um;       ///< empty, or > 0 in cells with density
   std::vector<float> single_scattering_albedo;  ///< empty, or 0 to 1
   std::vector<float> phase_index;               ///< empty, or from 1
+  std::vector<float> temperature_k;             ///< empty, or > 0 in cells with density
   std::vector<std::vector<double>> moments;     ///< as in ImportedCloud
   std::vector<std::string> notes;
 

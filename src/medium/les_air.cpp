@@ -145,7 +145,7 @@ const NetcdfVariable* LesAir::base_of(const NetcdfVariable& pressure) const {
   return nullptr;
 }
 
-LesAir::Pressure LesAir::pressure() {
+const NetcdfVariable* LesAir::pressure_variable() const {
   const std::string& given = file_.options.pressure;
   const NetcdfVariable* variable = file_.find(given, pressure_names, "--pressure");
   if (given.empty()) {
@@ -155,7 +155,11 @@ LesAir::Pressure LesAir::pressure() {
       break;
     }
   }
-  if (variable == nullptr) fail_without_density();
+  return variable;
+}
+
+LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
+  const NetcdfVariable* variable = &of;
   const NetcdfVariable* base = base_of(*variable);
   if (base == nullptr && file_.is_perturbation(*variable)) {
     file_.fail(
@@ -194,7 +198,7 @@ const NetcdfVariable* LesAir::temperature_variable() const {
   return file_.find("", potential_temperature_names, "--temperature");
 }
 
-std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Pressure& pressure) {
+std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Pressure* pressure) {
   const std::string meaning = file_.meaning(variable);
   const Names& potential_names = potential_temperature_names.names;
   std::vector<float> value = grid_.read(variable, "temperature");
@@ -223,19 +227,25 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   value = scaled(std::move(value), 1, celsius ? 273.15 : is_from_300 ? wrf_base : 0);
   const auto to_temperature = [&pressure](std::vector<float> theta) {
     for (std::size_t n = 0; n < theta.size(); ++n) {
-      theta[n] = static_cast<float>(theta[n] * std::pow(pressure.pa[n] / potential_pressure, potential_exponent));
+      theta[n] = static_cast<float>(theta[n] * std::pow(pressure->pa[n] / potential_pressure, potential_exponent));
     }
     return theta;
   };
+  if (is_potential && pressure == nullptr) {
+    file_.fail(
+        "'{}' is the potential temperature (found no pressure beside it; fields in the file: {}) name it with "
+        "--pressure",
+        variable.name, file_.fields_there());
+  }
   if (is_potential) {
     value = to_temperature(std::move(value));
     file_.note("temperature: '{}' is {}, T = {} (p / 1e5 Pa)^(2/7)", variable.name,
                is_from_300 ? "the potential temperature less 300 K" : "the potential temperature",
                is_from_300 ? "(300 K + '" + variable.name + "')" : "'" + variable.name + "'");
   }
-  if (!is_potential) {
+  if (!is_potential && pressure != nullptr) {
     std::vector<float> converted = to_temperature(value);
-    if (const std::string sign = sign_of_potential(pressure, value, converted); !sign.empty()) {
+    if (const std::string sign = sign_of_potential(*pressure, value, converted); !sign.empty()) {
       value = std::move(converted);
       file_.note("GUESSED: '{}' is the potential temperature ({}), T = '{}' (p / 1e5 Pa)^(2/7)", variable.name, sign,
                  variable.name);
@@ -287,11 +297,34 @@ std::string LesAir::sign_of_potential(const Pressure& pressure, const std::vecto
                      mean(kelvin, top));
 }
 
+const std::vector<float>& LesAir::temperature() {
+  if (!kelvin_.empty()) return kelvin_;
+  const NetcdfVariable* variable = temperature_variable();
+  if (variable == nullptr) {
+    file_.fail(
+        "no temperature (found neither a temperature nor a potential one; fields in the file: {}) name it with "
+        "--temperature",
+        file_.fields_there());
+  }
+  const NetcdfVariable* of_pressure = pressure_variable();
+  const bool is_known =
+      of_pressure != nullptr && (!file_.is_perturbation(*of_pressure) || base_of(*of_pressure) != nullptr);
+  if (!is_known) {
+    kelvin_ = kelvin_of(*variable, nullptr);
+  } else {
+    const Pressure air = pressure(*of_pressure);
+    kelvin_ = kelvin_of(*variable, &air);
+  }
+  return kelvin_;
+}
+
 void LesAir::set_density_by_gas_law() {
   const NetcdfVariable* variable = temperature_variable();
-  if (variable == nullptr) fail_without_density();
-  const Pressure air = pressure();
-  const std::vector<float> kelvin = kelvin_of(*variable, air);
+  const NetcdfVariable* of_pressure = variable == nullptr ? nullptr : pressure_variable();
+  if (of_pressure == nullptr) fail_without_density();
+  const Pressure air = pressure(*of_pressure);
+  kelvin_ = kelvin_of(*variable, &air);
+  const std::vector<float>& kelvin = kelvin_;
   for (std::size_t n = 0; n < kelvin.size(); ++n)
     density_.push_back(static_cast<float>(air.pa[n] / (gas_constant * kelvin[n])));
   check_range(air.name, density_, 0.01, 2, "kg/m3 of air",

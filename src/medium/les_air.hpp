@@ -1,4 +1,5 @@
-// Density of the air of an LES file: as it is in the file, from pressure and temperature, or as the user gives it.
+// Density of the air of an LES file: as it is in the file, from pressure and temperature, or as the user gives it. And
+// its temperature.
 #pragma once
 
 #include <optional>
@@ -22,6 +23,8 @@ class LesAir {
 
   /// kg/m3 in all cells.
   const std::vector<float>& density();
+  /// K in all cells; if density comes from it too, the same. @throws InputError naming the variables that are missing
+  const std::vector<float>& temperature();
 
  private:
   struct Pressure {
@@ -34,11 +37,13 @@ class LesAir {
   void set_density_by_gas_law();
   [[noreturn]] void fail_without_density() const;
   const NetcdfVariable* base_of(const NetcdfVariable& pressure) const;
-  Pressure pressure();
+  /// Null if the file has none. It may be a perturbation, with a base or without.
+  const NetcdfVariable* pressure_variable() const;
+  Pressure pressure(const NetcdfVariable& variable);
   const NetcdfVariable* temperature_variable() const;
   /// Temperature [K] from a variable that holds itself, the potential one, or the potential one's difference from 300
-  /// K.
-  std::vector<float> kelvin_of(const NetcdfVariable& variable, const Pressure& pressure);
+  /// K. @param pressure null: none is known.
+  std::vector<float> kelvin_of(const NetcdfVariable& variable, const Pressure* pressure);
   /// Mean density of the first column by the gas law over that which the weight of the air gives; nothing if these
   /// cannot be compared.
   std::optional<double> balance(const Pressure& pressure, const std::vector<float>& kelvin) const;
@@ -57,6 +62,7 @@ class LesAir {
   const LesGrid& grid_;
   const std::vector<float>& water_;
   std::vector<float> density_;
+  std::vector<float> kelvin_;
 };
 
 }  // namespace cloudbow

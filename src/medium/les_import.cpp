@@ -32,6 +32,7 @@ class LesReader {
       to_liquid_water_content();
     }
     add_effective_radius();
+    if (options_.temperature_grid) add_temperature();
     report_species();
     check_ground();
     cloud_.notes = std::move(file_.notes);
@@ -317,6 +318,19 @@ class LesReader {
             radius);
       }
     }
+  }
+
+  // -- temperature --------------------------------------------------------------------------------------------------
+
+  void add_temperature() {
+    cloud_.temperature_k = air_.temperature();
+    float lowest = INFINITY, highest = 0;
+    for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
+      if (!(cloud_.density[n] > 0)) continue;
+      lowest = std::min(lowest, cloud_.temperature_k[n]);
+      highest = std::max(highest, cloud_.temperature_k[n]);
+    }
+    file_.note("temperature grid: {:.5g} to {:.5g} K in cells with cloud", lowest, highest);
   }
 
   // -- what else ----------------------------------------------------------------------------------------------------

@@ -425,7 +425,15 @@ OpticalGrid layers_only(const OpticalGrid& grid) {
     if (!layers.empty(k)) builder.add_span(k, 0, 1);
     builder.end_row();
   }
-  return std::move(builder.grid());
+  OpticalGrid column = std::move(builder.grid());
+  if (!grid.emits()) return column;
+  column.layer_planck = grid.layer_planck;
+  column.layer_planck_step = grid.layer_planck_step;
+  column.for_each_place([&](int k, std::size_t, std::size_t) {
+    column.planck.push_back(static_cast<float>(grid.layer_planck[k]));
+    column.planck_step.push_back(static_cast<float>(grid.layer_planck_step[k]));
+  });
+  return column;
 }
 
 OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics,

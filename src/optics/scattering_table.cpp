@@ -227,6 +227,11 @@ ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlP
   const Eigen::Map<const Eigen::VectorXd> weight(ordinates.weight.data(), ordinates.size());
   table.report = joined(table.report, diffuse_columns->report);
   table.points_from_ordinates = diffuse_columns->value * (weight / four_pi).asDiagonal();
+  // Columns are fitted one by one, so isotropic light would become light of a few percent more in some directions. What
+  // a direction lacks is added as a share of the mean radiance. The sum over directions of these shares is 0, because
+  // every column conserves light.
+  const Eigen::VectorXd lacking = 1 - table.points_from_ordinates.rowwise().sum().array();
+  table.points_from_ordinates += lacking * (weight / four_pi).transpose();
   table.ordinates_from_ordinates = to_ordinates * table.points_from_ordinates;
   table.report.closure =
       ((weight.transpose() * table.ordinates_from_ordinates).transpose().array() / weight.array() - 1).abs().maxCoeff();

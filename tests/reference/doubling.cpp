@@ -59,11 +59,14 @@ Index count_downward(const Vector<Real>& mu) {
 template <class Real>
 ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab) {
   const Index diffuse_down = count_downward(slab.mu), ordinates = slab.mu.size(), up = ordinates - diffuse_down;
-  const Index beams = slab.beam_mu.size(), down = diffuse_down + beams, all = down + up;
+  const Index beams = slab.beam_mu.size(), planck = diffuse_down + beams;
+  const Index down = planck + (slab.emission.size() > 0 ? 2 : 0), all = down + up;
 
-  // mu dI/dtau = -extinction I + scatter I, downwards, with the beams as states: they are sources of the others and
-  // have no source.
-  const auto row_of = [&](Index ordinate) { return ordinate < diffuse_down ? ordinate : ordinate + beams; };
+  // mu dI/dtau = -extinction I + scatter I, downwards, with the beams and the Planck radiance as states: they are
+  // sources of the others and have no source.
+  const auto row_of = [&](Index ordinate) {
+    return ordinate < diffuse_down ? ordinate : ordinate + down - diffuse_down;
+  };
   Matrix<Real> change = -Matrix<Real>::Identity(all, all);
   Vector<Real> cosine(all);
   for (Index i = 0; i < ordinates; ++i) {
@@ -74,6 +77,12 @@ ResponseOf<Real> response_by_doubling(const SlabOf<Real>& slab) {
   for (Index b = 0; b < beams; ++b) {
     cosine[diffuse_down + b] = slab.beam_mu[b];
     change(diffuse_down + b, diffuse_down + b) = -slab.beam_extinction;
+  }
+  if (down > planck) {
+    for (Index i = 0; i < ordinates; ++i) change(row_of(i), planck) = slab.emission[i];
+    cosine[planck] = cosine[planck + 1] = 1;
+    change(planck, planck) = change(planck + 1, planck + 1) = 0;
+    change(planck, planck + 1) = 1;
   }
   change = cosine.cwiseInverse().asDiagonal() * change;
 

@@ -30,6 +30,8 @@ struct SlabOf {
   Vector<Real> beam_mu;      ///< B: cosines of the solar zenith angle, positive
   Matrix<Real> beam_source;  ///< D x B: source from beams of unit normal irradiance, ssa included
   Real beam_extinction = 1;  ///< relative to the diffuse light's
+  /// D: source at the ordinates per unit of the Planck radiance; empty: nothing emits
+  Vector<Real> emission;
   Real optical_depth = 1;
   Real surface_albedo = 0;
 };
@@ -37,7 +39,8 @@ using Slab = SlabOf<double>;
 
 /// Light leaving a slab below and above, for light entering above (down) and below (up), without its surface. States of
 /// the downward light are radiances at the downward ordinates, then normal irradiances of the beams; of the upward
-/// light, radiances.
+/// light, radiances. If the slab emits, the downward states end with two more: the Planck radiance at the slab's upper
+/// face and its increase per unit of optical depth downward. Their columns are the emitted light.
 template <class Real>
 struct ResponseOf {
   Matrix<Real> transmit_down, reflect_up;  ///< leaves below: of light that enters above, of light that enters below

@@ -4,36 +4,19 @@
 // photon's weight; Russian roulette ends photons of small weight. Radiances are by local estimation (Marchuk et al.
 // 1980; Marshak & Davis 2005, ch. 12.2), roulette of small contributions after Barker et al. (2003, doi
 // 10.1029/2003JD003580).
+//
+// Thermal emission: photons start in cells and at the surface, as many as these emit. Backward, photons start at the
+// sensor: a plane, a cell or a view. They collect the Planck radiance of the matter that absorbs them. By reciprocity
+// both give the same. Backward, the noise is that of the differences in Planck radiance alone.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "reference/scatterer.hpp"
+
 namespace cloudbow::reference {
-
-/// A phase function with mean 1 over the sphere, and draws from it.
-class Scatterer {
- public:
-  static Scatterer isotropic();
-  static Scatterer rayleigh();                   ///< 3/4 (1 + mu^2)
-  static Scatterer henyey_greenstein(double g);  ///< -1 < g < 1
-  /// @param angle_deg scattering angles, ascending from 0 to 180
-  /// @param value >= 0 at them, any factor; linear in the cosine between
-  static Scatterer table(std::span<const double> angle_deg, std::span<const double> value);
-
-  double operator()(double cos_angle) const;
-  /// The cosine of the scattering angle below which a share `uniform` (0 to 1) of the light goes: the inverse of the
-  /// cumulative distribution, exact for every kind.
-  double cosine_at(double uniform) const;
-
- private:
-  enum class Kind { isotropic, rayleigh, henyey_greenstein, table };
-  Kind kind_ = Kind::isotropic;
-  double g_ = 0;
-  std::vector<double> cosine_, value_, cumulative_;  // of a table, cosines ascending
-};
 
 /// One of the scatterers that fill the cells.
 struct Medium {
@@ -47,7 +30,15 @@ struct View {
   double zenith_deg = 0, azimuth_deg = 0;
 };
 
-/// A box of cells over a Lambertian surface, lit by the sun alone. Angles as in docs/conventions.md: azimuth
+/// Planck radiances of matter, in the unit of the sun's flux per sr; empty: does not emit. A cell emits 4 pi B per
+/// volume and absorption coefficient, the surface (1 - albedo) pi B per area.
+struct Emission {
+  std::vector<double> planck;   ///< mean over the cell, [k][j][i]
+  std::vector<double> step;     ///< upper less lower face of the cell, linear between; empty: 0
+  std::vector<double> surface;  ///< of each column, [j][i]
+};
+
+/// A box of cells over a Lambertian surface, lit by sun, sky and emission. Angles as in docs/conventions.md: azimuth
 /// counter-clockwise from +x, of the position of the sun or sensor.
 struct MonteCarloScene {
   std::array<int, 2> columns = {1, 1};           ///< nx, ny
@@ -56,7 +47,10 @@ struct MonteCarloScene {
   /// Periodic otherwise. Through open sides the sun comes in unattenuated, and light that leaves is lost.
   bool open_sides = false;
   std::vector<Medium> media;
+  Emission emission;
   double surface_albedo = 0;
+  double sun_flux = 1;      ///< through the horizontal; 0: no sun
+  double sky_radiance = 0;  ///< uniform, through the top alone
   double sun_zenith_deg = 0, sun_azimuth_deg = 0;
   std::vector<int> levels;  ///< indices into z_edge_m: levels of the fluxes
   bool absorption = false;  ///< whether absorbed power is counted
@@ -68,6 +62,9 @@ struct MonteCarloEffort {
   int batches = 50;                ///< at least 2; their scatter gives the standard errors
   std::uint64_t seed = 1;
   int threads = 1;  ///< the result does not depend on it
+  /// From the sensors: emission and sky without sun. Columns of planes, with two fluxes, columns of views and cells get
+  /// as many photons each.
+  bool backward = false;
 };
 
 /// A quantity over the columns [j][i], with standard errors.
@@ -76,11 +73,10 @@ struct Plane {
   double mean = 0, mean_standard_error = 0;
 };
 
-/// For unit irradiance of a horizontal surface by the sun.
+/// In the unit of the sun's flux, per area of the column.
 struct MonteCarloResult {
   std::vector<Plane> up, down;  ///< for each of `levels`: flux through the level, down with the direct beam
-  std::vector<Plane>
-      absorbed;  ///< for each layer of cells, the lowest first, if requested: power by area of the column
+  std::vector<Plane> absorbed;  ///< for each layer of cells, the lowest first, if requested: less what it emits
   std::vector<Plane> radiance;  ///< for each of `views` [1/sr]: mean over a column of the top (or bottom) plane
 };
 

@@ -1,13 +1,17 @@
 // monte_carlo JOB: the solver of monte_carlo.hpp on a job in text; the result goes to stdout as JSON. A job is a list
-// of keys with their values, in any order but for `columns` and `z_edges`, which come before `medium`:
+// of keys with their values, in any order; `columns` and `z_edges` come before `medium` and `emission`:
 //   columns NX NY DX DY            cells of DX x DY metres
 //   z_edges NZ Z0 ... Z_NZ         metres, ascending
 //   open_sides 0|1    absorption 0|1    surface_albedo A    sun ZENITH AZIMUTH    view ZENITH AZIMUTH (repeatable)
 //   levels N L1 ... LN             indices of z_edges, from 0
 //   medium SSA isotropic | rayleigh | henyey-greenstein G | table N ANGLE VALUE ... ANGLE VALUE, and then its
 //   extinction:
-//          profile E1 ... E_NZ  or  cells E1 ... E_(NX*NY*NZ), x fastest, the lowest layer first [1/m]
-//   photons N    batches N    seed N    threads N
+//          profile E1 ... E_NZ  or  cells E1 ... E_(NX*NY*NZ), x fastest, the lowest layer first [1/m].
+//   sun_flux F (1)    sky_radiance B (0).
+//   emission planck CELLS | step CELLS | surface B1 ... B_(NX*NY):
+//          mean Planck radiance of the cells; its increase from the lower to the upper face; of the surface.
+//          CELLS as the extinction of a medium: profile or cells.
+//   photons N    batches N    seed N    threads N    backward 0|1
 #include <ctime>
 #include <exception>
 #include <fstream>
@@ -49,23 +53,40 @@ Scatterer get_scatterer(std::istream& in) {
   return Scatterer::table(angle, value);
 }
 
+std::size_t columns_of(const MonteCarloScene& scene) {
+  return static_cast<std::size_t>(scene.columns[0]) * scene.columns[1];
+}
+
+/// A number for each cell: all of them, or one for each layer.
+std::vector<double> get_cells(std::istream& in, const MonteCarloScene& scene) {
+  const auto form = get<std::string>(in, "cells");
+  const std::size_t columns = columns_of(scene), layers = scene.z_edge_m.size() - 1;
+  if (form == "cells") return get_numbers(in, columns * layers, form);
+  if (form != "profile") throw std::runtime_error("the job has an unknown form of cells " + form);
+  std::vector<double> values;
+  for (std::size_t k = 0; k < layers; ++k) values.insert(values.end(), columns, get<double>(in, form));
+  return values;
+}
+
 Medium get_medium(std::istream& in, const MonteCarloScene& scene) {
   Medium medium;
   medium.single_scattering_albedo = get<double>(in, "medium");
   medium.scatterer = get_scatterer(in);
-  const auto form = get<std::string>(in, "medium");
-  const std::size_t columns = static_cast<std::size_t>(scene.columns[0]) * scene.columns[1];
-  const std::size_t layers = scene.z_edge_m.size() - 1;
-  if (form == "cells") {
-    medium.extinction = get_numbers(in, columns * layers, form);
-  } else if (form == "profile") {
-    for (std::size_t k = 0; k < layers; ++k) {
-      medium.extinction.insert(medium.extinction.end(), columns, get<double>(in, form));
-    }
-  } else {
-    throw std::runtime_error("the job has an unknown form of extinction " + form);
-  }
+  medium.extinction = get_cells(in, scene);
   return medium;
+}
+
+void get_emission(std::istream& in, MonteCarloScene& scene) {
+  const auto what = get<std::string>(in, "emission");
+  if (what == "planck") {
+    scene.emission.planck = get_cells(in, scene);
+  } else if (what == "step") {
+    scene.emission.step = get_cells(in, scene);
+  } else if (what == "surface") {
+    scene.emission.surface = get_numbers(in, columns_of(scene), what);
+  } else {
+    throw std::runtime_error("the job has an unknown emission " + what);
+  }
 }
 
 void read_job(std::istream& in, MonteCarloScene& scene, MonteCarloEffort& effort) {
@@ -85,6 +106,12 @@ void read_job(std::istream& in, MonteCarloScene& scene, MonteCarloEffort& effort
       scene.absorption = get<int>(in, key) != 0;
     } else if (key == "surface_albedo") {
       scene.surface_albedo = get<double>(in, key);
+    } else if (key == "emission") {
+      get_emission(in, scene);
+    } else if (key == "sun_flux") {
+      scene.sun_flux = get<double>(in, key);
+    } else if (key == "sky_radiance") {
+      scene.sky_radiance = get<double>(in, key);
     } else if (key == "sun") {
       scene.sun_zenith_deg = get<double>(in, key);
       scene.sun_azimuth_deg = get<double>(in, key);
@@ -104,6 +131,8 @@ void read_job(std::istream& in, MonteCarloScene& scene, MonteCarloEffort& effort
       effort.seed = get<std::uint64_t>(in, key);
     } else if (key == "threads") {
       effort.threads = get<int>(in, key);
+    } else if (key == "backward") {
+      effort.backward = get<int>(in, key) != 0;
     } else {
       throw std::runtime_error("the job has an unknown key " + key);
     }

@@ -98,7 +98,39 @@ SlabOf<Real> make_slab(const PlaneParallelLayer& layer, const Angles<Real>& angl
   slab.beam_mu = beam_mu;
   slab.beam_source = Real(m == 0 ? 1 : 2) * p * factor.asDiagonal() * p_beam.transpose();
   slab.optical_depth = (1 - ssa * f) * layer.optical_depth;
+  const bool emits = m == 0 && (layer.planck_top != 0 || layer.planck_bottom != 0);
+  if (emits) slab.emission = Vector<Real>::Constant(angles.mu.size(), (1 - ssa) / (1 - ssa * f));
   return slab;
+}
+
+/// A slice between two planes, or the ground: its response without the states of emission, and the light it emits.
+struct Slice {
+  const Response* response;
+  VectorXd emitted_down, emitted_up;
+};
+
+/// Slices of all layers, top first. The Planck radiance is linear through the slices of a layer.
+std::vector<Slice> make_slices(const std::vector<PlaneParallelLayer>& layers, std::vector<Response>& responses,
+                               const std::vector<double>& scaled_depth, int count) {
+  std::vector<Slice> slices;
+  for (std::size_t n = 0; n < layers.size(); ++n) {
+    Response& r = responses[n];
+    const Index states = r.reflect_up.cols() + 1, emission = r.transmit_down.cols() - states;  // one beam
+    MatrixXd down = MatrixXd::Zero(states, 2), up = MatrixXd::Zero(states - 1, 2);
+    if (emission > 0) {
+      down = r.transmit_down.topRightCorner(states, 2);
+      up = r.reflect_down.rightCols(2);
+      r = {r.transmit_down.topLeftCorner(states, states).eval(), r.reflect_up.topRows(states).eval(),
+           r.reflect_down.leftCols(states).eval(), r.transmit_up};
+    }
+    const double difference = (layers[n].planck_bottom - layers[n].planck_top) / count;
+    for (int s = 0; s < count; ++s) {
+      const Eigen::Vector2d planck(layers[n].planck_top + s * difference,
+                                   scaled_depth[n] > 0 ? difference / scaled_depth[n] : 0);
+      slices.push_back({&r, down * planck, up * planck});
+    }
+  }
+  return slices;
 }
 
 /// Light at the planes between slices, top first: states as in Response.
@@ -106,27 +138,36 @@ struct Light {
   std::vector<VectorXd> down, up;
 };
 
-/// Adding: the layers below a plane reflect as a whole, plane by plane from the ground up; then light comes down.
-Light add(const std::vector<Response>& responses, int slices, const MatrixXd& ground, const VectorXd& incident) {
-  const std::size_t planes = responses.size() * slices;
-  const auto response = [&](std::size_t plane) -> const Response& { return responses[plane / slices]; };
+/// Adding: what lies below a plane reflects and emits as a whole, plane by plane from the ground up; then light comes
+/// down.
+Light add(const std::vector<Slice>& slices, const MatrixXd& ground, const VectorXd& emitted_by_ground,
+          const VectorXd& incident) {
+  const std::size_t planes = slices.size();
+  const auto to_and_fro = [&](std::size_t k, const MatrixXd& below) -> MatrixXd {
+    const MatrixXd& reflect_up = slices[k].response->reflect_up;
+    return MatrixXd::Identity(reflect_up.rows(), reflect_up.rows()) - reflect_up * below;
+  };
   std::vector<MatrixXd> below(planes + 1);
+  std::vector<VectorXd> glow(planes + 1);  // upward through the plane, of what lies below it, under a dark sky
   below[planes] = ground;
+  glow[planes] = emitted_by_ground;
   for (std::size_t k = planes; k-- > 0;) {
-    const Response& r = response(k);
-    const MatrixXd to_and_fro =
-        MatrixXd::Identity(r.reflect_up.rows(), r.reflect_up.rows()) - r.reflect_up * below[k + 1];
-    below[k] = r.reflect_down + r.transmit_up * (below[k + 1] * to_and_fro.lu().solve(r.transmit_down));
+    const Response& r = *slices[k].response;
+    const auto between = to_and_fro(k, below[k + 1]).lu();
+    below[k] = r.reflect_down + r.transmit_up * (below[k + 1] * between.solve(r.transmit_down));
+    const VectorXd down = between.solve(slices[k].emitted_down + r.reflect_up * glow[k + 1]);
+    glow[k] = slices[k].emitted_up + r.transmit_up * (below[k + 1] * down + glow[k + 1]);
   }
   Light light;
   light.down.push_back(incident);
-  light.up.push_back(below[0] * incident);
+  light.up.push_back(below[0] * incident + glow[0]);
   for (std::size_t k = 0; k < planes; ++k) {
-    const Response& r = response(k);
-    const MatrixXd to_and_fro =
-        MatrixXd::Identity(r.reflect_up.rows(), r.reflect_up.rows()) - r.reflect_up * below[k + 1];
-    light.down.push_back(to_and_fro.lu().solve(r.transmit_down * light.down.back()));
-    light.up.push_back(below[k + 1] * light.down.back());
+    const Response& r = *slices[k].response;
+    light.down.push_back(
+        to_and_fro(k, below[k + 1])
+            .lu()
+            .solve(r.transmit_down * light.down.back() + slices[k].emitted_down + r.reflect_up * glow[k + 1]));
+    light.up.push_back(below[k + 1] * light.down.back() + glow[k + 1]);
   }
   return light;
 }
@@ -136,10 +177,14 @@ Light solve_mode(const PlaneParallelScene& scene, const PlaneParallelEffort& eff
                  int m) {
   const VectorXd sun = VectorXd::Constant(1, scene.sun_mu);
   std::vector<Response> responses;
+  std::vector<double> scaled_depth;
   for (PlaneParallelLayer layer : scene.layers) {
     layer.optical_depth /= effort.slices;
-    responses.push_back(response_by_doubling(make_slab(layer, angles, sun, 2 * effort.angles, m)));
+    const Slab slab = make_slab(layer, angles, sun, 2 * effort.angles, m);
+    responses.push_back(response_by_doubling(slab));
+    scaled_depth.push_back(slab.optical_depth);
   }
+  VectorXd emitted_by_ground = VectorXd::Zero(angles.half);
   MatrixXd ground = MatrixXd::Zero(angles.half, angles.half + 1);
   VectorXd incident = VectorXd::Zero(angles.half + 1);
   incident[angles.half] = scene.irradiance;
@@ -148,8 +193,9 @@ Light solve_mode(const PlaneParallelScene& scene, const PlaneParallelEffort& eff
     ground.leftCols(angles.half).rowwise() = scene.surface_albedo / pi * flux.transpose();
     ground.col(angles.half).setConstant(scene.surface_albedo / pi * scene.sun_mu);
     incident.head(angles.half).setConstant(scene.sky_radiance);
+    emitted_by_ground.setConstant((1 - scene.surface_albedo) * scene.surface_planck);
   }
-  return add(responses, effort.slices, ground, incident);
+  return add(make_slices(scene.layers, responses, scaled_depth, effort.slices), ground, emitted_by_ground, incident);
 }
 
 }  // namespace
@@ -172,9 +218,10 @@ PlaneParallelSolution solve_plane_parallel(const PlaneParallelScene& scene, cons
   const auto azimuths = static_cast<Index>(effort.view_azimuth_deg.size());
   solution.radiance_up_top = light.up.front().tail(views).replicate(1, azimuths);
   solution.radiance_down_bottom = light.down.back().segment(half - views, views).replicate(1, azimuths);
+  // Without sunlight there is the mean over azimuth alone.
   const double negligible = last_mode * (scene.sun_mu * scene.irradiance + pi * scene.sky_radiance);
   int faint = 0;
-  for (int m = 1; views > 0 && m < 2 * effort.angles && faint < 2; ++m) {
+  for (int m = 1; views > 0 && scene.irradiance != 0 && m < 2 * effort.angles && faint < 2; ++m) {
     const Light mode = solve_mode(scene, effort, angles, m);
     const VectorXd up = mode.up.front().tail(views), down = mode.down.back().segment(half - views, views);
     for (Index a = 0; a < azimuths; ++a) {

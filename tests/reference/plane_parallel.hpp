@@ -20,15 +20,19 @@ struct PlaneParallelLayer {
   double optical_depth = 1;
   double single_scattering_albedo = 1;
   Moments moments;
+  /// Planck radiances at the upper and lower face: the layer emits (1 - ssa) B per unit of optical depth, with B linear
+  /// in optical depth between the faces.
+  double planck_top = 0, planck_bottom = 0;
 };
 
-/// Layers from the top to a Lambertian surface, lit by sun and uniform sky.
+/// Layers from the top to a Lambertian surface, lit by sun and uniform sky. Layers and surface can emit.
 struct PlaneParallelScene {
   std::vector<PlaneParallelLayer> layers;
   double surface_albedo = 0;
   double sun_mu = 1;      ///< cosine of the solar zenith angle, positive
   double irradiance = 1;  ///< through a surface that faces the sun
   double sky_radiance = 0;
+  double surface_planck = 0;  ///< the surface emits (1 - albedo) times this radiance
 };
 
 struct PlaneParallelEffort {

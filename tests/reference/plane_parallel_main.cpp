@@ -3,6 +3,8 @@
 //   id NAME
 //   layer TAU SSA isotropic | rayleigh | henyey-greenstein G | legendre FILE     top first, repeatable; FILE: l chi_l
 //   sun MU0    irradiance F0    sky RADIANCE    surface_albedo A
+//   source_at_interfaces B0 ... BN    Planck radiances from the top of the N layers to the bottom, after the layers
+//   surface_source B    Planck radiance of the surface
 //   angles N (per hemisphere)    slices N (of each layer, with fluxes between)    radiances 0|1
 // "est" in the case is the difference to a solution with two thirds of the angles: an upper estimate of its own error.
 #include <algorithm>
@@ -30,6 +32,7 @@ struct Case {
   PlaneParallelScene scene;
   PlaneParallelEffort effort;
   std::vector<std::string> phase;  // of each layer, as JSON
+  bool thermal = false;
 };
 
 template <class T>
@@ -102,6 +105,16 @@ Case read_case(std::istream& in) {
       c.scene.sky_radiance = get<double>(in, key);
     } else if (key == "surface_albedo") {
       c.scene.surface_albedo = get<double>(in, key);
+    } else if (key == "source_at_interfaces") {
+      double planck = get<double>(in, key);
+      for (PlaneParallelLayer& layer : c.scene.layers) {
+        layer.planck_top = planck;
+        layer.planck_bottom = planck = get<double>(in, key);
+      }
+      c.thermal = true;
+    } else if (key == "surface_source") {
+      c.scene.surface_planck = get<double>(in, key);
+      c.thermal = true;
     } else if (key == "angles") {
       c.effort.angles = get<int>(in, key);
     } else if (key == "slices") {
@@ -141,6 +154,13 @@ void write_table(const char* name, const Eigen::MatrixXd& table) {
   std::cout << ']';
 }
 
+std::string thermal_text(const Case& c) {
+  if (!c.thermal) return "null";
+  std::string text = R"({"source_at_interfaces": [)" + number(c.scene.layers.front().planck_top);
+  for (const PlaneParallelLayer& layer : c.scene.layers) text += ", " + number(layer.planck_bottom);
+  return text + R"(], "surface_source": )" + number(c.scene.surface_planck) + "}";
+}
+
 void write(const Case& c, const PlaneParallelSolution& solution, const PlaneParallelSolution& coarser) {
   std::cout << std::setprecision(10) << "{\"cases\": [\n {\"id\": \"" << c.id << "\", \"layers\": [";
   for (std::size_t n = 0; n < c.phase.size(); ++n) {
@@ -150,7 +170,7 @@ void write(const Case& c, const PlaneParallelSolution& solution, const PlanePara
   }
   std::cout << "],\n  \"mu0\": " << c.scene.sun_mu << ", \"phi0\": 0, \"F0\": " << c.scene.irradiance
             << ", \"isotropic_top\": " << c.scene.sky_radiance << ", \"surface_albedo\": " << c.scene.surface_albedo
-            << ", \"thermal\": null,\n  \"results\": {\"levels\": [";
+            << ", \"thermal\": " << thermal_text(c) << ",\n  \"results\": {\"levels\": [";
   for (std::size_t k = 0; k < solution.levels.size(); ++k) {
     const PlaneParallelLevel& level = solution.levels[k];
     std::cout << (k > 0 ? ",\n   " : "") << "{\"tau\": " << level.optical_depth << ", \"flux_up\": " << level.up

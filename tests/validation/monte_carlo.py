@@ -33,6 +33,13 @@ class Job:
     open_sides: bool = False
     levels: list = field(default_factory=list)  # indices of z_edge
     views: list = field(default_factory=list)  # (zenith, azimuth)
+    absorption: bool = False  # net absorbed power
+    # Thermal emission: Planck radiances of cells [z, y, x] or [z] and of the surface. The step is that of the upper less the lower face.
+    planck: np.ndarray | None = None
+    planck_step: np.ndarray | None = None
+    surface_planck: np.ndarray | None = None
+    sky_radiance: float = 0.0
+    sun_flux: float = 1.0
 
     def text(self):
         lines = [f"columns {self.columns[0]} {self.columns[1]} {self.column_size[0]!r} {self.column_size[1]!r}",
@@ -40,20 +47,30 @@ class Job:
                  f"sun {self.sun[0]!r} {self.sun[1]!r}", f"surface_albedo {self.surface_albedo!r}", f"open_sides {int(self.open_sides)}",
                  f"levels {len(self.levels)} " + " ".join(map(str, self.levels))]
         lines += [f"view {zenith!r} {azimuth!r}" for zenith, azimuth in self.views]
-        for albedo, scatterer, extinction in self.media:
-            form = "profile" if np.ndim(extinction) == 1 else "cells"
-            lines.append(f"medium {albedo!r} {scatterer} {form} " + " ".join(f"{e:.9g}" for e in np.ravel(extinction)))
+        lines += [f"medium {albedo!r} {scatterer} {cells_text(extinction)}" for albedo, scatterer, extinction in self.media]
+        lines.append(f"absorption {int(self.absorption)}\nsun_flux {self.sun_flux!r}\nsky_radiance {self.sky_radiance!r}")
+        lines += [f"emission {name} {cells_text(cells)}" for name, cells in (("planck", self.planck), ("step", self.planck_step)) if cells is not None]
+        if self.surface_planck is not None:
+            lines.append("emission surface " + numbers_text(np.broadcast_to(self.surface_planck, self.columns[::-1])))
         return "\n".join(lines) + "\n"
 
 
+def numbers_text(values):
+    return " ".join(f"{value:.9g}" for value in np.ravel(values))
+
+
+def cells_text(cells):
+    return f"{'profile' if np.ndim(cells) == 1 else 'cells'} {numbers_text(cells)}"
+
+
 class Solution:
-    """Of unit irradiance through the horizontal: `up`, `down` by level, `radiance` by view, each a Plane."""
+    """In the unit of `sun_flux`: `up`, `down` by level, `absorbed` by layer of cells (net, by area), `radiance` by view, each a Plane."""
 
     def __init__(self, text, columns):
         answer = json.loads(text)
         self.cpu_seconds = answer["cpu_seconds"]
         self.photons = answer["photons"]
-        for name in ("up", "down", "radiance"):
+        for name in ("up", "down", "absorbed", "radiance"):
             setattr(self, name, [Plane(np.reshape(p["value"], columns[::-1]), np.reshape(p["standard_error"], columns[::-1]), p["mean"],
                                        p["mean_standard_error"]) for p in answer[name]])
 
@@ -63,9 +80,9 @@ class MonteCarlo:
         self.program = str(program)
         self.threads = threads
 
-    def run(self, job, photons, seed=1, batches=50):
+    def run(self, job, photons, seed=1, batches=50, backward=False):
         with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
-            file.write(job.text() + f"photons {int(photons)}\nbatches {batches}\nseed {seed}\nthreads {self.threads}\n")
+            file.write(job.text() + f"photons {int(photons)}\nbatches {batches}\nseed {seed}\nthreads {self.threads}\nbackward {int(backward)}\n")
             file.flush()
             done = subprocess.run([self.program, file.name], capture_output=True, text=True)
         if done.returncode != 0:

@@ -3,6 +3,7 @@
 (tests/reference/plane_parallel), which share neither method nor code.
 
 Fluxes up at the top and diffuse down at the bottom of every case, in per cent of the incident flux; radiances, relative, where the file has them.
+In cases with emission the largest flux of a black body in the layers counts as incident too.
 
 usage: plane_parallel_truths.py [--reference plane_parallel.json] [--radiances 'b_*,c_*'] [--limit 1e-4]
 """
@@ -31,6 +32,8 @@ def words(case, moments_file):
     found = ["sun", case["mu0"] or 1, "irradiance", case["F0"], "sky", case["isotropic_top"], "surface_albedo", case["surface_albedo"]]
     for layer in case["layers"]:
         found += ["layer", layer["tau"], layer["ssa"], *phase_words(layer["phase"], moments_file)]
+    if case["thermal"]:
+        found += ["source_at_interfaces", *case["thermal"]["source_at_interfaces"], "surface_source", case["thermal"]["surface_source"]]
     return found
 
 
@@ -46,6 +49,8 @@ def compare(case, options):
     wants_radiances = any(fnmatch.fnmatch(case["id"], pattern) for pattern in options.radiances.split(",")) and "radiance_up_top" in case["results"]
     other = solve(options.plane_parallel, *words(case, options.moments), "radiances", int(wants_radiances))
     incident = case["mu0"] * case["F0"] + math.pi * case["isotropic_top"]
+    if case["thermal"]:
+        incident += math.pi * max(case["thermal"]["source_at_interfaces"])
     ends = [(case["results"]["levels"][n], other["results"]["levels"][n]) for n in (0, -1)]
     row = {"case": case["id"], "flux": 100 * max(abs(a[key] - b[key]) for a, b in ends for key in ("flux_up", "flux_down_diffuse")) / incident,
            "ordinates": 100 * case["est"]["flux_abs"] / incident, "adding": 100 * other["est"]["flux_abs"] / incident, "radiances": []}
@@ -69,7 +74,7 @@ def arguments():
     default = support.reference_folder()
     parser.add_argument("--reference", type=Path, default=default / "plane_parallel.json" if default else ROOT / "tests/data/plane_parallel_subset.json")
     parser.add_argument("--moments", type=Path, default=ROOT / "tests/data/c1_legendre.txt")
-    parser.add_argument("--radiances", default="b_*,c_*,d_*mu0.5_A0.2", help="shell patterns of the cases whose radiances are compared")
+    parser.add_argument("--radiances", default="b_*,c_*,d_*mu0.5_A0.2,h_*", help="shell patterns of the cases whose radiances are compared")
     parser.add_argument("--limit", type=float, default=1e-4, help="in %% of the incident flux, beside what both say of themselves")
     add_program(parser)
     return parser
@@ -77,8 +82,7 @@ def arguments():
 
 def figures(options):
     """A row for every case: the difference, and what each of the two says of itself."""
-    cases = [case for case in json.loads(options.reference.read_text())["cases"] if case["thermal"] is None]
-    return [compare(case, options) for case in cases]
+    return [compare(case, options) for case in json.loads(options.reference.read_text())["cases"]]
 
 
 def is_good(row, limit):

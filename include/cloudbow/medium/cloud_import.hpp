@@ -36,6 +36,7 @@ struct CloudImportOptions {
   std::string air_density;          ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
   std::string pressure;             ///< with temperature, in place of air density
   std::string temperature;
+  bool temperature_grid = false;  ///< brings the temperature as a grid; LES files alone have one
   std::string droplet_number;     ///< for the effective radius
   std::string effective_radius;   ///< in place of droplet number
   double droplet_number_cm3 = 0;  ///< the same everywhere, in place of a variable; 0: none
@@ -57,14 +58,14 @@ std::string cloud_import_format(const CloudImportOptions& options);
 
 struct ImportedCloud {
   CloudField field;
-  std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index"
+  std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index", "temperature"
   std::vector<std::vector<double>> moments;  ///< [phase function][l] if the file holds them, without the factor 2l+1
   std::vector<std::string> notes;            ///< findings and guesses, for the user to check
 };
 
 /// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass. Each voxel is the
-/// mean of the levels in it by thickness. An effective radius is the mean that keeps mass and mass / radius, an albedo
-/// the one that keeps scattering.
+/// mean of the levels in it by thickness. Temperature is the mean by mass. An effective radius is the mean that keeps
+/// mass and mass / radius, an albedo the one that keeps scattering.
 /// @throws InputError naming file and variable, line or cell: missing or damaged file, missing variable or axis, unit
 /// not known, time index beyond the axis; levels or columns not monotonic or not uniform, NaN, negative or no cloud;
 /// numbers that no cloud has: air density outside 0.01 to 2 kg/m3, pressure outside 100 to 120000 Pa, temperature

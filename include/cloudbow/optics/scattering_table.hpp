@@ -46,11 +46,11 @@ struct FitReport {
 
 /// All matrices in double. Mean-1 phase functions: the source per unit scattering coefficient is S =
 /// points_from_ordinates * I with I the radiance at the ordinates; light is conserved: sum_m over the quadrature of S
-/// equals the sum of w_d I_d.
+/// equals the sum of w_d I_d. Isotropic light stays so: every row of points_from_ordinates sums to 1.
 struct ScatteringTable {
   double forward_fraction = 0;               ///< f of the diffuse light
   double beam_forward_fraction = 0;          ///< f_b of the direct beam
-  Eigen::MatrixXd points_from_ordinates;     ///< M x D: X_d w_d / (4 pi)
+  Eigen::MatrixXd points_from_ordinates;     ///< M x D: (X_d + lack of the row) w_d / (4 pi)
   Eigen::MatrixXd ordinates_from_ordinates;  ///< D x D: W * points_from_ordinates, W the interpolation (D x M)
   Eigen::VectorXd points_from_beam;          ///< M: P_b fitted / (4 pi), for unit normal irradiance; empty without beam
   Eigen::VectorXd ordinates_from_beam;       ///< D

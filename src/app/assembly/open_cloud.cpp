@@ -87,7 +87,7 @@ VoxelTemperatures read_temperature(const Scene& scene, CloudFiles& files, const 
   try {
     return files.auxiliary(scene.cloud->file, field, options, coldest_cloud_k, warmest_cloud_k);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}; temperatures are in K", scene.where("cloud.temperature_grid"), error.what()));
+    throw InputError(fmt::format("{}: {}", scene.where("cloud.temperature_grid"), error.what()));
   }
 }
 

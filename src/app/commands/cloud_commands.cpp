@@ -96,6 +96,7 @@ const std::vector<OptionOfFormats>& options_of_formats() {
                                                     {"--air-density", les},
                                                     {"--pressure", les},
                                                     {"--temperature", les},
+                                                    {"--temperature-grid", les},
                                                     {"--fill", les},
                                                     {"--droplet-number", les},
                                                     {"--droplet-number-cm3", les},
@@ -241,6 +242,8 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
                   "LES: air density, a variable or a number [kg/m3] or us-1976 (the standard atmosphere)");
   app->add_option("--pressure", options.pressure, "LES: pressure, with temperature in place of air density");
   app->add_option("--temperature", options.temperature, "LES: temperature, or potential temperature");
+  app->add_flag("--temperature-grid", options.temperature_grid,
+                "LES: bring the temperature too, as a grid of the same voxels, for thermal emission");
   app->add_option("--fill", options.fill, "LES: cells with missing water are an error, or clear air")
       ->capture_default_str()
       ->check(CLI::IsMember({"error", "clear"}));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/core/thread_scope.hpp"
@@ -269,7 +270,8 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
           .absorption = coarse ? std::vector<double>(coarse->grid.absorption.begin(), coarse->grid.absorption.end())
                                : full.absorption,
           .beam = {},
-          .ground = same_ground ? full.ground : Ground<Real>(mean_surface, ordinates, std::nullopt),
+          // Corrections are differences of light: they contain no emission.
+          .ground = same_ground ? full.ground.without_emission() : Ground<Real>(mean_surface, ordinates, std::nullopt),
           .side_radiance = {},
           .emission = std::vector<Real>(low_moments * cells->size())};
 }
@@ -287,6 +289,13 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
   }
   moments_.resize(low_.emission.size());
+  if (system.thermal) {
+    Surface surface;
+    surface.albedo = system.ground.mean_albedo();
+    surface.planck = system.ground.mean_planck();
+    guess_ground_ =
+        system.ground.is_lambertian() && !coarse_ ? system.ground : Ground<Real>(surface, low_.ordinates, std::nullopt);
+  }
   radiance_ = AngularField<Real>(low_.ordinates.size(), low_.cells->size());
   if (transport_depth(system) > thin_for_diffusion)
     diffusion_ = std::make_unique<Diffusion>(low_, diffusing_levels(low_));
@@ -338,11 +347,29 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
           const Real* __restrict const intensity = full_->beam.source[b].intensity.data();
           for (std::size_t c = 0; c < n; ++c) source[c] += share * intensity[c];
         }
+        if (!full_->thermal || m > 0) return;
+        for (std::size_t c = 0; c < n; ++c) {
+          const double planck = full_->planck[c];
+          if (planck > 0) source[c] += full_->emission[c] * static_cast<Real>(1 - full_->mean_planck / planck);
+        }
       });
     });
   }
   errors.rethrow();
+  if (!full_->thermal) {
+    solve(moments);
+    return;
+  }
+  // Light is found as its difference from the mean Planck radiance, which is small where matter and ground are nearly
+  // of one temperature.
+  const Ground<Real> ground = low_.ground;
+  low_.sky_radiance = full_->sky_radiance - full_->mean_planck;
+  low_.ground = guess_ground_.with_planck_less(full_->mean_planck);
   solve(moments);
+  low_.sky_radiance = 0;
+  low_.ground = ground;
+  const Real reference = static_cast<Real>(4 * std::numbers::pi * full_->mean_planck);
+  for (std::size_t c = 0; c < n; ++c) moments[c] += reference;
 }
 
 template <class Real>

@@ -19,7 +19,8 @@ class LowOrderCorrection {
   LowOrderCorrection(LowOrderCorrection&&) noexcept;
   LowOrderCorrection& operator=(LowOrderCorrection&&) noexcept;
 
-  /// The moments [low_moments][n] of the light that the system's own beam leaves: a first guess.
+  /// The moments [low_moments][n] of the light that the system's own beam leaves, and of thermal emission with the
+  /// light of sky and ground beside it: a first guess.
   void guess(std::span<Real> moments);
   /// Computes the moments missing after a sweep that changed them by `change`: those of the light that this change
   /// leads to. Both [low_moments][n].
@@ -46,6 +47,7 @@ class LowOrderCorrection {
   std::vector<Real> beam_moments_;                    // [beam][low_moments]
   const TransportSystem<Real>* full_;
   std::unique_ptr<Diffusion> diffusion_;
+  Ground<Real> guess_ground_;  // with its emission, if there is thermal emission
   int sweeps_ = 0;
 };
 

@@ -149,6 +149,7 @@ struct Layer {
   /// 4 pi times the mean radiance in it is mean . (s1 + s2)/2 + own_mean.
   Vector<Real> mean;
   Lanes<Real> own_mean;
+  Lanes<Real> shade;  ///< first component of `mean`: that of a transparent layer less that of this one
 };
 
 /// A layer whose half thickness over the smallest cosine is below one: error of fourth order in that ratio (Eq. 38).
@@ -184,6 +185,7 @@ inline void make_thin_layer(int n, const Matter<Real>& matter, const Lanes<Real>
   Vector<Real> reach = {};
   add_product<Real>(n, matter.length, matter.source_of_difference, reach);
   layer.own_mean = left * third * h * product[place(n + 1, n)];
+  layer.shade = third * product[place(n + 1, 0)];
   for (int i = 0; i < n; ++i) {
     layer.a[i] = slope * bent[i] - h * left * (matter.source_of_sum[i] - third * product[place(n, i)]);
     layer.b[i] = slope * matter.source_of_sum[i] - left * reach[i];
@@ -217,6 +219,7 @@ inline void double_layer(int n, const Lanes<Real>& passed, const Lanes<Real>& lo
   gram<Real>(n, n + 2, factors, x, product);
 
   layer.own_mean = Real(.5) * both * layer.own_mean - Real(.25) * product[place(n + 1, n)];
+  layer.shade += Real(.5) * product[place(n + 1, 0)];
   for (int i = 0; i < n; ++i) {
     const Lanes<Real> a = layer.a[i];
     layer.a[i] = both * a - Real(.5) * product[place(n, i)];

@@ -8,16 +8,18 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/not_negative.hpp"
 #include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/transport/output_fields.hpp"
+#include "transport/columns/column_emission.hpp"
 #include "transport/columns/column_layers.hpp"
 #include "transport/columns/distinct_columns.hpp"
+#include "transport/columns/isotropic_basis.hpp"
 #include "transport/columns/polar_streams.hpp"
 #include "transport/grid/cells.hpp"
+#include "transport/problem/power.hpp"
 #include "transport/system/transport_system.hpp"
 
 namespace cloudbow {
@@ -46,32 +48,6 @@ struct Sums {
   double squared_imbalance = 0;
 };
 
-// A symmetric, orthogonal matrix that rotates sqrt(w mu), which is isotropic light, to the first axis. In this basis
-// the first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d,
-// separate from larger numbers even if a thick layer makes it small.
-std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
-  const int n = streams.size();
-  std::vector<double> v;
-  double square = 0;
-  for (int i = 0; i < n; ++i) {
-    v.push_back(std::sqrt(streams.weight[i] * streams.cosine[i]));
-    square += v[i] * v[i];
-  }
-  for (double& component : v) component /= std::sqrt(square);
-  v[0] -= 1;
-  std::vector<std::vector<double>> turn(n, std::vector<double>(n, 0.));
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) turn[i][j] = (i == j ? 1. : 0.) + v[i] * v[j] / v[0];
-  }
-  return turn;
-}
-
-std::vector<double> transposed(const std::vector<std::vector<double>>& turn, const std::vector<double>& vector) {
-  std::vector<double> result;
-  for (const auto& row : turn) result.push_back(std::inner_product(row.begin(), row.end(), vector.begin(), 0.));
-  return result;
-}
-
 template <class Real>
 class ColumnSolver {
  public:
@@ -83,62 +59,17 @@ class ColumnSolver {
         options_(options),
         streams_(streams),
         n_(streams.size()),
+        emits_(problem.emits()),
         cells_(cells),
         beam_(beam),
         distinct_(distinct),
         solution_(solution),
+        basis_(streams, problem.sun.has_value()),
+        isotropic_(static_cast<Real>(basis_.isotropic)),
         columns_(problem.grid.box.columns()),
         place_of_level_(problem.grid.box.nz() + 1, -1) {
     for (std::size_t f = 0; f < solution.flux_level.size(); ++f)
       place_of_level_[solution.flux_level[f]] = static_cast<int>(f);
-    const std::vector<std::vector<double>> turn = isotropic_first(streams);
-    std::vector<double> mean;
-    for (int i = 0; i < n_; ++i) {
-      const double mu = streams.cosine[i];
-      mean.push_back(2 * pi * std::sqrt(streams.weight[i] / mu));
-      isotropic_ += streams.weight[i] * mu;
-    }
-    isotropic_ = std::sqrt(isotropic_);
-    mean = transposed(turn, mean);
-    for (int i = 0; i < n_; ++i) {
-      flux_[i] = V{} + static_cast<Real>(i == 0 ? 2 * pi * isotropic_ : 0);
-      mean_[i] = V{} + static_cast<Real>(mean[i]);
-      loss_of_isotropic_.push_back(static_cast<Real>(mean[i] / (2 * pi * isotropic_)));
-      for (int j = 0; j < n_; ++j) root_.push_back(static_cast<Real>(std::sqrt(streams.cosine[i]) * turn[i][j]));
-      for (int j = 0; j <= i; ++j) {
-        double sum = 0;
-        for (int k = 0; k < n_; ++k) sum += turn[i][k] * turn[j][k] / streams.cosine[k];
-        inverse_cosine_.push_back(static_cast<Real>(sum));
-      }
-    }
-    for (const auto& phase : streams.phase) {
-      Shape shape;
-      std::vector<std::vector<double>> even(n_, std::vector<double>(n_));
-      std::vector<double> from_beam_even(n_, 0.), from_beam_odd(n_, 0.);
-      for (int i = 0, e = 0; i < n_; ++i) {
-        for (int j = 0; j <= i; ++j, ++e) {
-          even[i][j] = even[j][i] = phase.even[e] / std::sqrt(streams.cosine[i] * streams.cosine[j]);
-          shape.odd.push_back(static_cast<Real>(phase.odd[e]));
-        }
-        if (!problem.sun) continue;
-        const double scale = std::sqrt(streams.weight[i] / streams.cosine[i]);
-        from_beam_even[i] = scale * phase.from_beam_even[i];
-        from_beam_odd[i] = scale * phase.from_beam_odd[i];
-      }
-      for (auto& row : even) row = transposed(turn, row);
-      for (int i = 0; i < n_; ++i) {
-        for (int j = 0; j <= i; ++j) {
-          double sum = 0;
-          for (int k = 0; k < n_; ++k) sum += turn[i][k] * even[k][j];
-          shape.even.push_back(static_cast<Real>(sum));
-        }
-      }
-      for (const double value : transposed(turn, from_beam_even))
-        shape.from_beam_even.push_back(static_cast<Real>(value));
-      for (const double value : transposed(turn, from_beam_odd))
-        shape.from_beam_odd.push_back(static_cast<Real>(value));
-      shapes_.push_back(std::move(shape));
-    }
   }
 
   // Columns 8 batch to 8 batch + 7 of the distinct ones.
@@ -146,14 +77,6 @@ class ColumnSolver {
 
  private:
   using V = Lanes<Real>;
-
-  // Matrices of a phase function, scaled for s and d.
-  struct Shape {
-    std::vector<Real> even;
-    std::vector<Real> odd;
-    std::vector<Real> from_beam_even;
-    std::vector<Real> from_beam_odd;
-  };
 
   // A cell of each column of a batch, from the bottom up.
   struct Cells {
@@ -163,10 +86,12 @@ class ColumnSolver {
     V decay;                   // kappa
     std::vector<V> scattered;  // [p] share of the extinction
     std::vector<V> beam;       // [p] scattered share of the beam, over 4 pi
+    columns::Emission<Real> emission;
   };
   // Fluxes and mean radiances of a cell.
   struct Faces {
-    V mean;                  // 4 pi times mean diffuse radiance in the cell
+    V opaque;                // 1 or 0, for emission
+    V mean;                  // 4 pi times mean diffuse radiance in the cell; in opaque lanes less 4 pi B
     V below_mean, net, sum;  // at the face below it: 4 pi times mean radiance, fluxes from d and s
   };
 
@@ -174,9 +99,14 @@ class ColumnSolver {
     const auto& map = problem_.surface.albedo_map;
     return map.empty() ? problem_.surface.albedo : static_cast<double>(map[column]);
   }
+  double planck_of_ground(std::size_t column) const {
+    const auto& map = problem_.surface.planck_map;
+    return map.empty() ? problem_.surface.planck : static_cast<double>(map[column]);
+  }
   double mu0() const { return problem_.sun ? -problem_.sun->travel.z() : 1; }
 
   void fill_lane(std::size_t column, int lane, std::vector<Cells>& cells, V& ground) const;
+  void fill_emission(std::size_t column, int lane, std::vector<Cells>& cells, V& ground, V& top) const;
   void make_layer(const Cells& cell, columns::Layer<Real>& layer) const;
   void write_column(std::size_t column, int lane, const std::vector<Faces>& faces, const Faces& top, Sums& sums) const;
 
@@ -185,20 +115,16 @@ class ColumnSolver {
   const SolverOptions& options_;
   const PolarStreams& streams_;
   int n_;
+  bool emits_;
   const ColumnCells& cells_;
   const std::optional<SlantedBeam>& beam_;
   const DistinctColumns& distinct_;
   Solution& solution_;
+  // In its basis are s, d and all of columns::.
+  columns::IsotropicBasis<Real> basis_;
+  Real isotropic_;  // length of the vector of isotropic light
   std::size_t columns_;
   std::vector<int> place_of_level_;
-  // In the basis whose first axis is isotropic light, as are s, d and all of columns::.
-  double isotropic_ = 0;                 // radiance 1 in s: its first component, the others are 0
-  columns::Vector<Real> flux_;           // of s and d
-  columns::Vector<Real> mean_;           // 4 pi mean radiance of s
-  std::vector<Real> loss_of_isotropic_;  // [n] first row of B without scattering
-  std::vector<Real> inverse_cosine_;     // triangle of M^-1
-  std::vector<Real> root_;               // [n][n] M^1/2, rows as they were
-  std::vector<Shape> shapes_;
 };
 
 // Optical path of a cell without the fraction f of the scattering by each phase function.
@@ -233,7 +159,7 @@ void ColumnSolver<Real>::fill_lane(std::size_t column, int lane, std::vector<Cel
       path += sigma_b * dz / mu0();
       cell.decay[lane] = static_cast<Real>(sigma_b / sigma / mu0());
     }
-    for (std::size_t p = 0; p < shapes_.size(); ++p) {
+    for (std::size_t p = 0; p < basis_.shapes.size(); ++p) {
       const double scattering = grid_.scattering[p][c] / sigma;
       cell.scattered[p][lane] = static_cast<Real>((1 - streams_.phase[p].diffuse_fraction) * scattering);
       cell.beam[p][lane] =
@@ -249,6 +175,26 @@ void ColumnSolver<Real>::fill_lane(std::size_t column, int lane, std::vector<Cel
   ground[lane] = static_cast<Real>(arriving);
 }
 
+// @param ground reference of the face above it, less its Planck radiance
+// @param top reference there
+template <class Real>
+void ColumnSolver<Real>::fill_emission(std::size_t column, int lane, std::vector<Cells>& cells, V& ground,
+                                       V& top) const {
+  const auto of_column = cells_.of(column);
+  double above_ground = 0, reference = 0;
+  for (std::size_t r = 0; grid_.emits() && r < of_column.size(); ++r) {
+    const std::uint32_t c = of_column[r];
+    const double thickness = static_cast<double>(cells[r].thickness[lane]);
+    const columns::CellEmission of_cell(thickness, thickness * static_cast<double>(cells[r].absorbed[lane]),
+                                        grid_.planck[c], -static_cast<double>(grid_.planck_step[c]));
+    if (r == 0) above_ground = reference = of_cell.bottom;
+    columns::set_emission<Real>(lane, of_cell, reference, cells[r].emission);
+    reference = of_cell.top;
+  }
+  ground[lane] = static_cast<Real>(above_ground - planck_of_ground(column));
+  top[lane] = static_cast<Real>(reference);
+}
+
 template <class Real>
 void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& layer) const {
   const int n = n_;
@@ -256,8 +202,8 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
   columns::Triangle<Real> odd;
   for (int e = 0; e < columns::entries(n); ++e) matter.loss[e] = odd[e] = V{};
   for (int i = 0; i < n; ++i) matter.source_of_sum[i] = matter.source_of_difference[i] = V{};
-  for (std::size_t p = 0; p < shapes_.size(); ++p) {
-    const Shape& shape = shapes_[p];
+  for (std::size_t p = 0; p < basis_.shapes.size(); ++p) {
+    const auto& shape = basis_.shapes[p];
     const V b = cell.scattered[p];
     bool any = false;
     for (int lane = 0; lane < lanes; ++lane) any = any || b[lane] > 0;
@@ -275,7 +221,7 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j <= i; ++j) {
       V& loss = matter.loss[columns::place(i, j)];
-      loss = j == 0 ? cell.absorbed * loss_of_isotropic_[i] : loss + inverse_cosine_[columns::place(i, j)];
+      loss = j == 0 ? cell.absorbed * basis_.loss_of_isotropic[i] : loss + basis_.inverse_cosine[columns::place(i, j)];
     }
     odd[columns::place(i, i)] += Real(1);
   }
@@ -283,7 +229,7 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
   columns::factorise<Real>(n, odd);
   columns::Matrix<Real> root;
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) root[i][j] = V{} + root_[i * n + j];
+    for (int j = 0; j < n; ++j) root[i][j] = V{} + basis_.root[i * n + j];
   }
   columns::forward<Real>(n, n, odd, root);
   columns::gram<Real>(n, n, odd, root, matter.length);
@@ -306,12 +252,17 @@ void ColumnSolver<Real>::make_layer(const Cells& cell, columns::Layer<Real>& lay
     passed[lane] = 1 - lost[lane];
     left[lane] = path > 0 ? lost[lane] / path : Real(1);
   }
-  columns::make_thin_layer<Real>(n, matter, start, left, mean_, layer);
+  columns::make_thin_layer<Real>(n, matter, start, left, basis_.mean, layer);
+  columns::Vector<Real> odd_source;
+  if (grid_.emits())
+    columns::make_odd_source<Real>(n, Real(.5) * start * cell.absorbed, basis_.loss_of_isotropic.data(), odd_source);
   for (int step = 0; step < doublings; ++step) {
+    if (grid_.emits()) columns::double_odd_source<Real>(n, layer.shunt, odd_source);
     columns::double_layer<Real>(n, passed, lost, layer);
     lost *= Real(1) + passed;
     passed *= passed;
   }
+  if (grid_.emits()) columns::add_emission<Real>(n, isotropic_, cell.emission, matter.length, odd_source, layer);
 }
 
 template <class Real>
@@ -320,14 +271,18 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
   const std::size_t first = batch * lanes;
   const int width = static_cast<int>(std::min<std::size_t>(lanes, distinct_.first.size() - first));
   const std::size_t height = cells_.of(distinct_.first[first]).size();  // sorted: the tallest
-  const Cells none{
-      V{}, V{} + Real(1), V{} + Real(1), V{}, std::vector<V>(shapes_.size(), V{}), std::vector<V>(shapes_.size(), V{})};
+  const std::vector<V> nothing(basis_.shapes.size(), V{});
+  const Cells none{V{}, V{} + Real(1), V{} + Real(1), V{}, nothing, nothing, {}};
   std::vector<Cells> cells(height, none);
-  V ground{}, reflected{};
+  V ground{}, reflected{}, kept = V{} + Real(1), reference_at_ground{}, reference{};
   for (int lane = 0; lane < width; ++lane) {
     const std::size_t column = distinct_.first[first + lane];
     fill_lane(column, lane, cells, ground);
     reflected[lane] = static_cast<Real>(albedo(column));
+    kept[lane] = Real(1) - reflected[lane];
+    if (!emits_) continue;
+    kept[lane] = static_cast<Real>(1 - albedo(column));  // the emissivity, with all its digits
+    fill_emission(column, lane, cells, reference_at_ground, reference);
   }
 
   // The ground: G = 1 - 2A/(1 + A) u u^T of the first axis u, and c.
@@ -336,8 +291,9 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
     for (int j = 0; j <= i; ++j) below.conductance[columns::place(i, j)] = V{} + Real(i == j);
     below.source[i] = V{};
   }
-  below.conductance[0] = (Real(1) - reflected) / (Real(1) + reflected);
-  below.source[0] = Real(-2) * reflected / (Real(1) + reflected) * ground * static_cast<Real>(isotropic_ / pi);
+  below.conductance[0] = kept / (Real(1) + reflected);
+  below.source[0] = Real(-2) * reflected / (Real(1) + reflected) * ground * static_cast<Real>(basis_.isotropic / pi);
+  if (emits_) columns::raise_reference<Real>(n, isotropic_, reference_at_ground, below);
   std::vector<V> memory(height * columns::Passage<Real>::size(n));
   const auto passage = [&](std::size_t r) {
     return columns::Passage<Real>(n, memory.data() + r * columns::Passage<Real>::size(n));
@@ -345,16 +301,19 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
   columns::Layer<Real> layer;
   for (std::size_t r = 0; r < height; ++r) {
     make_layer(cells[r], layer);
-    columns::stack<Real>(n, layer, flux_, cells[r].used > Real(0), below, passage(r));
+    if (emits_) columns::raise_reference<Real>(n, isotropic_, cells[r].emission.jump, below);
+    columns::stack<Real>(n, layer, basis_.flux, cells[r].used > Real(0), below, passage(r));
   }
 
   // At the top (1 + G) s + c is twice the incident light.
   columns::Triangle<Real> factors;
   for (int e = 0; e < columns::entries(n); ++e) factors[e] = below.conductance[e];
+  const V sky = V{} + static_cast<Real>(2 * problem_.sky_radiance * basis_.isotropic);
+  const V from_above = emits_ ? Real(2) * isotropic_ * (static_cast<Real>(problem_.sky_radiance) - reference) : sky;
   columns::Vector<Real> s;
   for (int i = 0; i < n; ++i) {
     factors[columns::place(i, i)] += Real(1);
-    s[i] = static_cast<Real>(i == 0 ? 2 * problem_.sky_radiance * isotropic_ : 0) - below.source[i];
+    s[i] = (i == 0 ? from_above : V{}) - below.source[i];
   }
   columns::factorise<Real>(n, factors);
   columns::solve<Real>(n, factors, s);
@@ -362,16 +321,19 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
   const auto look = [&](Faces& face) {
     face.below_mean = face.sum = V{};
     for (int i = 0; i < n; ++i) {
-      face.below_mean += mean_[i] * s[i];
-      face.sum += flux_[i] * s[i];
+      face.below_mean += basis_.mean[i] * s[i];
+      face.sum += basis_.flux[i] * s[i];
     }
+    if (!emits_) return;
+    face.below_mean += static_cast<Real>(4 * pi) * reference;
+    face.sum += static_cast<Real>(2 * pi) * reference;
   };
   Faces top{};
   look(top);
   columns::Vector<Real> d;
   for (int i = 0; i < n; ++i) d[i] = below.source[i];
   columns::add_product<Real>(n, below.conductance, s, d);
-  for (int i = 0; i < n; ++i) top.net += flux_[i] * d[i];
+  for (int i = 0; i < n; ++i) top.net += basis_.flux[i] * d[i];
   std::vector<Faces> faces(height);
   for (std::size_t r = height; r-- > 0;) {
     const auto through = passage(r);
@@ -386,7 +348,12 @@ void ColumnSolver<Real>::solve_batch(std::size_t batch, Sums& sums) const {
       face.net += through.net[i] * next[i];
       s[i] = used ? next[i] : s[i];
     }
+    if (emits_) {
+      face.opaque = cells[r].emission.opaque;
+      reference = used ? cells[r].emission.reference : reference;
+    }
     look(face);
+    if (emits_) s[0] += Real(2) * isotropic_ * cells[r].emission.jump;
   }
   for (int lane = 0; lane < width; ++lane) write_column(distinct_.first[first + lane], lane, faces, top, sums);
 }
@@ -402,7 +369,7 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
   const double irradiance = problem_.sun ? problem_.sun->irradiance : 0;
 
   double true_path = 0, beam_path = 0;
-  double emitted = 0, absorbed_diffuse = 0;
+  double scattered = 0, absorbed_diffuse = 0;
   double up = 0, down = 0, carried = 0;
   const Faces* face = &top;
   const auto write_level = [&](int level) {
@@ -444,7 +411,17 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
       const std::uint32_t c = of_column[--r];
       const double dz = box.thickness_m(k);
       face = &faces[r];
-      const double diffuse = static_cast<double>(face->mean[lane]);
+      double diffuse = static_cast<double>(face->mean[lane]);
+      double net = diffuse;  // of emission
+      if (grid_.emits()) {
+        // In opaque cells the mean is net, and closes with the fluxes without a difference of large numbers.
+        const double emitted = 4 * pi * static_cast<double>(grid_.planck[c]);
+        if (face->opaque[lane] > 0) {
+          diffuse += emitted;
+        } else {
+          net -= emitted;
+        }
+      }
       if (beam_) {
         beam_mean = beam_->at(c, place + column);
       } else if (problem_.sun) {
@@ -456,13 +433,13 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
         beam_path += path;
       }
       actinic = diffuse + beam_mean;
-      absorbed_diffuse += grid_.absorption[c] * diffuse * dz;
-      absorbed += grid_.absorption[c] * actinic * dz;
-      for (std::size_t p = 0; p < shapes_.size(); ++p)
-        emitted += (1 - streams_.phase[p].beam_fraction) * grid_.scattering[p][c] * beam_mean * dz;
+      absorbed_diffuse += grid_.absorption[c] * net * dz;
+      absorbed += grid_.absorption[c] * (net + beam_mean) * dz;
+      for (std::size_t p = 0; p < basis_.shapes.size(); ++p)
+        scattered += (1 - streams_.phase[p].beam_fraction) * grid_.scattering[p][c] * beam_mean * dz;
       if (options_.absorption) {
         for (const std::uint32_t a : alike)
-          solution_.absorbed_power[place + a] = static_cast<float>(grid_.absorption[c] * actinic);
+          solution_.absorbed_power[place + a] = static_cast<float>(grid_.absorption[c] * (net + beam_mean));
       }
     } else if (options_.actinic && problem_.sun) {
       actinic += beam_ ? beam_->at(0, place + column) : beam_mean;
@@ -476,8 +453,9 @@ void ColumnSolver<Real>::write_column(std::size_t column, int lane, const std::v
   sums.arriving += count * (down + carried);
   sums.absorbed += count * absorbed;
   sums.kept_by_surface += count * kept * (down + carried);
-  const double imbalance =
-      emitted + pi * problem_.sky_radiance + albedo(column) * carried - (up_top + absorbed_diffuse + kept * down);
+  double imbalance =
+      scattered + pi * problem_.sky_radiance + albedo(column) * carried - (up_top + absorbed_diffuse + kept * down);
+  if (emits_) imbalance += kept * pi * planck_of_ground(column);
   sums.squared_imbalance += count * imbalance * imbalance;
 }
 
@@ -521,6 +499,7 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
   Solution solution;
   solution.box = box;
   solution.sun = problem.sun;
+  solution.emits = problem.emits();
   solution.flux_level = flux_levels(box, options);
   for (const OutputField& field : output_fields()) {
     if (field.asked != nullptr && !(options.*field.asked)) continue;
@@ -542,7 +521,9 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
   solution.profile_upwelling_flux = profile(sums.up);
   solution.profile_downwelling_diffuse_flux = profile(sums.down);
   solution.profile_direct_flux = profile(sums.direct);
-  const double power_in = (problem.sun ? mu0 * problem.sun->irradiance : 0) + pi * problem.sky_radiance;
+  const double incident = incident_power(problem);
+  const double from_ground = ground_emission(problem);
+  const double power = incident + from_ground + matter_emission(problem);
   SolverReport& report = solution.report;
   report.sweeps = 1;
   report.directions = fmt::format("double-gauss-{}", 2 * options.column_streams);
@@ -551,20 +532,23 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
                                       : static_cast<double>(*std::max_element(problem.surface.albedo_map.begin(),
                                                                               problem.surface.albedo_map.end()));
   report.converged = true;
-  if (power_in == 0) return solution;  // a dark scene closes trivially
+  if (power == 0) return solution;  // a dark scene closes trivially
   EnergyLedger& ledger = solution.ledger;
-  ledger.reflectance = solution.profile_upwelling_flux.back() / power_in;
-  ledger.transmittance = sums.arriving / columns / power_in;
-  ledger.transmittance_direct = solution.profile_direct_flux.front() / power_in;
-  ledger.absorptance = sums.absorbed / columns / power_in;
-  ledger.surface_absorptance = sums.kept_by_surface / columns / power_in;
+  ledger.power = power;
+  ledger.incident = incident / power;
+  ledger.surface_emission = from_ground / power;
+  ledger.reflectance = solution.profile_upwelling_flux.back() / power;
+  ledger.transmittance = sums.arriving / columns / power;
+  ledger.transmittance_direct = solution.profile_direct_flux.front() / power;
+  ledger.absorptance = sums.absorbed / columns / power;
+  ledger.surface_absorptance = sums.kept_by_surface / columns / power;
   if (beam) {
-    ledger.side_gain = beam->side_gain / power_in;
-    ledger.side_loss = beam->side_loss / power_in;
+    ledger.side_gain = beam->side_gain / power;
+    ledger.side_loss = beam->side_loss / power;
   }
-  ledger.residual =
-      1 + ledger.side_gain - (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
-  report.estimated_error = std::sqrt(sums.squared_imbalance / columns) / power_in;
+  ledger.residual = ledger.incident + ledger.surface_emission + ledger.side_gain -
+                    (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
+  report.estimated_error = std::sqrt(sums.squared_imbalance / columns) / power;
   report.converged =
       report.estimated_error <= options.tolerance && std::abs(ledger.residual) <= options.energy_tolerance;
   return solution;

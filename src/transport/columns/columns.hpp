@@ -7,7 +7,7 @@
 namespace cloudbow {
 
 /// Solves each distinct column once. SolverReport::sweeps is 1; its estimated_error is the RMS over columns of the
-/// imbalance of each column's diffuse light, per incident power: rounding alone. The same bits for any number of
+/// imbalance of each column's diffuse light, per EnergyLedger::power: rounding alone. The same bits for any number of
 /// threads.
 /// @throws InputError for a count of streams that does not exist.
 template <class Real>

@@ -17,8 +17,8 @@ std::size_t columns_memory(const Problem& problem, const SolverOptions& options,
   const std::size_t fluxes = flux_levels(box, options).size();
   const std::size_t fields =
       4 * (3 * fluxes * box.columns() + static_cast<std::size_t>(cell_field_count(options)) * cells);
-  const std::size_t batch = levels * lanes * real * (n * (n + 1) + 4 * n + 13 + 2 * problem.phase.size());
-  const std::size_t grid = 4 * active * (1 + problem.phase.size());
+  const std::size_t batch = levels * lanes * real * (n * (n + 1) + 4 * n + 20 + 2 * problem.phase.size());
+  const std::size_t grid = 4 * active * (1 + problem.phase.size() + (problem.grid.emits() ? 2 : 0));
   const std::size_t bookkeeping = 8 * active + 64 * box.columns();
   // Rays of a beam are summed in four shares, two beams one after the other.
   const std::size_t level_fluxes = 8 * levels * box.columns();

@@ -68,7 +68,7 @@ namespace {
 class Likeness {
  public:
   Likeness(const Problem& problem, const ColumnCells& columns, const std::optional<SlantedBeam>& beam)
-      : grid_(problem.grid), columns_(columns), albedo_(problem.surface.albedo_map), beam_(beam) {}
+      : grid_(problem.grid), columns_(columns), surface_(problem.surface), beam_(beam) {}
 
   std::uint64_t hash(std::size_t column) const {
     std::uint64_t sum = 0x9E3779B97F4A7C15;
@@ -104,7 +104,9 @@ class Likeness {
   // Passes every number that a column's fluxes depend on; ends when `take` returns false.
   template <class Take>
   void visit(std::size_t column, const Take& take) const {
-    if (!albedo_.empty() && !take(0, albedo_[column])) return;
+    for (const auto* map : {&surface_.albedo_map, &surface_.planck_map}) {
+      if (!map->empty() && !take(0, (*map)[column])) return;
+    }
     if (beam_) {
       const auto take_levels = [&](const auto& of_box) {
         for (std::size_t c = column; c < of_box.size(); c += grid_.box.columns()) {
@@ -123,13 +125,14 @@ class Likeness {
       for (const auto& scattering : grid_.scattering) {
         if (!take(level, scattering[cell])) return;
       }
+      if (grid_.emits() && !(take(level, grid_.planck[cell]) && take(level, grid_.planck_step[cell]))) return;
       if (beam_ && !take(level, static_cast<float>(beam_->at(cell, level * grid_.box.columns() + column)))) return;
     }
   }
 
   const OpticalGrid& grid_;
   const ColumnCells& columns_;
-  const std::vector<float>& albedo_;
+  const Surface& surface_;
   const std::optional<SlantedBeam>& beam_;
 };
 }  // namespace

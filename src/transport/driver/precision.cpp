@@ -15,6 +15,9 @@ namespace {
 // 200 is not; cells of optical depth 25 in absorbing air are fine, 250 are not.
 constexpr double thickest_cell_in_float = 50;
 constexpr double thickest_domain_in_float = 120;
+// A cell's net power is a small difference of what it absorbs and what it emits: beyond this optical depth for
+// absorption, float leaves more than 1e-5 of the Planck flux.
+constexpr double most_emitting_in_float = 10;
 // Of 12 thick clouds, 9 are at estimated errors of 4e-6 to 1.1e-5 after 30 sweeps in float, and hardly improve. In
 // double these come below 1e-6 within 15 to 28 sweeps. Media of less optical depth than this were not measured (mean
 // over the columns, each weighted with its own).
@@ -30,15 +33,17 @@ bool too_thick_for_float(const OpticalGrid& grid) {
   double optical_depth = 0;  // summed over the columns
   double absorbing = 0;      // of it
   double thickest = 0;
+  double most_emitting = 0;
   grid.for_each_place([&](int k, std::size_t, std::size_t c) {
     const double thickness = box.thickness_m(k);
     const double edge = std::min({thickness, box.nx > 1 ? box.dx_m : thickness, box.ny > 1 ? box.dy_m : thickness});
     const double extinction = grid.extinction(c);
     thickest = std::max(thickest, extinction * edge);
+    if (grid.emits()) most_emitting = std::max(most_emitting, static_cast<double>(grid.absorption[c]) * edge);
     optical_depth += extinction * thickness;
     absorbing += static_cast<double>(grid.absorption[c]) * thickness;
   });
-  if (thickest > thickest_cell_in_float) return true;
+  if (thickest > thickest_cell_in_float || most_emitting > most_emitting_in_float) return true;
   // Light comes no deeper than the diffusion length, here with isotropic scattering, which is short.
   const double diffusion_length = absorbing > 0 ? std::sqrt(optical_depth / (3 * absorbing)) : HUGE_VAL;
   const double mean_depth = optical_depth / static_cast<double>(box.columns());

@@ -74,10 +74,10 @@ std::vector<std::vector<Real>> side_radiance(const LateralBoundary& lateral_boun
   return radiance;
 }
 
-/// Whether light enters through open sides: that of the sky, or light scattered by layers.
+/// Whether light enters through open sides: that of the sky, or light that layers scatter or ground or layers emit.
 bool has_lit_sides(const Problem& problem, const SolverOptions& options) {
   if (problem.grid.box.periodic || options.independent_columns) return false;
-  return problem.sky_radiance > 0 ||
+  return problem.sky_radiance > 0 || problem.emits() ||
          std::any_of(problem.grid.layer_scattering.begin(), problem.grid.layer_scattering.end(),
                      [](const auto& s) { return *std::max_element(s.begin(), s.end()) > 0; });
 }
@@ -123,6 +123,7 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   Solution solution;
   solution.box = problem.grid.box;
   solution.sun = problem.sun;
+  solution.emits = problem.emits();
   SolverReport& report = solution.report;
   const auto report_phase = [&](const char* phase) {
     if (progress) progress({phase, report.sweeps, report.estimated_error, solution.ledger.residual, 0});
@@ -210,6 +211,22 @@ void report_air(const OpticalGrid& grid, SolverReport& report) {
   }
 }
 
+// Planck radiances of ground and matter: 0 or within range, and not negative at any face of a cell.
+void check_emission(const Problem& problem) {
+  const auto check = [](double planck, double step) {
+    const bool in_range = planck == 0 || (planck >= least_light && planck <= most_light);
+    if (in_range && std::abs(step) <= 2 * planck * (1 + 1e-6)) return;
+    throw InputError(
+        fmt::format("Planck radiance: out of range (found {}, {} from bottom to top of a cell, allowed 0, or {:g} to "
+                    "{:g}, and no less than 0 at a face)",
+                    planck, step, least_light, most_light));
+  };
+  check(problem.surface.planck, 0);
+  for (const float planck : problem.surface.planck_map) check(planck, 0);
+  const OpticalGrid& grid = problem.grid;
+  for (std::size_t c = 0; c < grid.planck.size(); ++c) check(grid.planck[c], grid.planck_step[c]);
+}
+
 void check_light(const Problem& problem) {
   const auto check = [](const char* what, double value) {
     if (value == 0 || (value >= least_light && value <= most_light)) return;
@@ -218,6 +235,7 @@ void check_light(const Problem& problem) {
   };
   if (problem.sun) check("irradiance of the sun", problem.sun->irradiance);
   check("radiance of the sky", problem.sky_radiance);
+  check_emission(problem);
 }
 
 Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints) {

@@ -33,6 +33,7 @@ struct Gathered {
 template <class Real>
 struct GatherWorkspace {
   std::vector<Real> source, transmitted, ground;
+  std::vector<Real> at_band;  // transmitted, where a band begins
 };
 
 /// `count` <= lanes rays, going back from the plane, meet as many cells. The light of these cells is added to `sum`,
@@ -107,10 +108,12 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
   const std::vector<double> side =
       !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
 
+  const Real reference = static_cast<Real>(scene.reference);
   const Real* const sent = work.source.data();
   Real* const through = work.transmitted.data();
   for (std::size_t b = 0; b < bands.size(); ++b) {
     Real* const of_band = gathered.of_band[b].data();
+    if (reference != 0) work.at_band = work.transmitted;
     for (int step = bands[b].first_step; step < bands[b].last_step; ++step) {
       const int level = pattern.level(step);
       const std::size_t first_cell = rows.level_cell[level];
@@ -122,7 +125,8 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
         const int upper = pattern.upward ? level + 1 : level;
         const Real outside = side.empty() ? Real(0) : static_cast<Real>((1 - at) * side[lower] + at * side[upper]);
         for_rays_through_side(segment, box.nx, box.ny, [&](std::size_t m) {
-          gathered.beyond[m] += through[m] * outside;
+          gathered.beyond[m] += through[m] * (outside - reference);
+          of_band[m] += through[m] * reference;  // these are not absorbed in the band
           through[m] = 0;
         });
       };
@@ -140,17 +144,20 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
         cross_level(pattern, step, level, rows, begin, begin_air, leave);
       });
     }
+    if (reference == 0) continue;
+    for (std::size_t m = 0; m < columns; ++m) of_band[m] -= reference * (work.at_band[m] - through[m]);
   }
   // Beyond the last level: the sky for light that comes down, the lit surface for light that goes up.
   Real* __restrict const beyond = gathered.beyond.data();
   if (travel.z() < 0) {
-    const Real sky = static_cast<Real>(scene.sky_radiance);
+    const Real sky = static_cast<Real>(scene.sky_radiance) - reference;
     for (std::size_t m = 0; m < columns; ++m) beyond[m] += through[m] * sky;
   } else {
     const Real* const ground = scene.ground->along(travel, work.ground);
     for_shifted_rows(pattern.shift_x(pattern.levels()), pattern.shift_y(pattern.levels()), box.nx, box.ny,
                      [&](std::size_t column, std::size_t ray, int n) {
-                       for (int i = 0; i < n; ++i) beyond[ray + i] += through[ray + i] * ground[column + i];
+                       for (int i = 0; i < n; ++i)
+                         beyond[ray + i] += through[ray + i] * (ground[column + i] - reference);
                      });
   }
 }

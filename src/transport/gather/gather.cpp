@@ -30,8 +30,10 @@ double henyey_greenstein_density(double cosine) {
   return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5) / (4 * std::numbers::pi);
 }
 
+// @param differs light is the difference from a reference: all matter counts.
 template <class Real>
-std::vector<Band> distance_bands(const BoxGrid& box, const Cells<Real>& cells, const PathPattern& pattern) {
+std::vector<Band> distance_bands(const BoxGrid& box, const Cells<Real>& cells, const PathPattern& pattern,
+                                 bool differs) {
   std::vector<Band> bands;
   double distance = 0;
   for (int first = 0; first < pattern.levels();) {
@@ -42,7 +44,7 @@ std::vector<Band> distance_bands(const BoxGrid& box, const Cells<Real>& cells, c
     for (int step = first; step < last; ++step) {
       const int k = pattern.level(step);
       thickness += box.thickness_m(k);
-      empty = empty && !cells.scatters(k);
+      empty = empty && !(differs ? cells.rows.level_cell[k + 1] > cells.rows.level_cell[k] : cells.sends_light(k));
     }
     bands.push_back({first, last, distance + thickness / 2, empty});
     distance += thickness;
@@ -105,12 +107,14 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   std::vector<GatherDirection> sorted = directions;
   const std::vector<SpreadClass> classes = spread_classes(sorted);
   const PathPattern vertical = make_path_pattern(box, Direction(0, 0, upward ? -1 : 1), .5, .5, true, levels);
-  const std::vector<Band> bands = distance_bands(box, scene.cells, vertical);
+  const std::vector<Band> bands = distance_bands(box, scene.cells, vertical, scene.reference != 0);
 
   // Downward, a few directions near the sun's carry much of the light, so their rays start at the centre.
   const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);
 
-  std::vector<double> flux(columns, 0.);
+  double powers = 0;
+  for (const GatherDirection& direction : sorted) powers += power(direction);
+  std::vector<double> flux(columns, powers * scene.reference);
   std::vector<Gathered<Real>> sums(groups);
   for (const SpreadClass& alike : classes) {
     ParallelErrors errors;

@@ -44,6 +44,11 @@ struct GatherScene {
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
   std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
 
+  /// A radiance by which light is less here, and which the flux contains in the end: the same everywhere, it fulfils
+  /// the transport equation. Only the difference from it is smoothed, which is small in thermal scenes and 0 in
+  /// equilibrium.
+  double reference = 0;
+
   bool fill_columns = false;                  ///< rays start in another place of their columns for each direction
   bool linear_source = true;                  ///< as the system's
   const Slope<Real>* beam_slope = nullptr;    ///< of the direct beam's irradiance, and

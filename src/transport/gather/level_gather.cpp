@@ -260,17 +260,22 @@ class LevelGather {
       }
       errors.rethrow();
     }
-    return blurred(planes, work);
+    double powers = 0;
+    for (const GatherDirection& direction : directions) powers += power(direction);
+    return blurred(planes, work, powers);
   }
 
  private:
   static std::vector<bool> emitting_levels(const GatherScene<Real>& scene) {
     std::vector<bool> emits;
-    for (int k = 0; k < scene.box.nz(); ++k) emits.push_back(scene.cells.scatters(k));
+    const ActiveRows& rows = scene.cells.rows;
+    for (int k = 0; k < scene.box.nz(); ++k)
+      emits.push_back(scene.reference != 0 ? rows.level_cell[k + 1] > rows.level_cell[k] : scene.cells.sends_light(k));
     return emits;
   }
 
-  std::vector<float> blurred(const SumPlanes& planes, std::vector<Workspace<Real>>& work) const {
+  // @param powers sum over the directions.
+  std::vector<float> blurred(const SumPlanes& planes, std::vector<Workspace<Real>>& work, double powers) const {
     ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t p = 0; p < planes.size(); ++p) {
@@ -286,7 +291,7 @@ class LevelGather {
       });
     }
     errors.rethrow();
-    std::vector<float> flux(levels_ * columns_, 0.F);
+    std::vector<float> flux(levels_ * columns_, static_cast<float>(powers * scene_.reference));
     for (std::size_t p = 0; p < planes.size(); ++p) {
       const Real* __restrict const sum = work[0].sums.data() + p * columns_;
       float* __restrict const to = flux.data() + static_cast<std::size_t>(planes.level(p)) * columns_;
@@ -308,6 +313,7 @@ class LevelGather {
     const Real weight = static_cast<Real>(power(direction));
     std::vector<double> side;
     if (!box_.periodic && scene_.side_radiance) side = scene_.side_radiance(travel);
+    const Real reference = weight * static_cast<Real>(scene_.reference);
     const bool lit_from_beyond = enter_box(travel, weight, work) || !side.empty();
     for (int step = 0; step < count; ++step) {
       const LevelPlan& plan = plan_.steps[step];
@@ -318,7 +324,7 @@ class LevelGather {
       }
       Real* fresh = nullptr;
       if (plan.fresh >= 0) {
-        std::fill(work.rays[plan.fresh].begin(), work.rays[plan.fresh].end(), Real(0));
+        std::fill(work.rays[plan.fresh].begin(), work.rays[plan.fresh].end(), reference);
         fresh = work.rays[plan.fresh].data();
         const std::size_t first = rows_.level_cell[level];
         source.fill(first, rows_.level_cell[level + 1] - first, work.sent.data());
@@ -329,11 +335,15 @@ class LevelGather {
         std::fill(work.sent.begin(), work.sent.end(), Real(0));
       }
       const auto outside = [&](double at) {
-        if (side.empty()) return Real(0);
+        if (side.empty()) return -reference;
         const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
-        return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]);
+        return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]) - reference;
       };
-      cross(pattern, step, cells, work.sent.data(), work.carried, fresh, work.rays[boundary_slot].data(), outside);
+      cross(pattern, step, cells, work.sent.data(), work.carried, fresh, work.rays[boundary_slot].data(), reference,
+            outside);
+      if (plan.fresh >= 0 && reference != 0) {
+        for (std::size_t m = 0; m < columns_; ++m) fresh[m] -= reference;
+      }
       for (const auto& [from, into] : plan.merges) {
         const Real* __restrict const more = work.rays[from].data();
         Real* __restrict const sum = work.rays[into].data();
@@ -354,11 +364,12 @@ class LevelGather {
   // Whether any light enters.
   bool enter_box(const Direction& travel, Real weight, Workspace<Real>& work) const {
     std::vector<Real>& rays = work.rays[boundary_slot];
+    const Real reference = static_cast<Real>(scene_.reference);
     if (upward_) {
       const Real* const leaving = scene_.ground->along(travel, work.ground);
-      for (std::size_t c = 0; c < columns_; ++c) rays[c] = weight * leaving[c];
+      for (std::size_t c = 0; c < columns_; ++c) rays[c] = weight * (leaving[c] - reference);
     } else {
-      std::fill(rays.begin(), rays.end(), weight * static_cast<Real>(scene_.sky_radiance));
+      std::fill(rays.begin(), rays.end(), weight * (static_cast<Real>(scene_.sky_radiance) - reference));
     }
     return std::any_of(rays.begin(), rays.end(), [](Real radiance) { return radiance != 0; });
   }
@@ -367,7 +378,8 @@ class LevelGather {
   // (docs/theory.md, "March along a ray") is added to `fresh`.
   template <class Outside>
   void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, const Real* sent,
-             std::span<Real* const> carried, Real* fresh, Real* from_beyond, const Outside& outside) const {
+             std::span<Real* const> carried, Real* fresh, Real* from_beyond, Real reference,
+             const Outside& outside) const {
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     const double chord = pattern.chord_m[step];
@@ -375,7 +387,7 @@ class LevelGather {
       if (box_.periodic) return;
       for_rays_through_side(segment, box_.nx, box_.ny, [&](std::size_t ray) {
         for (Real* const slot : carried) slot[ray] = 0;
-        if (fresh != nullptr) fresh[ray] = 0;
+        if (fresh != nullptr) fresh[ray] = reference;
         from_beyond[ray] = outside(at);
       });
     };

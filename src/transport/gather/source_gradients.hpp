@@ -21,12 +21,12 @@ CellView<Real> cells_along(const GatherScene<Real>& scene, const Direction& trav
   if (scene.slopes != nullptr) {
     own.from_beam.resize(n);
     SourceAlong<Real>{false, {}, source.first_order}.fill(0, n, own.from_beam.data());
-    mix_slopes(scene.slopes->of_octant[octant_of(travel)], *scene.beam_slope, own.value.data(), own.from_beam.data(), n,
-               own.gradient);
+    mix_slopes(scene.slopes->of_octant[octant_of(travel)], *scene.beam_slope, scene.source->emission, own.value.data(),
+               own.from_beam.data(), n, own.gradient);
   } else {
     // A truncated phase function can be negative in some directions; gradients relative to it are the same.
     for (Real& value : own.value) value = std::abs(value);
-    own.make_gradient(scene.cells);
+    own.make_gradient(scene.cells, scene.source->emission);
   }
   CellView<Real> view = own.view(scene.cells);
   view.extinction = scene.extinction();

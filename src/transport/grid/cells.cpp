@@ -323,6 +323,17 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
     }
   }
 
+  if (grid.emits()) {
+    cells.emitted.assign(n, Real(0));
+    cells.emitted_step.assign(n, Real(0));
+    for (std::size_t c = 0; c < n; ++c) {
+      const double planck = grid.planck[c];
+      if (!(planck > 0) || !(cells.extinction[c] > 0)) continue;
+      cells.emitted[c] = static_cast<Real>(grid.absorption[c] / static_cast<double>(cells.extinction[c]) * planck);
+      cells.emitted_step[c] = static_cast<Real>(std::clamp(grid.planck_step[c] / planck, -2., 2.));
+    }
+  }
+
   const BoxGrid& box = grid.box;
   const auto place = cell_at_place(cells.rows);
   const auto dense = dense_indices(cells.rows);

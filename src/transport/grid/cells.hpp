@@ -115,6 +115,13 @@ struct TransposedCells {
 template <class Real>
 struct CellView;
 
+/// Thermal emission as a part of the source of cells; null: none.
+template <class Real>
+struct CellEmission {
+  const Real* source = nullptr;  ///< [n] as Cells::emitted
+  const Real* step = nullptr;    ///< [n] as Cells::emitted_step
+};
+
 /// Cells of one problem in the precision Real, forward peaks truncated.
 template <class Real>
 struct Cells {
@@ -131,6 +138,9 @@ struct Cells {
   std::vector<Real> share_of_place;
   std::vector<std::vector<Real>>
       scattered;  ///< [p][n] (1 - f_p) scattering_p / sigma': share of the extinction scattered by p
+  /// [n] thermal emission absorption B / sigma', the same in all directions, W m-2 sr-1; empty: nothing emits.
+  std::vector<Real> emitted;
+  std::vector<Real> emitted_step;  ///< [n] of B, at the cell's top less at its bottom, relative to B
   /// Central differences of the source along x, y, z: slope = scale * (source[high] - source[low]) per cell. A cell of
   /// hardly any matter (1e-4 of the cell's own extinction) is no neighbour. If the neighbour above or below is missing,
   /// the cell itself replaces it and the difference is one-sided. If a horizontal neighbour is missing, the slope is
@@ -140,12 +150,16 @@ struct Cells {
   std::array<std::vector<Real>, 3> scale;
 
   std::size_t size() const { return rows.size(); }
-  /// Whether any cell of level k scatters.
-  bool scatters(int k) const {
-    return std::any_of(scattered.begin(), scattered.end(), [&](const std::vector<Real>& of_phase) {
-      return std::any_of(of_phase.begin() + rows.level_cell[k], of_phase.begin() + rows.level_cell[k + 1],
-                         [](Real share) { return share > 0; });
-    });
+  /// Whether light comes from any cell of level k: one that scatters or emits.
+  bool sends_light(int k) const {
+    const auto in_level = [&](const std::vector<Real>& of) {
+      return !of.empty() && std::any_of(of.begin() + rows.level_cell[k], of.begin() + rows.level_cell[k + 1],
+                                        [](Real share) { return share > 0; });
+    };
+    return in_level(emitted) || std::any_of(scattered.begin(), scattered.end(), in_level);
+  }
+  CellEmission<Real> emission() const {
+    return emitted.empty() ? CellEmission<Real>{} : CellEmission<Real>{emitted.data(), emitted_step.data()};
   }
   /// @param extinction_of, x, y, z in the order of a march: extinction and gradient along its axes.
   CellView<Real> view(const std::vector<Real>& extinction_of, const std::vector<Real>& x, const std::vector<Real>& y,

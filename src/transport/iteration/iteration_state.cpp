@@ -67,7 +67,7 @@ void add_problem(Digest& digest, const TransportSystem<Real>& system) {
   digest.add(values_of(system.beam.irradiance));
   digest.add(values_of(system.beam.surface_flux));
   for (const auto& radiance : system.side_radiance) digest.add(values_of(radiance));
-  for (const double power : {system.sky_radiance, system.power_in}) digest.add(power);
+  for (const double power : {system.sky_radiance, system.power}) digest.add(power);
   system.ground.add_to(digest);
 }
 
@@ -87,7 +87,7 @@ StateArray radiance_of(AngularField<Real>& radiance) {
 }
 
 // Everything that is no array, in one.
-constexpr std::size_t number_count = 26;
+constexpr std::size_t number_count = 29;
 
 template <class Real, class Use>
 void for_each_number(IterationState<Real>& state, const Use& use) {
@@ -101,11 +101,26 @@ void for_each_number(IterationState<Real>& state, const Use& use) {
   use(state.slopes_from);
   use(report.converged);
   use(report.sweeps);
-  for (double* const number :
-       {&report.estimated_error, &report.seconds_sweeps, &report.seconds_scattering, &report.seconds_acceleration,
-        &ledger.reflectance, &ledger.transmittance, &ledger.transmittance_direct, &ledger.absorptance,
-        &ledger.surface_absorptance, &ledger.side_gain, &ledger.side_loss, &ledger.residual, &fluxes.up_top,
-        &fluxes.down_surface, &fluxes.side_gain, &fluxes.side_loss, &fluxes.surface_absorbed})
+  for (double* const number : {&report.estimated_error,
+                               &report.seconds_sweeps,
+                               &report.seconds_scattering,
+                               &report.seconds_acceleration,
+                               &ledger.power,
+                               &ledger.incident,
+                               &ledger.surface_emission,
+                               &ledger.reflectance,
+                               &ledger.transmittance,
+                               &ledger.transmittance_direct,
+                               &ledger.absorptance,
+                               &ledger.surface_absorptance,
+                               &ledger.side_gain,
+                               &ledger.side_loss,
+                               &ledger.residual,
+                               &fluxes.up_top,
+                               &fluxes.down_surface,
+                               &fluxes.side_gain,
+                               &fluxes.side_loss,
+                               &fluxes.surface_absorbed})
     use(*number);
 }
 

@@ -60,28 +60,32 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
                        std::span<const Real> scalar_flux) {
   const double columns = static_cast<double>(system.box.columns());
   const double top_area = columns * system.box.dx_m * system.box.dy_m;
-  double absorbed = 0;
+  double absorbed = 0;  // less what matter emits
   for (int k = 0; k < system.box.nz(); ++k) {
     const double volume = system.box.dx_m * system.box.dy_m * system.box.thickness_m(k);
     for (std::uint32_t c = system.cells->rows.level_cell[k]; c < system.cells->rows.level_cell[k + 1]; ++c) {
       const double actinic = static_cast<double>(scalar_flux[c]) +
                              (system.beam.irradiance.empty() ? 0. : static_cast<double>(system.beam.irradiance[c]));
-      absorbed += system.absorption[c] * actinic * volume * system.cells->rows.places_of(c);
+      const double emitted = system.planck.empty() ? 0. : 4 * std::numbers::pi * system.planck[c];
+      absorbed += system.absorption[c] * (actinic - emitted) * volume * system.cells->rows.places_of(c);
     }
   }
   double surface = 0;
   for (const double f : fluxes.surface_flux) surface += f;
   surface /= columns;
   EnergyLedger ledger;
-  if (system.power_in == 0) return ledger;  // a dark scene closes trivially
-  ledger.reflectance = fluxes.up_top / system.power_in;
-  ledger.transmittance = surface / system.power_in;
-  ledger.absorptance = absorbed / top_area / system.power_in;
-  ledger.surface_absorptance = fluxes.surface_absorbed / system.power_in;
-  ledger.side_gain = (fluxes.side_gain + system.beam.side_gain) / system.power_in;
-  ledger.side_loss = (fluxes.side_loss + system.beam.side_loss) / system.power_in;
-  ledger.residual =
-      1 + ledger.side_gain - (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
+  if (system.power == 0) return ledger;  // a dark scene closes trivially
+  ledger.power = system.power;
+  ledger.incident = system.incident / system.power;
+  ledger.surface_emission = system.ground.mean_emission() / system.power;
+  ledger.reflectance = fluxes.up_top / system.power;
+  ledger.transmittance = surface / system.power;
+  ledger.absorptance = absorbed / top_area / system.power;
+  ledger.surface_absorptance = fluxes.surface_absorbed / system.power;
+  ledger.side_gain = (fluxes.side_gain + system.beam.side_gain) / system.power;
+  ledger.side_loss = (fluxes.side_loss + system.beam.side_loss) / system.power;
+  ledger.residual = ledger.incident + ledger.surface_emission + ledger.side_gain -
+                    (ledger.reflectance + ledger.absorptance + ledger.surface_absorptance + ledger.side_loss);
   return ledger;
 }
 
@@ -89,8 +93,8 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
 // it holds them with fewer.
 template <class Real>
 std::optional<Real> float16_unit(const TransportSystem<Real>& system, const IterationOptions& options) {
-  if (!options.half_precision_radiance || sizeof(Real) > sizeof(float) || system.power_in <= 0) return std::nullopt;
-  return static_cast<Real>(std::exp2(std::round(std::log2(system.power_in / std::numbers::pi)) - 6));
+  if (!options.half_precision_radiance || sizeof(Real) > sizeof(float) || system.power <= 0) return std::nullopt;
+  return static_cast<Real>(std::exp2(std::round(std::log2(system.power / std::numbers::pi)) - 6));
 }
 
 template <class Real>
@@ -170,7 +174,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     if (StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes).diverges)
       low_order->drop_diffusion();
     if (!restored) x.assign(low_moments * n, Real(0));
-    if (!restored && !system.beam.source.empty()) {
+    if (!restored && (!system.beam.source.empty() || system.thermal)) {
       low_order->guess(x);
       change = x;
     }

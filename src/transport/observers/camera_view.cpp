@@ -81,7 +81,7 @@ SightScene<Real> sight_scene(const ConvergedField<Real>& field, const SightPoint
   LinearSource<Real> all;
   if (system.linear_source && !field.result.slopes) {
     all = mean_over(rows[0]);
-    all.make_gradient(*system.cells);
+    all.make_gradient(*system.cells, system.thermal_emission());
   }
   SightScene<Real> scene(system.box, *system.cells, all.view(*system.cells).gradient, ground,
                          field.problem.sky_radiance, side);

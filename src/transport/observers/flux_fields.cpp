@@ -11,6 +11,9 @@
 namespace cloudbow {
 namespace {
 
+// Of a gathered field, as a share of its difference from the reference, that is taken to be proportional to it.
+constexpr double largest_correction = .2;
+
 double mean(const std::vector<double>& field) {
   double sum = 0;
   for (const double f : field) sum += f;
@@ -34,7 +37,8 @@ class FluxFields {
         solved_(field.result),
         progress_(progress),
         source_(source),
-        columns_(field.system.box.columns()) {
+        columns_(field.system.box.columns()),
+        reference_(field.system.mean_planck) {
     const Discretisation& discretisation = field.discretisation;
     const LateralBoundary* const lateral_boundary = field.lateral_boundary;
     const bool by_ordinates = source == nullptr;
@@ -135,6 +139,7 @@ class FluxFields {
             .side_radiance = side_radiance_,
             .sky_radiance = problem_.sky_radiance,
             .ground = ground_ ? &*ground_ : nullptr,
+            .reference = reference_,
             .linear_source = system_.linear_source,
             .beam_slope = system_.slopes ? &system_.slopes->beam() : nullptr,
             .slopes = solved_.slopes ? &*solved_.slopes : nullptr};
@@ -154,12 +159,18 @@ class FluxFields {
   double profile_up(int edge) const { return solved_.fluxes.profile_up[edge]; }
   double profile_down(int edge) const { return solved_.fluxes.profile_down[edge]; }
 
-  // Scales a gathered field to the mean that the conservative iteration found; returns the factor.
-  static double rescale(std::vector<double>& field, double wanted) {
+  // Brings a gathered field to the mean that the conservative iteration found; returns the ratio of the means. What is
+  // scaled is the difference from the flux of the reference radiance, which is exact. If both differences are small,
+  // a shift remains.
+  double rescale(std::vector<double>& field, double wanted) const {
     const double found = mean(field);
-    const double factor = found > 0 && wanted > 0 ? wanted / found : 1;
-    for (double& f : field) f *= factor;
-    return factor;
+    const double exact = std::numbers::pi * reference_;
+    const bool scales =
+        exact == 0 ? found > 0 && wanted > 0 : std::abs(wanted - found) < largest_correction * std::abs(found - exact);
+    const double factor = scales ? (wanted - exact) / (found - exact) : 1;
+    const double shift = exact == 0 || scales ? 0 : wanted - found;
+    for (double& f : field) f = exact + (f - exact) * factor + shift;
+    return found > 0 && wanted > 0 ? wanted / found : 1;
   }
 
   void note_factor(Solution& solution, double factor) const {
@@ -198,8 +209,8 @@ class FluxFields {
       // shares of each more accurately.
       const double more = mean(top_up_) - by_ordinates;
       solution.profile_upwelling_flux.back() += more;
-      solution.ledger.reflectance += more / system_.power_in;
-      solution.ledger.side_loss -= more / system_.power_in;
+      solution.ledger.reflectance += more / system_.power;
+      solution.ledger.side_loss -= more / system_.power;
     }
     report_progress(.5);
   }
@@ -271,7 +282,7 @@ class FluxFields {
       solution.profile_direct_flux[e] = direct;
       solution.profile_downwelling_diffuse_flux[e] += system_.beam.profile[e] - direct;
     }
-    solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power_in;
+    solution.ledger.transmittance_direct = solution.profile_direct_flux[0] / system_.power;
   }
 
   const Problem& problem_;
@@ -281,6 +292,7 @@ class FluxFields {
   const ProgressCallback& progress_;
   DirectionalSource<Real>* source_;
   std::size_t columns_;
+  double reference_;
   SideRadiance side_radiance_;
   std::optional<DirectBeam<Real>> true_beam_;     // true extinction: light reported as direct
   std::optional<DirectBeam<Real>> carried_beam_;  // light that the iteration counts as direct

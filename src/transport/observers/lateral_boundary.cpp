@@ -1,6 +1,9 @@
 #include "transport/observers/lateral_boundary.hpp"
 
+#include <numeric>
+
 #include "transport/iteration/source_iteration.hpp"
+#include "transport/observers/radiance_march.hpp"
 #include "transport/rays/march.hpp"
 
 namespace cloudbow {
@@ -16,13 +19,29 @@ IterationOptions in_full_precision(IterationOptions options) {
   return options;
 }
 
+double mean_of(const std::vector<float>& map, double otherwise) {
+  if (map.empty()) return otherwise;
+  return std::accumulate(map.begin(), map.end(), 0.) / static_cast<double>(map.size());
+}
+
+Surface surface_beyond_sides(const Problem& problem) {
+  if (!problem.emits()) return {};
+  const Surface& surface = problem.surface;
+  Surface beyond;
+  beyond.albedo = surface.brdf ? 0 : mean_of(surface.albedo_map, surface.albedo);
+  beyond.planck = mean_of(surface.planck_map, surface.planck);
+  return beyond;
+}
+
 }  // namespace
 
 LateralBoundary::LateralBoundary(const Problem& problem, const Discretisation& discretisation,
                                  const SolverOptions& options)
-    : problem_{layers_only(problem.grid), problem.phase, problem.sun, problem.sky_radiance, {}},
+    : problem_{layers_only(problem.grid), problem.phase, problem.sun, problem.sky_radiance,
+               surface_beyond_sides(problem)},
       system_(make_system<double>(problem_, discretisation, as_one_column(options))) {
   IterationResult<double> solved = iterate_source(system_, in_full_precision(options), {});
+  if (problem.emits()) from_ground_ = ground_of_iteration(system_, solved.fluxes).at_points.row(0)[0];
   std::optional<DirectBeam<double>> beam;
   if (problem_.sun)
     beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), as_one_column(options));
@@ -44,8 +63,8 @@ std::vector<double> LateralBoundary::march_in(const DirectionalSource<double>& f
   LinearSource<double> source;
   source.resize(system_.cells->size());
   from.query(travel, source.value.data());
-  if (system_.linear_source) source.make_gradient(*system_.cells);
-  std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : 0.);
+  if (system_.linear_source) source.make_gradient(*system_.cells, system_.thermal_emission());
+  std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : from_ground_);
   march<double, false>(
       pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), {},
       [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });

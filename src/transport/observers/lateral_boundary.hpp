@@ -1,4 +1,5 @@
-// Radiance at an open side: that of the layers alone over a black surface, solved as one column.
+// Radiance at an open side: that of the layers alone, solved as one column. The surface below is black, unless there is
+// thermal emission: then it has the mean albedo and the mean Planck radiance of the scene's.
 #pragma once
 
 #include <optional>
@@ -22,6 +23,7 @@ class LateralBoundary {
 
   Problem problem_;
   TransportSystem<double> system_;
+  double from_ground_ = 0;  // radiance that leaves the surface
   std::optional<DirectionalSource<double>> source_;
   std::optional<DirectionalSource<double>> beside_peak_;
 };

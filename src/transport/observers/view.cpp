@@ -78,7 +78,7 @@ std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, con
       linear.gradient =
           slopes_seen<Real>(field, std::span(&view.travel, 1), {row, system.cells->size()}, linear.from_beam);
     } else if (system.linear_source) {
-      linear.make_gradient(*system.cells);
+      linear.make_gradient(*system.cells, system.thermal_emission());
     }
     if (view.width > 0) {
       const SightScene<Real> exact(box, *system.cells, linear.view(*system.cells).gradient, ground,

@@ -119,6 +119,7 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
                                 cells.extinction, system.beam.irradiance);
   }
   const GroundRadiance<Real> ground = ground_of_iteration(system, solved.fluxes);
+  const CellEmission<Real> emission = system.thermal_emission();
   ParallelErrors errors;
 #pragma omp parallel
   {
@@ -132,6 +133,9 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
         for (const SingleScattering<Real>& beam : first_order) {
           const Real phase = static_cast<Real>(beam.phase(travel[i].dot(problem.sun->travel)));
           for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += phase * beam.intensity[c];
+        }
+        if (emission.source != nullptr) {
+          for (std::size_t c = 0; c < sent.size(); ++c) sent[c] += emission.source[c];
         }
         const auto along =
             march.mean_radiance(problem, system, ground, lateral_boundary, off_the_horizon(travel[i]), sent);
@@ -152,6 +156,9 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
     }
     Real* const row = source.row(static_cast<int>(i));
     std::transform(row, row + cells.size(), row, [](Real s) { return not_negative(s); });
+    if (emission.source != nullptr) {
+      for (std::size_t c = 0; c < cells.size(); ++c) row[c] += emission.source[c];
+    }
   }
   return source;
 }
@@ -182,7 +189,7 @@ Slope<Real> slopes_seen(const ConvergedField<Real>& field, std::span<const Direc
       }
     }
   }
-  make_relative<Real>(field.system.slopes->beam(), source, from_beam, slope);
+  make_relative<Real>(field.system.slopes->beam(), field.system.thermal_emission(), source, from_beam, slope);
   return slope;
 }
 

@@ -26,7 +26,7 @@ struct ViewingBeam {
 template <class Real>
 std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 
-/// Orders of scattering >= 2: one row for each direction of travel.
+/// Orders of scattering >= 2, and thermal emission: one row for each direction of travel.
 ///
 /// The radiance I_d at the ordinates scatters by the phase function itself. Its truncated form has large errors at the
 /// angles of little light. The forward peak, too narrow for the ordinates, is subtracted: with I_v the radiance along

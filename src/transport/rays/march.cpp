@@ -30,9 +30,29 @@ void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n,
   }
 }
 
-template void source_gradient<float>(const Cells<float>&, std::size_t, std::size_t, const float*, float*, float*,
-                                     float*);
-template void source_gradient<double>(const Cells<double>&, std::size_t, std::size_t, const double*, double*, double*,
-                                      double*);
+template <class Real>
+void source_gradient(const Cells<Real>& cells, const CellEmission<Real>& emission, std::size_t first, std::size_t n,
+                     const Real* source, const Real* rest, Real* __restrict gradient_x, Real* __restrict gradient_y,
+                     Real* __restrict gradient_z) {
+  source_gradient(cells, first, n, rest, gradient_x, gradient_y, gradient_z);
+  for (std::size_t c = 0; c < n; ++c) {
+    const Real whole = source[first + c], scattered = rest[first + c];
+    const Real x = gradient_x[c] * scattered;
+    const Real y = gradient_y[c] * scattered;
+    const Real z = gradient_z[c] * scattered + emission.step[first + c] * emission.source[first + c];
+    const Real relative = limited_inverse(x, y, z, whole);
+    gradient_x[c] = x * relative;
+    gradient_y[c] = y * relative;
+    gradient_z[c] = z * relative;
+  }
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
+  template void source_gradient<Real>(const Cells<Real>&, std::size_t, std::size_t, const Real*, Real*, Real*, Real*); \
+  template void source_gradient<Real>(const Cells<Real>&, const CellEmission<Real>&, std::size_t, std::size_t,         \
+                                      const Real*, const Real*, Real*, Real*, Real*)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
 
 }  // namespace cloudbow

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -179,6 +180,20 @@ template <class Real>
 void source_gradient(const Cells<Real>& cells, std::size_t first, std::size_t n, const Real* source, Real* gradient_x,
                      Real* gradient_y, Real* gradient_z);
 
+/// The same for a source that contains emission, whose slope is known. Differences are of the rest alone.
+/// @param rest [n of all cells] the source less the emission.
+template <class Real>
+void source_gradient(const Cells<Real>& cells, const CellEmission<Real>& emission, std::size_t first, std::size_t n,
+                     const Real* source, const Real* rest, Real* gradient_x, Real* gradient_y, Real* gradient_z);
+
+/// 1 / max(the change of a source from the middle of a cell to a corner, the source here): slopes relative to it leave
+/// the source positive.
+template <class Real>
+[[gnu::always_inline]] inline Real limited_inverse(Real x, Real y, Real z, Real here) {
+  const Real swing = Real(.5) * (std::abs(x) + std::abs(y) + std::abs(z));
+  return here > std::numeric_limits<Real>::min() ? Real(1) / std::max(swing, here) : Real(0);
+}
+
 /// Sum in a fixed order, whatever the compiler.
 template <class Real>
 inline double plane_sum(const Real* values, std::size_t n) {
@@ -200,11 +215,21 @@ struct LinearSource {
   std::vector<Real> value;                    ///< [n + lane_padding]
   std::array<std::vector<Real>, 3> gradient;  ///< [n + lane_padding] relative, along x, y, z; empty: constant in cells
   std::vector<Real> from_beam;                ///< [n] its part from the direct beam alone; empty: not needed
+  std::vector<Real> rest;                     ///< [n] the source less thermal emission; empty: it has none
 
   void resize(std::size_t n) { value.resize(n + lane_padding); }
-  void make_gradient(const Cells<Real>& cells) {
-    for (auto& axis : gradient) axis.resize(cells.size() + lane_padding);
-    source_gradient(cells, 0, cells.size(), value.data(), gradient[0].data(), gradient[1].data(), gradient[2].data());
+  /// @param emission that the source contains.
+  void make_gradient(const Cells<Real>& cells, const CellEmission<Real>& emission = {}) {
+    const std::size_t n = cells.size();
+    for (auto& axis : gradient) axis.resize(n + lane_padding);
+    if (emission.source == nullptr) {
+      source_gradient(cells, 0, n, value.data(), gradient[0].data(), gradient[1].data(), gradient[2].data());
+      return;
+    }
+    rest.resize(n);
+    for (std::size_t c = 0; c < n; ++c) rest[c] = value[c] - emission.source[c];
+    source_gradient(cells, emission, 0, n, value.data(), rest.data(), gradient[0].data(), gradient[1].data(),
+                    gradient[2].data());
   }
   CellView<Real> view(const Cells<Real>& cells) const {
     return cells.view(cells.extinction, gradient[0], gradient[1], gradient[2]);

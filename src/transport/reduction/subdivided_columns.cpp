@@ -116,13 +116,14 @@ Problem with_subdivided_columns(const Problem& problem, SubdividedColumns parts)
     map.add_air(air, {0, air.x, air.y, air.width_x * parts.x, air.width_y * parts.y});
   }
   fine.grid = remap(problem.grid, std::move(map));
-  const std::vector<float>& albedo = problem.surface.albedo_map;
-  if (!albedo.empty()) {
-    std::vector<float>& of_parts = fine.surface.albedo_map;
+  for (auto of_surface : {&Surface::albedo_map, &Surface::planck_map}) {
+    const std::vector<float>& whole = problem.surface.*of_surface;
+    if (whole.empty()) continue;
+    std::vector<float>& of_parts = fine.surface.*of_surface;
     of_parts.clear();
     for (int j = 0; j < fine.grid.box.ny; ++j) {
       for (int i = 0; i < fine.grid.box.nx; ++i)
-        of_parts.push_back(albedo[static_cast<std::size_t>(j / parts.y) * box.nx + i / parts.x]);
+        of_parts.push_back(whole[static_cast<std::size_t>(j / parts.y) * box.nx + i / parts.x]);
     }
   }
   return fine;

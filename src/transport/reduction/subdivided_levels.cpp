@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <type_traits>
 
 #include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/transport/output_fields.hpp"
@@ -151,6 +152,23 @@ void mean_of_parts(const Problem& whole, const SubdividedLevels& cut, RadianceFi
   field.radiance.assign(sum.begin(), sum.end());
 }
 
+// The Planck radiance of the parts of a level, linear in height; on entry each has that of the whole level.
+void cut_emission(const BoxGrid& whole, const SubdividedLevels& cut, OpticalGrid& grid) {
+  const auto cut_one = [&](int part, auto& planck, auto& step) {
+    using Value = std::remove_reference_t<decltype(planck)>;
+    const int k = cut.level[part];
+    const double middle = .5 * (cut.z_edge_m[part] + cut.z_edge_m[part + 1]);
+    const double place = (middle - .5 * (whole.z_edge_m[k] + whole.z_edge_m[k + 1])) / whole.thickness_m(k);
+    planck = static_cast<Value>(planck + place * step);
+    step = static_cast<Value>(step * grid.box.thickness_m(part) / whole.thickness_m(k));
+  };
+  for (int part = 0; part < grid.box.nz(); ++part) {
+    for (std::size_t c = grid.first_cell(part); c < grid.first_cell(part + 1); ++c)
+      cut_one(part, grid.planck[c], grid.planck_step[c]);
+    cut_one(part, grid.layer_planck[part], grid.layer_planck_step[part]);
+  }
+}
+
 }  // namespace
 
 SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOptions& options) {
@@ -190,6 +208,7 @@ Problem with_subdivided_levels(const Problem& problem, const SubdividedLevels& c
     map.add_air(problem.grid.air_of(k));
   }
   fine.grid = remap(problem.grid, std::move(map));
+  if (fine.grid.emits()) cut_emission(problem.grid.box, cut, fine.grid);
   return fine;
 }
 

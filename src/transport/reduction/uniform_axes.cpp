@@ -14,7 +14,8 @@ bool same_cells(const OpticalGrid& grid, std::size_t a, std::size_t b, std::size
   const auto same = [=](const std::vector<float>& of) {
     return std::equal(of.begin() + a, of.begin() + a + n, of.begin() + b);
   };
-  return same(grid.absorption) && std::all_of(grid.scattering.begin(), grid.scattering.end(), same);
+  return same(grid.absorption) && (!grid.emits() || (same(grid.planck) && same(grid.planck_step))) &&
+         std::all_of(grid.scattering.begin(), grid.scattering.end(), same);
 }
 
 bool full_rows_of_one_value(const OpticalGrid& grid) {
@@ -95,8 +96,12 @@ void spread_radiance_field(const Problem& whole, UniformAxes uniform, RadianceFi
 UniformAxes uniform_axes(const Problem& problem) {
   const OpticalGrid& grid = problem.grid;
   if (!grid.box.periodic) return {};
-  return {grid.box.nx > 1 && map_is_uniform(problem.surface.albedo_map, grid.box, true) && full_rows_of_one_value(grid),
-          grid.box.ny > 1 && map_is_uniform(problem.surface.albedo_map, grid.box, false) && rows_alike(grid)};
+  const auto maps_are_uniform = [&](bool along_x) {
+    return map_is_uniform(problem.surface.albedo_map, grid.box, along_x) &&
+           map_is_uniform(problem.surface.planck_map, grid.box, along_x);
+  };
+  return {grid.box.nx > 1 && maps_are_uniform(true) && full_rows_of_one_value(grid),
+          grid.box.ny > 1 && maps_are_uniform(false) && rows_alike(grid)};
 }
 
 Problem collapse(const Problem& problem, UniformAxes uniform) {
@@ -134,12 +139,14 @@ Problem collapse(const Problem& problem, UniformAxes uniform) {
   }
   const BoxGrid box = map.box;
   small.grid = remap(from, std::move(map));
-  const std::vector<float>& albedo = problem.surface.albedo_map;
-  if (!albedo.empty()) {
-    small.surface.albedo_map.clear();
+  for (auto of_surface : {&Surface::albedo_map, &Surface::planck_map}) {
+    const std::vector<float>& whole = problem.surface.*of_surface;
+    if (whole.empty()) continue;
+    std::vector<float>& of_columns = small.surface.*of_surface;
+    of_columns.clear();
     for (int j = 0; j < box.ny; ++j) {
-      const auto row = albedo.begin() + static_cast<std::ptrdiff_t>(j) * from.box.nx;
-      small.surface.albedo_map.insert(small.surface.albedo_map.end(), row, row + box.nx);
+      const auto row = whole.begin() + static_cast<std::ptrdiff_t>(j) * from.box.nx;
+      of_columns.insert(of_columns.end(), row, row + box.nx);
     }
   }
   return small;

@@ -23,6 +23,12 @@ void add_terms(std::span<const typename SourceAlong<Real>::Term> terms, std::siz
 
 template <class Real>
 void SourceAlong<Real>::fill(std::size_t first, std::size_t n, Real* __restrict source) const {
+  fill_scattered(first, n, source);
+  if (emission.at_cells != nullptr) add_terms<Real>(std::span(&emission, 1), first, n, source);
+}
+
+template <class Real>
+void SourceAlong<Real>::fill_scattered(std::size_t first, std::size_t n, Real* __restrict source) const {
   if (!any_points) {
     std::fill_n(source, n, Real(0));
     add_terms<Real>(first_order, first, n, source);
@@ -72,6 +78,7 @@ SourceAlong<Real> DirectionalSource<Real>::along(const Direction& direction, dou
   for (const auto& beam : first_order)
     source.first_order.push_back(
         {static_cast<Real>(scale * beam.phase(direction.dot(sun_travel))), beam.intensity.data()});
+  if (emission.source != nullptr) source.emission = {static_cast<Real>(scale), emission.source};
   return source;
 }
 

@@ -32,9 +32,13 @@ struct SourceAlong {
   bool any_points = false;
   std::array<PointTerm, 3> points;  ///< if there are any
   std::vector<Term> first_order;
+  Term emission{};  ///< null: none
 
   /// Source of the cells [first, first + n).
   void fill(std::size_t first, std::size_t n, Real* source) const;
+
+ private:
+  void fill_scattered(std::size_t first, std::size_t n, Real* source) const;
 };
 
 template <class Real>
@@ -43,6 +47,7 @@ struct DirectionalSource {
   AngularField<Real> at_points;  ///< orders >= 2 (and the first of sky and surface light); no rows: none
   Direction sun_travel = -Direction::UnitZ();
   std::vector<SingleScattering<Real>> first_order;
+  CellEmission<Real> emission{};  ///< thermal, the same in all directions; its arrays are those of the cells
 
   /// Source for light that travels along `direction`: three streams times three weights, and one more a beam.
   SourceAlong<Real> along(const Direction& direction, double scale = 1) const;

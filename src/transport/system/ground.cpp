@@ -50,17 +50,65 @@ Real GroundRadiance<Real>::at(const Direction& travel, std::size_t column) const
 
 template <class Real>
 Ground<Real>::Ground(const Surface& surface, const OrdinateSet& ordinates, const std::optional<Direction>& sun_travel)
-    : albedo_(surface.albedo), albedo_map_(surface.albedo_map) {
+    : albedo_(surface.albedo),
+      albedo_map_(surface.albedo_map),
+      planck_(surface.planck),
+      planck_map_(surface.planck_map) {
   if (!surface.brdf) return;
   table_ = make_reflection_table(*surface.brdf, surface.tilt, ordinates, sun_travel);
   row_.assign(ordinates.size(), 0);
   for (std::size_t u = 0; u < table_->up.size(); ++u) row_[table_->up[u]] = static_cast<int>(u);
+  if (!emits()) return;
+  emissivity_up_ = 1 - table_->up_from_down.rowwise().sum().array();
+  emissivity_points_ = 1 - table_->points_from_down.rowwise().sum().array();
+  for (std::size_t u = 0; u < table_->up.size(); ++u) {
+    const int d = table_->up[u];
+    mean_emissivity_ += ordinates.weight[d] * ordinates.direction[d].z() / std::numbers::pi *
+                        emissivity_up_[static_cast<Eigen::Index>(u)];
+  }
+}
+
+template <class Real>
+Ground<Real> Ground<Real>::without_emission() const {
+  Ground cold = *this;
+  cold.planck_ = 0;
+  cold.planck_map_.clear();
+  return cold;
+}
+
+template <class Real>
+Ground<Real> Ground<Real>::with_planck_less(double reference) const {
+  Ground other = *this;
+  other.planck_ -= reference;
+  for (float& planck : other.planck_map_) planck -= static_cast<float>(reference);
+  return other;
+}
+
+template <class Real>
+double Ground<Real>::mean_emission() const {
+  if (!emits()) return 0;
+  const std::size_t columns = std::max({std::size_t{1}, planck_map_.size(), table_ ? 0 : albedo_map_.size()});
+  double sum = 0;
+  for (std::size_t c = 0; c < columns; ++c) sum += (table_ ? mean_emissivity_ : 1 - albedo(c)) * planck(c);
+  return std::numbers::pi * sum / static_cast<double>(columns);
+}
+
+// leaving.row(r) += emissivity(r) B
+template <class Real>
+void Ground<Real>::add_emission(const Eigen::VectorXd& emissivity, AngularField<Real>& leaving) const {
+  for (int r = 0; r < leaving.rows; ++r) {
+    for (std::size_t c = 0; c < leaving.cells; ++c) leaving.row(r)[c] += static_cast<Real>(emissivity[r] * planck(c));
+  }
 }
 
 template <class Real>
 void Ground<Real>::add_to(Digest& digest) const {
   digest.add(albedo_);
   digest.add(std::span<const float>(albedo_map_));
+  if (emits()) {
+    digest.add(planck_);
+    digest.add(std::span<const float>(planck_map_));
+  }
   if (!table_) return;
   for (const Eigen::MatrixXd* matrix : {&table_->points_from_down, &table_->up_from_down})
     digest.add(std::span<const double>(matrix->data(), static_cast<std::size_t>(matrix->size())));
@@ -76,6 +124,14 @@ double Ground<Real>::mean_albedo() const {
   double sum = 0;
   for (const float a : albedo_map_) sum += static_cast<double>(a);
   return sum / static_cast<double>(albedo_map_.size());
+}
+
+template <class Real>
+double Ground<Real>::mean_planck() const {
+  if (planck_map_.empty()) return planck_;
+  double sum = 0;
+  for (const float planck : planck_map_) sum += static_cast<double>(planck);
+  return sum / static_cast<double>(planck_map_.size());
 }
 
 template <class Real>
@@ -99,7 +155,8 @@ typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<std::v
   if (!table_) {
     result.leaving = AngularField<Real>(1, columns);
     for (std::size_t c = 0; c < columns; ++c) {
-      result.leaving.row(0)[c] = static_cast<Real>(albedo(c) / std::numbers::pi * result.flux[c]);
+      result.leaving.row(0)[c] =
+          static_cast<Real>(albedo(c) / std::numbers::pi * result.flux[c] + (1 - albedo(c)) * planck(c));
       result.absorbed += (1 - albedo(c)) * result.flux[c];
     }
   } else {
@@ -115,6 +172,7 @@ typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<std::v
       add_rows(result.leaving, table_->up_from_beam, 0, direct_flux.data());
       for (const double flux : direct_flux) result.absorbed += (1 - table_->beam_albedo) * flux;
     }
+    if (emits()) add_emission(emissivity_up_, result.leaving);
   }
   result.absorbed /= static_cast<double>(columns);
   return result;
@@ -130,7 +188,8 @@ GroundRadiance<Real> Ground<Real>::radiance(const std::vector<std::vector<Real>>
   if (!table_) {
     result.at_points = AngularField<Real>(1, columns);
     for (std::size_t c = 0; c < columns; ++c) {
-      result.flux[c] = albedo(c) * (diffuse_flux[c] + (direct_flux.empty() ? 0. : direct_flux[c]));
+      result.flux[c] = albedo(c) * (diffuse_flux[c] + (direct_flux.empty() ? 0. : direct_flux[c])) +
+                       std::numbers::pi * (1 - albedo(c)) * planck(c);
       result.at_points.row(0)[c] = static_cast<Real>(result.flux[c] / std::numbers::pi);
     }
     return result;
@@ -150,6 +209,10 @@ GroundRadiance<Real> Ground<Real>::radiance(const std::vector<std::vector<Real>>
       result.flux[c] += power(ordinates, d) * table_->albedo[column] * scaled[c];
     }
     add_rows(result.at_points, table_->points_from_down, column, scaled.data());
+  }
+  if (emits()) {
+    add_emission(emissivity_points_, result.at_points);
+    for (std::size_t c = 0; c < columns; ++c) result.flux[c] += std::numbers::pi * mean_emissivity_ * planck(c);
   }
   if (!direct_flux.empty()) {
     add_rows(result.at_points, table_->points_from_beam, 0, direct_flux.data());

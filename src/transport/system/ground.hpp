@@ -54,9 +54,16 @@ class Ground {
                                      std::span<const double> diffuse_flux, std::span<const double> direct_flux,
                                      const OrdinateSet& ordinates) const;
 
+  /// The same surface with so much less Planck radiance: for differences of light.
+  Ground with_planck_less(double reference) const;
+  Ground without_emission() const;
+  /// Flux that it emits, W m-2, mean over the columns.
+  double mean_emission() const;
+
   bool is_lambertian() const { return !table_; }
   /// Share of evenly arriving light that leaves.
   double mean_albedo() const;
+  double mean_planck() const;
   double largest_albedo() const;  ///< over directions and columns
   const std::optional<ReflectionTable>& table() const { return table_; }
   /// Input of its reflections.
@@ -65,10 +72,21 @@ class Ground {
  private:
   double albedo(std::size_t column) const { return albedo_map_.empty() ? albedo_ : albedo_map_[column]; }
 
+  void add_emission(const Eigen::VectorXd& emissivity, AngularField<Real>& leaving) const;
+  bool emits() const { return planck_ != 0 || !planck_map_.empty(); }
+  double planck(std::size_t column) const { return planck_map_.empty() ? planck_ : planck_map_[column]; }
+
   double albedo_ = 0;
   std::vector<float> albedo_map_;
+  double planck_ = 0;
+  std::vector<float> planck_map_;
   std::optional<ReflectionTable> table_;
   std::vector<int> row_;  // [D] place of an ordinate among those that travel up
+  // By Kirchhoff's law, from the table's own reflection of equal light from everywhere: radiance in an enclosure of one
+  // temperature is then the same in all directions.
+  Eigen::VectorXd emissivity_up_;      // [D_u] along the ordinates; empty: Lambertian, or no emission
+  Eigen::VectorXd emissivity_points_;  // [M] at the control points
+  double mean_emissivity_ = 0;         // of the emitted flux, as the ordinates sum it; not Lambertian
 };
 
 }  // namespace cloudbow

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cloudbow/core/parallel_errors.hpp"
+#include "transport/rays/march.hpp"
 #include "transport/rays/slope_fit.hpp"
 
 namespace cloudbow {
@@ -22,13 +23,6 @@ Eigen::Matrix3d in_axes_of_box(const Eigen::Matrix3d& spread, int axis) {
     for (int b = 0; b < 3; ++b) turned(place[a], place[b]) = spread(a, b);
   }
   return turned;
-}
-
-// 1 / max(the change from the middle to a corner, here): relative slopes then leave the source positive.
-template <class Real>
-[[gnu::always_inline]] inline Real limited_inverse(Real x, Real y, Real z, Real here) {
-  const Real swing = Real(.5) * (std::abs(x) + std::abs(y) + std::abs(z));
-  return here > std::numeric_limits<Real>::min() ? Real(1) / std::max(swing, here) : Real(0);
 }
 
 }  // namespace
@@ -198,13 +192,14 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
 }
 
 template <class Real>
-void make_relative(const Slope<Real>& beam, std::span<const Real> source, std::span<const Real> from_beam,
-                   Slope<Real>& slope) {
+void make_relative(const Slope<Real>& beam, const CellEmission<Real>& emission, std::span<const Real> source,
+                   std::span<const Real> from_beam, Slope<Real>& slope) {
   for (std::size_t c = 0; c < source.size(); ++c) {
     const Real b = from_beam[c];
     const Real x = slope[0][c] + beam[0][c] * b;
     const Real y = slope[1][c] + beam[1][c] * b;
-    const Real z = slope[2][c] + beam[2][c] * b;
+    Real z = slope[2][c] + beam[2][c] * b;
+    if (emission.source != nullptr) z += emission.step[c] * emission.source[c];
     const Real relative = limited_inverse(x, y, z, source[c]);
     slope[0][c] = x * relative;
     slope[1][c] = y * relative;
@@ -212,10 +207,13 @@ void make_relative(const Slope<Real>& beam, std::span<const Real> source, std::s
   }
 }
 
-template <class Real>
-void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real* __restrict source,
-                const Real* __restrict from_beam, std::size_t n, Slope<Real>& slope) {
-  for (auto& axis : slope) axis.resize(n + lane_padding);
+namespace {
+
+template <bool emits, class Real>
+void mix(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
+         const Real* __restrict source, const Real* __restrict from_beam, std::size_t n, Slope<Real>& slope) {
+  const Real* __restrict const emitted = emission.source;
+  const Real* __restrict const step = emission.step;
   const Real* __restrict const mx = multiple[0].data();
   const Real* __restrict const my = multiple[1].data();
   const Real* __restrict const mz = multiple[2].data();
@@ -228,10 +226,12 @@ void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real
 #pragma omp simd
   for (std::size_t c = 0; c < n; ++c) {
     const Real b = from_beam[c];
-    const Real rest = source[c] - b;
+    Real rest = source[c] - b;
+    if constexpr (emits) rest -= emitted[c];
     const Real x = mx[c] * rest + bx[c] * b;
     const Real y = my[c] * rest + by[c] * b;
-    const Real z = mz[c] * rest + bz[c] * b;
+    Real z = mz[c] * rest + bz[c] * b;
+    if constexpr (emits) z += step[c] * emitted[c];
     // A truncated phase function can be negative in some directions; slopes relative to it are the same.
     const Real size = limited_inverse(x, y, z, std::abs(source[c]));
     const Real relative = source[c] < 0 ? -size : size;
@@ -241,11 +241,25 @@ void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
-  template class SlopeTables<Real>;                                                                                  \
-  template void make_relative<Real>(const Slope<Real>&, std::span<const Real>, std::span<const Real>, Slope<Real>&); \
-  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const Real*, const Real*, std::size_t,      \
-                                 Slope<Real>&)
+}  // namespace
+
+template <class Real>
+void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
+                const Real* source, const Real* from_beam, std::size_t n, Slope<Real>& slope) {
+  for (auto& axis : slope) axis.resize(n + lane_padding);
+  if (emission.source != nullptr) {
+    mix<true>(multiple, beam, emission, source, from_beam, n, slope);
+  } else {
+    mix<false>(multiple, beam, emission, source, from_beam, n, slope);
+  }
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                               \
+  template class SlopeTables<Real>;                                                                              \
+  template void make_relative<Real>(const Slope<Real>&, const CellEmission<Real>&, std::span<const Real>,        \
+                                    std::span<const Real>, Slope<Real>&);                                        \
+  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const CellEmission<Real>&, const Real*, \
+                                 const Real*, std::size_t, Slope<Real>&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -73,16 +73,18 @@ class SlopeTables {
 };
 
 /// Slopes of a source, relative to it and limited so that the linear source stays positive in every cell.
-/// @param source, from_beam [n] @param slope of its multiply scattered part, W m-2 sr-1 from face to face; in place.
+/// @param emission that it contains. @param source, from_beam [n]
+/// @param slope of its multiply scattered part, W m-2 sr-1 from face to face; in place.
 template <class Real>
-void make_relative(const Slope<Real>& beam, std::span<const Real> source, std::span<const Real> from_beam,
-                   Slope<Real>& slope);
+void make_relative(const Slope<Real>& beam, const CellEmission<Real>& emission, std::span<const Real> source,
+                   std::span<const Real> from_beam, Slope<Real>& slope);
 
 /// Slopes of a source of `n` cells, relative to it: its multiply scattered part has the slopes `multiple`, its part
-/// from the beam alone those of the beam. Limited so that the linear source stays positive in every cell.
-/// @param from_beam [n] that part; @param slope [3][n]
+/// from the beam alone those of the beam, its emission that of the Planck radiance. Limited so that the linear source
+/// stays positive in every cell.
+/// @param emission that it contains; @param from_beam [n] that part; @param slope [3][n]
 template <class Real>
-void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Real* source, const Real* from_beam,
-                std::size_t n, Slope<Real>& slope);
+void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
+                const Real* source, const Real* from_beam, std::size_t n, Slope<Real>& slope);
 
 }  // namespace cloudbow

@@ -61,9 +61,13 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
 #pragma omp single
   errors.run([&] {
     gradient.source.resize(n);
+    gradient.rest.resize(system.thermal ? n : 0);
     for (auto& axis : gradient.axis) axis.resize(n + lane_padding);
     for (auto& axis : gradient.transposed) axis.resize(transposed ? n + lane_padding : 0);
   });
+  const CellEmission<Real> emission = system.thermal_emission();
+  double weights = 0;
+  for (const int d : group) weights += system.ordinates.weight[d];
   const std::size_t blocks = (n + block_cells - 1) / block_cells;
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
@@ -78,15 +82,28 @@ void team_make_gradient(const TransportSystem<Real>& system, const AngularField<
         const Real* __restrict const from = field.stored_row(d).read(first, count, room.data());
         for (std::size_t c = 0; c < count; ++c) to[c] += weight * from[c];
       }
+      if (!system.thermal) return;
+      // The mean source rather than its sum, as emission is given.
+      const Real mean = static_cast<Real>(1 / weights);
+      for (std::size_t c = 0; c < count; ++c) {
+        to[c] *= mean;
+        gradient.rest[first + c] = to[c] - emission.source[first + c];
+      }
     });
   }
 #pragma omp for schedule(static)
   for (std::size_t block = 0; block < blocks; ++block) {
     errors.run([&] {
       const std::size_t first = block * block_cells;
-      source_gradient(cells, first, std::min(block_cells, n - first), gradient.source.data(),
-                      gradient.axis[0].data() + first, gradient.axis[1].data() + first,
-                      gradient.axis[2].data() + first);
+      const std::size_t count = std::min(block_cells, n - first);
+      Real* const x = gradient.axis[0].data() + first;
+      Real* const y = gradient.axis[1].data() + first;
+      Real* const z = gradient.axis[2].data() + first;
+      if (system.thermal) {
+        source_gradient(cells, emission, first, count, gradient.source.data(), gradient.rest.data(), x, y, z);
+      } else {
+        source_gradient(cells, first, count, gradient.source.data(), x, y, z);
+      }
     });
   }
   if (!transposed) return;
@@ -118,7 +135,7 @@ void add_transposed(const Cells<Real>& cells, const Real* __restrict from, Real*
   for (std::size_t c = 0; c < cells.size(); ++c) to[cell[c]] += from[c];
 }
 
-// Slopes of an ordinate's source, from those of its octant and of the beam.
+// Slopes of an ordinate's source, from those of its octant, of the beam and of the Planck radiance.
 template <class Real>
 void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlopes<Real>& slopes, int d,
                             const Real* source, typename SweepWorkspace<Real>::Thread& work) {
@@ -130,13 +147,32 @@ void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlop
     Real* __restrict const to = work.from_beam.data();
     for (std::size_t c = 0; c < n; ++c) to[c] += phase * intensity[c];
   }
-  mix_slopes(slopes.of_octant[octant_of(system.ordinates.direction[d])], system.slopes->beam(), source,
-             work.from_beam.data(), n, work.gradient.axis);
+  mix_slopes(slopes.of_octant[octant_of(system.ordinates.direction[d])], system.slopes->beam(),
+             system.thermal_emission(), source, work.from_beam.data(), n, work.gradient.axis);
   const bool along_x = system.paths[d].sideways && system.paths[d].sideways->axis == 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     work.gradient.transposed[axis].resize(along_x ? n + lane_padding : 0);
     if (along_x) transpose_cells(*system.cells, work.gradient.axis[axis].data(), work.gradient.transposed[axis].data());
   }
+}
+
+// The same from differences between neighbours.
+template <class Real>
+void gradient_of_ordinate(const TransportSystem<Real>& system, const Real* source,
+                          typename SweepWorkspace<Real>::Thread& work) {
+  const std::size_t n = system.cells->size();
+  for (auto& axis : work.gradient.axis) axis.resize(n + lane_padding);
+  Real* const x = work.gradient.axis[0].data();
+  Real* const y = work.gradient.axis[1].data();
+  Real* const z = work.gradient.axis[2].data();
+  if (!system.thermal) {
+    source_gradient(*system.cells, 0, n, source, x, y, z);
+    return;
+  }
+  const CellEmission<Real> emission = system.thermal_emission();
+  work.rest.resize(n);
+  for (std::size_t c = 0; c < n; ++c) work.rest[c] = source[c] - emission.source[c];
+  source_gradient(*system.cells, emission, 0, n, source, work.rest.data(), x, y, z);
 }
 
 // Contribution of one ordinate's march; summed over ordinates in their order.
@@ -338,9 +374,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             if (mixed) {
               mix_slopes_of_ordinate(system, *slopes, d, source.data(), own);
             } else if (system.linear_source && !shared) {
-              for (auto& axis : own.gradient.axis) axis.resize(n + lane_padding);
-              source_gradient(*system.cells, 0, n, source.data(), own.gradient.axis[0].data(),
-                              own.gradient.axis[1].data(), own.gradient.axis[2].data());
+              gradient_of_ordinate(system, source.data(), own);
             }
             march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record, new_slopes,
                             keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);

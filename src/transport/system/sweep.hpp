@@ -42,12 +42,21 @@ struct TransportSystem {
   SystemBeam<Real> beam;
   double sky_radiance = 0;
   Ground<Real> ground;
-  double power_in = 1;  ///< W m-2 through the top, direct and diffuse
+  double power = 1;     ///< unit of the energy ledger, W m-2 of the top: EnergyLedger::power
+  double incident = 1;  ///< of it, sun and sky through the top
   /// Open sides: radiance coming in along ordinate d at each interface in marching order; empty: none.
   std::vector<std::vector<Real>> side_radiance;
-  std::vector<Real> emission = {};  ///< [low_moments][n] moments of a source beside the beam's; empty: none
+  /// [1 to low_moments][n] moments of a source beside the beam's; empty: none.
+  std::vector<Real> emission = {};
+  bool thermal = false;             ///< that source is Cells::emitted
+  std::vector<double> planck = {};  ///< [n] of thermal emission, as OpticalGrid's; empty: none
+  /// Their mean by absorption. As radiance everywhere it fulfils the transport equation with as much emission and light
+  /// at the boundaries, so iteration and gather may begin from it.
+  double mean_planck = 0;
 
   bool has_independent_columns() const { return independent_columns || (box.periodic && box.columns() == 1); }
+  /// Thermal emission in the source.
+  CellEmission<Real> thermal_emission() const { return thermal ? cells->emission() : CellEmission<Real>{}; }
 
   /// Radiance, with this added to its moments (empty: nothing), becomes source.
   /// @param dark there is no radiance yet, whatever the field holds.
@@ -79,7 +88,8 @@ struct SweepFluxes {
 /// Relative gradient of the mean source of some ordinates; empty if the source is constant in each cell.
 template <class Real>
 struct GroupGradient {
-  std::vector<Real> source;                     ///< [n] their mean
+  std::vector<Real> source;                     ///< [n] their mean,
+  std::vector<Real> rest;                       ///< [n] and that less thermal emission; empty: it has none
   std::array<std::vector<Real>, 3> axis;        ///< [n + lane_padding] along x, y, z
   std::array<std::vector<Real>, 3> transposed;  ///< the same in the order of a march along x; empty: not needed
 };
@@ -89,6 +99,7 @@ template <class Real>
 struct SweepWorkspace {
   struct Thread {
     std::vector<Real> unpacked, mean, plane, transposed_source, transposed_mean, from_beam;
+    std::vector<Real> rest;                 ///< [n] source less thermal emission
     Slope<Real> moment, transposed_moment;  ///< of one ordinate's radiance
     SidewaysWorkspace<Real> sideways;
     GroupGradient<Real> gradient;  ///< of one ordinate, if none is shared

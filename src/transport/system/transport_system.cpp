@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "cloudbow/core/not_negative.hpp"
+#include "transport/problem/power.hpp"
 
 namespace cloudbow {
 namespace {
@@ -83,6 +84,17 @@ SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discr
   return beam;
 }
 
+double mean_planck(const OpticalGrid& grid) {
+  double sum = 0, weights = 0;
+  if (!grid.emits()) return 0;
+  grid.for_each_place([&](int k, std::size_t, std::size_t c) {
+    const double weight = static_cast<double>(grid.absorption[c]) * grid.box.thickness_m(k);
+    sum += weight * static_cast<double>(grid.planck[c]);
+    weights += weight;
+  });
+  return weights > 0 ? sum / weights : 0;
+}
+
 }  // namespace
 
 template <class Real>
@@ -95,12 +107,14 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
       make_cells<Real>(problem.grid, discretisation.diffuse_fraction(), independent));
   std::vector<double> asymmetry;
   for (const DeltaM& diffuse : discretisation.diffuse) asymmetry.push_back(diffuse.truncated.asymmetry_parameter());
-  double power_in = std::numbers::pi * problem.sky_radiance;
   std::optional<Direction> sun;
-  if (problem.sun) {
-    sun = problem.sun->travel;
-    power_in += -sun->z() * problem.sun->irradiance;
-  }
+  if (problem.sun) sun = problem.sun->travel;
+  Ground<Real> ground(problem.surface, ordinates, sun);
+  const double incident = incident_power(problem);
+  const double power = incident + ground.mean_emission() + matter_emission(problem);
+  std::vector<Real> emission;
+  for (const Real emitted : cells->emitted) emission.push_back(static_cast<Real>(4 * std::numbers::pi) * emitted);
+  const bool thermal = !emission.empty();
   std::vector<OrdinatePath> paths = make_ordinate_paths(box, *cells, ordinates.direction, independent);
   OrdinateScattering<Real> scattering = ordinate_scattering<Real>(discretisation);
   // Light that does not change across columns has slopes along z alone, which differences give as well.
@@ -128,9 +142,14 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
           .absorption = {problem.grid.absorption.begin(), problem.grid.absorption.end()},
           .beam = std::move(beam),
           .sky_radiance = problem.sky_radiance,
-          .ground = Ground<Real>(problem.surface, ordinates, sun),
-          .power_in = power_in,
-          .side_radiance = std::move(side_radiance)};
+          .ground = std::move(ground),
+          .power = power,
+          .incident = incident,
+          .side_radiance = std::move(side_radiance),
+          .emission = std::move(emission),
+          .thermal = thermal,
+          .planck = {problem.grid.planck.begin(), problem.grid.planck.end()},
+          .mean_planck = mean_planck(problem.grid)};
 }
 
 template <class Real>
@@ -141,7 +160,8 @@ DirectionalSource<Real> scattered_source(const Discretisation& discretisation, c
   return {discretisation.points,
           scatter_to<Real>(discretisation.points.size(), std::move(radiance), to_points, *system.cells),
           -Direction::UnitZ(),
-          {}};
+          {},
+          system.thermal_emission()};
 }
 
 template <class Real>

@@ -167,6 +167,68 @@ TEST_F(LesImport, PotentialTemperatureIsKnownByNameByAttributeAndByTheWeightOfTh
   EXPECT_THAT(notes_of(cloud), Not(HasSubstr("potential")));
 }
 
+/// The grid "temperature" by the closed form.
+void expect_temperature(const ImportedCloud& cloud) {
+  ASSERT_EQ(cloud.auxiliaries.size(), 1U);
+  const VdbAuxiliary& found = cloud.auxiliaries[0];
+  EXPECT_EQ(found.grid, "temperature");
+  EXPECT_EQ(found.quantity, "temperature");
+  EXPECT_EQ(found.units, "K");
+  ASSERT_EQ(found.value.size(), cloud.field.value.size());
+  // Powers of numbers of 32 bits.
+  for (std::size_t n = 0; n < found.value.size(); ++n)
+    EXPECT_NEAR(found.value[n], kelvin(3 + static_cast<int>(n) / (nx * ny)), 2e-4) << n;
+}
+
+TEST_F(LesImport, TemperatureBecomesAGridIfAskedFor) {
+  const auto read = [&](const std::function<void(NetcdfBuilder&)>& add) {
+    CloudImportOptions options = with(add);
+    options.temperature_grid = true;
+    return import_cloud(options);
+  };
+  const auto add_pressure = [](NetcdfBuilder& file) { file.variable("p", {"z"}, "Pa", profile(pressure)); };
+  const auto add_density = [](NetcdfBuilder& file) { file.variable("rho", {"z"}, "kg/m3", profile(density)); };
+  const auto add_theta = [](NetcdfBuilder& file) {
+    file.variable("th", {"z"}, "K", profile([](int) { return theta; }));
+  };
+  // Temperature itself, with density by the gas law.
+  const ImportedCloud cloud = read([&](NetcdfBuilder& file) {
+    add_pressure(file);
+    file.variable("T", {"z", "y", "x"}, "K", field([](int k, int, int) { return kelvin(k); }));
+  });
+  expect_truth(cloud);
+  expect_temperature(cloud);
+  EXPECT_THAT(notes_of(cloud), HasSubstr("temperature grid: 29"));
+  // From the potential temperature, with density from the file or not.
+  expect_temperature(read([&](NetcdfBuilder& file) {
+    add_pressure(file);
+    add_theta(file);
+  }));
+  expect_temperature(read([&](NetcdfBuilder& file) {
+    add_pressure(file);
+    add_theta(file);
+    add_density(file);
+  }));
+  // In Celsius, without any pressure.
+  expect_temperature(read([&](NetcdfBuilder& file) {
+    add_density(file);
+    file.variable("ta", {"z"}, "degC", profile([](int k) { return kelvin(k) - 273.15; }));
+  }));
+}
+
+TEST_F(LesImport, TemperatureThatIsNotThereIsAnError) {
+  const auto error = [&](bool has_theta) {
+    CloudImportOptions options = with([&](NetcdfBuilder& file) {
+      file.variable("rho", {"z"}, "kg/m3", profile(density));
+      if (has_theta) file.variable("th", {"z"}, "K", profile([](int) { return theta; }));
+    });
+    options.temperature_grid = true;
+    return error_of(options);
+  };
+  EXPECT_THAT(error(false), HasSubstr("no temperature (found neither a temperature nor a potential one; fields in"));
+  EXPECT_THAT(error(true), HasSubstr("'th' is the potential temperature (found no pressure beside it; fields in"));
+}
+
 TEST_F(LesImport, TemperatureThatRisesInTheCloudIsPotentialIfTheWeightTellsNothing) {
   const ImportedCloud cloud = import_cloud(with([&](NetcdfBuilder& file) {
     file.variable("p", {"z"}, "Pa", profile([](int) { return 9e4; }));

@@ -131,6 +131,176 @@ TEST(PlaneParallel, CutsChangeNothing) {
   }
 }
 
+// Kirchhoff: matter, ground and sky of one temperature have its Planck radiance everywhere.
+TEST(PlaneParallel, EnclosureHasThePlanckRadianceEverywhere) {
+  for (const double ssa : {0.0, 0.7, 0.999}) {
+    PlaneParallelScene scene;
+    scene.layers = {{3, ssa, henyey_greenstein_moment, 2, 2}, {0.01, 0.3, rayleigh_moment, 2, 2}};
+    scene.surface_albedo = 0.4;
+    scene.irradiance = 0;
+    scene.sky_radiance = scene.surface_planck = 2;
+    PlaneParallelEffort effort;
+    effort.angles = 24;
+    effort.slices = 2;
+    effort.view_mu = {0.2, 1};
+    effort.view_azimuth_deg = {0};
+    const PlaneParallelSolution solution = solve_plane_parallel(scene, effort);
+    for (const PlaneParallelLevel& level : solution.levels) {
+      EXPECT_NEAR(level.up / (2 * std::numbers::pi), 1, 1e-10);
+      EXPECT_NEAR(level.down_diffuse / (2 * std::numbers::pi), 1, 1e-10);
+    }
+    EXPECT_LT((solution.radiance_up_top.array() / 2 - 1).abs().maxCoeff(), 1e-10);
+    EXPECT_LT((solution.radiance_down_bottom.array() / 2 - 1).abs().maxCoeff(), 1e-10);
+  }
+}
+
+TEST(PlaneParallel, AbsorberEmitsAsExponentialIntegralsSay) {
+  // Isothermal: flux pi B (1 - 2 E3(tau)), radiance B (1 - exp(-tau/mu)). E3(1) = .1096919 (Abramowitz & Stegun, table
+  // 5.1); .10969196719776014 by E3 = (exp(-1) - E2)/2.
+  const double e3 = 0.10969196719776014;
+  PlaneParallelScene scene;
+  scene.layers = {{1, 0, isotropic_moment, 1, 1}};
+  scene.irradiance = 0;
+  PlaneParallelEffort effort;
+  effort.view_mu = {0.3, 1};
+  effort.view_azimuth_deg = {0};
+  const PlaneParallelSolution solution = solve_plane_parallel(scene, effort);
+  // exp(-tau/mu) is integrated by 48 Gauss angles.
+  EXPECT_NEAR(solution.levels[0].up / std::numbers::pi, 1 - 2 * e3, 1e-9);
+  EXPECT_NEAR(solution.levels[1].down_diffuse / std::numbers::pi, 1 - 2 * e3, 1e-9);
+  for (int v = 0; v < 2; ++v) {
+    EXPECT_NEAR(solution.radiance_up_top(v, 0), 1 - std::exp(-1 / effort.view_mu[v]), rounding);
+    EXPECT_NEAR(solution.radiance_down_bottom(v, 0), 1 - std::exp(-1 / effort.view_mu[v]), rounding);
+  }
+}
+
+TEST(PlaneParallel, LinearPlanckRadianceLeavesAnAbsorberInClosedForm) {
+  // B = 1 + tau in an absorber of depth 4: up I = B(mu) - B(4 + mu) exp(-4/mu), down I = B(4 - mu) - B(-mu) exp(-4/mu).
+  PlaneParallelScene scene;
+  scene.layers = {{4, 0, isotropic_moment, 1, 5}};
+  scene.irradiance = 0;
+  PlaneParallelEffort effort;
+  effort.angles = 16;
+  effort.slices = 3;  // the Planck radiance is linear through them all
+  effort.view_mu = {0.2, 0.7, 1};
+  effort.view_azimuth_deg = {0};
+  const PlaneParallelSolution solution = solve_plane_parallel(scene, effort);
+  for (int v = 0; v < 3; ++v) {
+    const double mu = effort.view_mu[v], through = std::exp(-4 / mu);
+    EXPECT_NEAR(solution.radiance_up_top(v, 0), 1 + mu - (5 + mu) * through, rounding);
+    EXPECT_NEAR(solution.radiance_down_bottom(v, 0), 5 - mu - (1 - mu) * through, rounding);
+  }
+}
+
+// cdisort 2.1.3 with 128 streams: a layer, several layers, and one with the sun. Radiances at the cosines .1 and .7.
+TEST(PlaneParallel, EmissionIsThatOfDiscreteOrdinates) {
+  struct Case {
+    std::vector<PlaneParallelLayer> layers;
+    double surface_albedo, surface_planck, sun_mu, irradiance;
+    double up, down, radiance_up[2], radiance_down[2];
+  };
+  const auto hg = [](double g) { return [g](int l) { return std::pow(g, l); }; };
+  const std::vector<PlaneParallelLayer> four = {{0.5, 0.1, isotropic_moment, 1, 1.2},
+                                                {2, 0.8, hg(0.8), 1.2, 1.5},
+                                                {1, 0.3, rayleigh_moment, 1.5, 1.4},
+                                                {4, 0.95, hg(0.85), 1.4, 2}};
+  for (const Case& c :
+       {Case{{{1, 0.5, hg(0.75), 1, 1}},
+             0.2,
+             1,
+             0.5,
+             0,
+             2.917644558,
+             1.885180173,
+             {0.8278942283, 0.9372743399},
+             {0.9191670658, 0.5662171822}},
+        Case{{{5, 0.9, hg(0.85), 0, 1}},
+             0,
+             0,
+             0.5,
+             0,
+             0.6609541209,
+             1.110623066,
+             {0.09495951139, 0.2276873744},
+             {0.3722114362, 0.3547597213}},
+        Case{{{10, 0.99, hg(0.85), 1, 2}},
+             0,
+             2,
+             0.5,
+             0,
+             3.059492107,
+             3.764928741,
+             {0.4758654429, 1.008353279},
+             {1.637421268, 1.171529191}},
+        Case{four, 0.1, 2.2, 0.5, 0, 3.761438861, 5.171692075, {1.006463357, 1.210147421}, {1.915549476, 1.627411549}},
+        Case{{{3, 0.9, hg(0.85), 0.1, 0.2}},
+             0.2,
+             0.25,
+             0.6,
+             1,
+             0.5966951759,
+             0.5553290726,
+             {0.2452976543, 0.1909597662},
+             {0.2593814121, 0.1390126232}}}) {
+    PlaneParallelScene scene{c.layers, c.surface_albedo, c.sun_mu, c.irradiance, 0, c.surface_planck};
+    PlaneParallelEffort effort;
+    effort.angles = 40;
+    effort.view_mu = {0.1, 0.7};
+    effort.view_azimuth_deg = {0, 90};
+    const PlaneParallelSolution solution = solve_plane_parallel(scene, effort);
+    // The table is good to 1e-7. In 80 moments the peak of .85 moves radiances of sunlight by 2e-6.
+    EXPECT_NEAR(solution.levels.front().up, c.up, 2e-8);
+    EXPECT_NEAR(solution.levels.back().down_diffuse, c.down, 2e-8);
+    for (int v = 0; v < 2; ++v) {
+      const int azimuth = v;  // 0 with the cosine .1, 90 degrees with .7
+      EXPECT_NEAR(solution.radiance_up_top(v, azimuth) / c.radiance_up[v], 1, 1e-5);
+      EXPECT_NEAR(solution.radiance_down_bottom(v, azimuth) / c.radiance_down[v], 1, 1e-5);
+    }
+  }
+}
+
+/// Radiance of a black body, W m-2 sr-1, between two wavenumbers [1/cm], by quadrature.
+double band_radiance(double temperature_k, double low, double high) {
+  const double h = 6.62607015e-34, c = 299792458, k = 1.380649e-23;
+  const GaussLegendre rule = make_gauss_legendre(64);
+  double sum = 0;
+  for (std::size_t n = 0; n < rule.node.size(); ++n) {
+    const double wavenumber = 100 * (low + (high - low) * (1 + rule.node[n]) / 2);
+    sum += rule.weight[n] / 2 * 100 * (high - low) * 2 * h * c * c * wavenumber * wavenumber * wavenumber /
+           std::expm1(h * c * wavenumber / (k * temperature_k));
+  }
+  return sum;
+}
+
+// Problem 7a of DISORT's tests (Stamnes et al. 2000): 200 to 300 K over black, cold ground, 300 to 800 cm-1.
+TEST(PlaneParallel, EmissionOfABandIsThatOfDisort) {
+  PlaneParallelScene scene;
+  scene.layers = {
+      {1, 0.1, [](int l) { return std::pow(0.05, l); }, band_radiance(200, 300, 800), band_radiance(300, 300, 800)}};
+  scene.irradiance = 0;
+  const PlaneParallelSolution solution = solve_plane_parallel(scene, {});
+  // Printed to seven digits, made with 16 streams and constants of its time.
+  EXPECT_NEAR(solution.levels[0].up / 86.2935715, 1, 1e-5);
+  EXPECT_NEAR(solution.levels[1].down_diffuse / 121.203537, 1, 1e-5);
+}
+
+// Problem 7c: 300 to 200 K over ground of 320 K, the whole spectrum, sun, and a sky of 100 K and a uniform 100 more.
+TEST(PlaneParallel, EmissionUnderSunAndSkyIsThatOfDisort) {
+  const auto planck = [](double t) { return 5.670374419e-8 * t * t * t * t / std::numbers::pi; };
+  PlaneParallelScene scene;
+  scene.layers = {{1, 0.5, [](int l) { return std::pow(0.8, l); }, planck(300), planck(200)}};
+  scene.sun_mu = 0.5;
+  scene.irradiance = 200;
+  scene.sky_radiance = planck(100) + 100;
+  scene.surface_planck = planck(320);
+  const PlaneParallelSolution solution = solve_plane_parallel(scene, {});
+  // Made with 12 streams.
+  EXPECT_NEAR(solution.levels[0].up / 429.571716, 1, 1e-3);
+  EXPECT_NEAR(solution.levels[1].up / 594.576172, 1, 1e-3);
+  EXPECT_NEAR(solution.levels[0].down_diffuse / 319.829620, 1, 1e-3);
+  EXPECT_NEAR(solution.levels[1].down_diffuse / 301.333710, 1, 1e-3);
+}
+
 // cdisort 2.1.3 with 128 streams, as in tests/data/plane_parallel_subset.json: depth 1, conservative, mu0 .5, unit flux
 // facing the sun. Azimuth of travel, 0 for the beam's; mu < 0: down at the bottom. Its own error is some 1e-5.
 TEST(PlaneParallel, RadiancesAreThoseOfDiscreteOrdinates) {

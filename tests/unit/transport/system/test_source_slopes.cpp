@@ -113,7 +113,7 @@ TEST(SourceSlopes, MixWeighsPartsAndStaysPositive) {
   std::fill_n(beam[0].begin(), n, -1.5);
   std::fill_n(beam[2].begin(), n, 9.);
   const std::vector<double> source{4, 4, 0, -4}, from_beam{0, 1, 0, 0};
-  mix_slopes(multiple, beam, source.data(), from_beam.data(), n, slope);
+  mix_slopes(multiple, beam, {}, source.data(), from_beam.data(), n, slope);
   EXPECT_DOUBLE_EQ(slope[0][0], .5);
   // (.5 * 3 - 1.5)/4 and 9/4: the source would be negative at a corner, so both are scaled to a change of 1 to it.
   EXPECT_DOUBLE_EQ(slope[0][1], 0);
