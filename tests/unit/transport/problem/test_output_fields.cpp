@@ -38,7 +38,7 @@ TEST(OutputFields, NamesAndUnitsOfScenesThatEmit) {
   EXPECT_STREQ(names(0, SpectralUnit::band).standard_name, "upwelling_longwave_flux_in_air");
   EXPECT_STREQ(names(1, SpectralUnit::band).standard_name, "downwelling_longwave_flux_in_air");
   EXPECT_STREQ(names(0, SpectralUnit::wavelength).standard_name, "upwelling_radiative_flux_per_unit_wavelength_in_air");
-  solution.sun = Sun{};
+  solution.sun = Sun{{0, 0, -1}, 1};
   for (std::size_t n = 0; n < output_fields().size(); ++n)
     EXPECT_EQ(names(n, SpectralUnit::band).standard_name, nullptr) << "neither shortwave nor longwave";
 }
