@@ -55,6 +55,8 @@ OpticalGrid remap(const OpticalGrid& grid, GridMap map) {
   if (grid.emits()) {
     other.planck = picked(grid.planck, map.cell);
     other.planck_step = picked(grid.planck_step, map.cell);
+  }
+  if (!grid.layer_planck.empty()) {
     other.layer_planck = picked(grid.layer_planck, map.level);
     other.layer_planck_step = picked(grid.layer_planck_step, map.level);
   }

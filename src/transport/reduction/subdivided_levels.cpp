@@ -165,7 +165,7 @@ void cut_emission(const BoxGrid& whole, const SubdividedLevels& cut, OpticalGrid
   for (int part = 0; part < grid.box.nz(); ++part) {
     for (std::size_t c = grid.first_cell(part); c < grid.first_cell(part + 1); ++c)
       cut_one(part, grid.planck[c], grid.planck_step[c]);
-    cut_one(part, grid.layer_planck[part], grid.layer_planck_step[part]);
+    if (!grid.layer_planck.empty()) cut_one(part, grid.layer_planck[part], grid.layer_planck_step[part]);
   }
 }
 

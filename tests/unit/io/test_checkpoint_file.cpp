@@ -167,7 +167,7 @@ TEST_F(SpoiledCheckpoint, AnotherFormatIsOfAnotherVersion) {
       H5Aclose(attribute);
     });
     EXPECT_NE(message.find(path_.string() + ": is a checkpoint of another version (found format " +
-                           std::to_string(format) + " by cloudbow test, allowed format 3)"),
+                           std::to_string(format) + " by cloudbow test, allowed format 4)"),
               std::string::npos)
         << message;
     EXPECT_EQ(message.find("damaged"), std::string::npos) << message;
