@@ -3,7 +3,7 @@
 
 Truth: tests/reference/monte_carlo, backward, on the same cells, with the Planck radiance linear in height in each cell. Its tables are in
 tests/data/thermal_clouds.csv with their standard errors, which are taken out of every RMS. --make-reference makes them anew and holds them
-to forward photons (some CPU minutes).
+to forward photons (5 CPU minutes).
 
 step: clouds/step.vdb, 32 columns of optical depth 2 | 18 in 500 m x 250 m, 16 layers of cells. Temperature 280 K at the base to 278 K at the top,
 black ground of 288 K at the base, 11 um; single-scattering albedo .5, asymmetry .9.
