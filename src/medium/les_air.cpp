@@ -297,8 +297,21 @@ std::string LesAir::sign_of_potential(const Pressure& pressure, const std::vecto
                      mean(kelvin, top));
 }
 
-const std::vector<float>& LesAir::temperature() {
-  if (!kelvin_.empty()) return kelvin_;
+void LesAir::add_heat_of_condensation(const std::string& name, const std::vector<float>& liquid_g_m3,
+                                      std::vector<float>& kelvin) {
+  constexpr double latent_heat = 2.5e6, heat_capacity = 3.5 * gas_constant;  // J/kg, J/(kg K)
+  const std::vector<float>& air = density();
+  for (std::size_t n = 0; n < kelvin.size(); ++n) {
+    if (!(liquid_g_m3[n] > 0)) continue;
+    const double ratio = 1e-3 * liquid_g_m3[n] / air[n];
+    kelvin[n] = static_cast<float>(kelvin[n] + latent_heat / heat_capacity * ratio);
+  }
+  file_.note(
+      "temperature grid: '{}' is that of all water as vapour, 2488 K times the mixing ratio of the liquid is added",
+      name);
+}
+
+std::vector<float> LesAir::temperature(const std::vector<float>* liquid_g_m3) {
   const NetcdfVariable* variable = temperature_variable();
   if (variable == nullptr) {
     file_.fail(
@@ -306,16 +319,26 @@ const std::vector<float>& LesAir::temperature() {
         "--temperature",
         file_.fields_there());
   }
-  const NetcdfVariable* of_pressure = pressure_variable();
-  const bool is_known =
-      of_pressure != nullptr && (!file_.is_perturbation(*of_pressure) || base_of(*of_pressure) != nullptr);
-  if (!is_known) {
-    kelvin_ = kelvin_of(*variable, nullptr);
-  } else {
-    const Pressure air = pressure(*of_pressure);
-    kelvin_ = kelvin_of(*variable, &air);
+  std::vector<float> kelvin = kelvin_;
+  if (kelvin.empty()) {
+    const NetcdfVariable* of_pressure = pressure_variable();
+    const bool is_known =
+        of_pressure != nullptr && (!file_.is_perturbation(*of_pressure) || base_of(*of_pressure) != nullptr);
+    std::optional<Pressure> air;
+    if (is_known) air = pressure(*of_pressure);
+    kelvin = kelvin_of(*variable, air ? &*air : nullptr);
   }
-  return kelvin_;
+  const std::string meaning = file_.meaning(*variable);
+  if (has(meaning, "liquid") && has(meaning, "potential temperature")) {
+    if (liquid_g_m3 == nullptr) {
+      file_.fail(
+          "'{}' is a liquid water potential temperature (found no liquid water, allowed temperature) name it "
+          "with --temperature",
+          variable->name);
+    }
+    add_heat_of_condensation(variable->name, *liquid_g_m3, kelvin);
+  }
+  return kelvin;
 }
 
 void LesAir::set_density_by_gas_law() {

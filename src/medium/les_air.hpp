@@ -23,8 +23,9 @@ class LesAir {
 
   /// kg/m3 in all cells.
   const std::vector<float>& density();
-  /// K in all cells; if density comes from it too, the same. @throws InputError naming the variables that are missing
-  const std::vector<float>& temperature();
+  /// K in all cells. @param liquid_g_m3 in all cells, or null: its heat of condensation is added to a liquid water
+  /// potential temperature. @throws InputError naming the variables that are missing
+  std::vector<float> temperature(const std::vector<float>* liquid_g_m3);
 
  private:
   struct Pressure {
@@ -43,6 +44,8 @@ class LesAir {
   const NetcdfVariable* temperature_variable() const;
   /// Temperature [K] from a variable that holds itself, the potential one, or the potential one's difference from 300
   /// K. @param pressure null: none is known.
+  void add_heat_of_condensation(const std::string& name, const std::vector<float>& liquid_g_m3,
+                                std::vector<float>& kelvin);
   std::vector<float> kelvin_of(const NetcdfVariable& variable, const Pressure* pressure);
   /// Mean density of the first column by the gas law over that which the weight of the air gives; nothing if these
   /// cannot be compared.

@@ -323,7 +323,7 @@ class LesReader {
   // -- temperature --------------------------------------------------------------------------------------------------
 
   void add_temperature() {
-    cloud_.temperature_k = air_.temperature();
+    cloud_.temperature_k = air_.temperature(is_extinction_ ? nullptr : &cloud_.density);
     float lowest = INFINITY, highest = 0;
     for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
       if (!(cloud_.density[n] > 0)) continue;

@@ -216,6 +216,19 @@ TEST_F(LesImport, TemperatureBecomesAGridIfAskedFor) {
   }));
 }
 
+TEST_F(LesImport, LiquidWaterPotentialTemperatureLacksTheHeatOfCondensation) {
+  // theta_l = theta - L q / (c_p exner): T is that of before, if c_p = 3.5 R and L = 2.5e6 J/kg.
+  CloudImportOptions options = with([](NetcdfBuilder& file) {
+    file.variable("p", {"z"}, "Pa", profile(pressure));
+    file.variable("rho", {"z"}, "kg/m3", profile(density));
+    file.variable("t", {"z", "y", "x"}, "K",
+                  field([](int k, int j, int i) { return theta - 2.5e6 / heat_capacity * water(k, j, i) / exner(k); }));
+    file.text("t", "long_name", "Liquid water potential temperature");
+  });
+  options.temperature_grid = true;
+  expect_temperature(import_cloud(options));
+}
+
 TEST_F(LesImport, TemperatureThatIsNotThereIsAnError) {
   const auto error = [&](bool has_theta) {
     CloudImportOptions options = with([&](NetcdfBuilder& file) {
