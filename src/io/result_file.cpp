@@ -172,8 +172,8 @@ class ResultWriter : private SolutionWriter {
                           Values HeatingRate::*values) const {
     if (info_.heating_rates.empty()) return;
     std::string long_name =
-        "heating rate of the air: absorbed power over density and heat capacity at constant pressure";
-    if (emits()) long_name += ", less the power emitted";
+        fmt::format("heating rate of the air: {}absorbed power over density and heat capacity at constant pressure",
+                    emits() ? "net " : "");
     if (unit() == SpectralUnit::wavelength) long_name += ", per micrometre of wavelength";
     Attributes attributes{{"units", units("K s-1")},
                           {"long_name", long_name},

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """docs/result-reference.md names every variable and every attribute of a group that results hold, and no others.
 
-Truth: results of one scene with all that a scene can ask for, and of the same with two wavelengths.
+Truth: results of one scene with all that a scene can ask for, of the same with two wavelengths, and of scenes that emit.
 
 usage: check_result_reference.py CLOUDBOW DOCS/RESULT-REFERENCE.MD
 """
@@ -12,6 +12,8 @@ import tempfile
 from pathlib import Path
 
 import h5py
+import netCDF4
+import numpy as np
 
 CELLS = "# nx,ny,nz=2,2,3 dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.3\nix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n1,1,2,20,1,2\n"
 FUNCTIONS = "0 1 1\n1 0.5 0.4\n2 0.3 0.2\n"
@@ -46,6 +48,29 @@ height = 2
 flux_levels = "boundaries"
 fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors"]
 """
+THERMAL = """\
+[cloud]
+file = "les.vdb"
+effective_radius_um = 10.0
+single_scattering_albedo = 0.5
+temperature_grid = "temperature"
+phase_function = "isotropic"
+[atmosphere]
+standard = "us-1976"
+[sky]
+temperature_k = 200.0
+[solver]
+accuracy = "draft"
+[[radiance]]
+name = "NAME"
+zenith_deg = 0.0
+quantity = "brightness_temperature"
+[output]
+fields = ["fluxes", "absorption", "heating_rate"]
+[surface]
+"""
+GROUND, GROUND_MAP = "temperature_k = 288.0\n", 'temperature_map = "ground.nc"\n'
+WAVELENGTH, BAND = "[thermal]\nwavelength_um = 10.8\n", "[thermal]\nband_um = [8.0, 12.0]\n"
 SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
 
 
@@ -81,6 +106,24 @@ def written(path):
     return variables, attributes
 
 
+def write_thermal_files(folder):
+    """A cloud of two voxels with their temperature, and a map of the ground's."""
+    with netCDF4.Dataset(folder / "les.nc", "w") as file:
+        for name in "zyx":
+            file.createDimension(name, 2)
+            file.createVariable(name, "f8", name)[:] = [25.0, 75.0]
+            file[name].units = "m"
+        for name, units, dimensions, value in (("QC", "g/kg", "zyx", [[[0, 0.2], [0, 0]], [[0, 0.3], [0, 0]]]), ("TABS", "K", "zyx", 8 * [280.0]), ("RHO", "kg/m3", "z", [1.1, 1.0])):
+            variable = file.createVariable(name, "f4", tuple(dimensions))
+            variable[:] = np.reshape(value, variable.shape)
+            variable.units = units
+    with netCDF4.Dataset(folder / "ground.nc", "w") as file:
+        for name in "yx":
+            file.createDimension(name, 2)
+        file.createVariable("surface_temperature", "f4", ("y", "x"))[:] = [[288.0, 289.0], [290.0, 291.0]]
+        file["surface_temperature"].units = "K"
+
+
 def main():
     program, page = Path(sys.argv[1]).resolve(), documented(Path(sys.argv[2]).read_text())
     found = (set(), set())
@@ -91,8 +134,11 @@ def main():
         (Path(folder) / "cells.csv").write_text(CELLS)
         (Path(folder) / "functions.csv").write_text(FUNCTIONS)
         cloudbow("cloud", "import", "cells.csv", "--phase-functions", "functions.csv", "-o", "cloud.vdb", "--quiet")
+        write_thermal_files(Path(folder))
+        cloudbow("cloud", "import", "les.nc", "--temperature-grid", "-o", "les.vdb", "--quiet")
         for name, text, options in (("one", SCENE, ["--compare"]), ("spectrum", SCENE + SPECTRUM, ["--compare"]),
-                                    ("goal", SCENE, ["--target-error", "90%", "--of", "columns", "--budget", "1000s"])):
+                                    ("goal", SCENE, ["--target-error", "90%", "--of", "columns", "--budget", "1000s"]),
+                                    ("thermal", THERMAL + GROUND + WAVELENGTH, ["--compare"]), ("thermal_band", THERMAL + GROUND_MAP + BAND, [])):
             (Path(folder) / f"{name}.toml").write_text(text)
             cloudbow("run", f"{name}.toml", "--quiet", *options, "-o", f"{name}.h5")
             for all_names, names in zip(found, written(Path(folder) / f"{name}.h5")):

@@ -29,7 +29,7 @@ def main():
                     continue
                 result = cloudbow.run(scene, output, "--set", "solver.accuracy=draft", error_estimate=True)
                 with xarray.open_dataset(output) as data:
-                    images = [name for name in data if name.startswith(("radiance_", "camera_"))]
+                    images = [name for name in data if name.startswith(("radiance_", "camera_", "brightness_temperature_"))]
                     finite = all(bool(data[name].notnull().all()) for name in ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux"))
                 if not finite:
                     raise Failure(f"{scene}: fluxes that are not numbers")
@@ -37,7 +37,8 @@ def main():
                     cloudbow.call("render", output, "--field", field, "-o", picture)
                     if not picture.read_bytes().startswith(b"\x89PNG"):
                         raise Failure(f"{scene}: render made no PNG of {field}")
-                print(f"{scene.stem}: R {np.mean(result.summary['reflectance']):.4f}, T {np.mean(result.summary['transmittance']):.4f}, "
+                energy = ", ".join(f"{name} {np.mean(value):.4f}" for name, value in result.summary.items() if name in ("reflectance", "transmittance", "energy_residual"))
+                print(f"{scene.stem}: {energy}, "
                       f"{result.cpu_seconds:.1f} CPU s, {result.peak_memory_bytes / 1e6:.0f} MB", flush=True)
             except Failure as failure:
                 faults.append(str(failure))

@@ -5,8 +5,8 @@
 
 namespace cloudbow {
 
-/// Means over the domain's horizontal area, in W m-2 or, at one wavelength of emission, W m-2 um-1. What comes in is
-/// incident, surface_emitted and side_gain; the rest of it, without `residual`, goes out.
+/// Means over the domain's horizontal area, in W m-2 or, at one wavelength of emission, W m-2 um-1. The terms
+/// incident, surface_emitted and side_gain come in; the others, without residual, go out.
 struct EnergyFluxes {
   double incident = 0;         ///< of sun and sky through the top
   double surface_emitted = 0;  ///< by the ground

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double linearity = 1e-3;  // of Planck radiance in a level of layers, of the layer's largest
 
-/// Planck radiance at the ground, where it is warmest.
+/// The largest Planck radiance of the ground.
 double surface_radiance(const Surface& surface) {
   if (surface.planck_map.empty()) return surface.planck;
   return static_cast<double>(*std::max_element(surface.planck_map.begin(), surface.planck_map.end()));
@@ -74,10 +74,10 @@ void add_emission(const Scene& scene, const OpenedCloud& cloud, const std::array
       of_cells.empty() ? 0 : static_cast<double>(*std::max_element(of_cells.begin(), of_cells.end()));
   const double largest = std::max(surface_radiance(problem.surface), of_matter);
   if (largest < least_light) {
-    throw InputError(
-        fmt::format("{}: thermal: nothing emits in this spectral interval (found a Planck radiance of {:.3g} {} sr-1, "
-                    "allowed at least {}) longer wavelengths, or no [thermal]",
-                    scene.path.string(), largest, scene.thermal->flux_units(), least_light));
+    throw InputError(fmt::format(
+        "{}: thermal: nothing emits in this spectral interval (found {:.3g} {} sr-1, allowed at least {}) longer "
+        "wavelengths, or no [thermal]",
+        scene.path.string(), largest, scene.thermal->flux_units(), least_light));
   }
 }
 

@@ -1,5 +1,6 @@
-// The scene at one of its wavelengths, read table by table. The file scene.cpp reads domain, sun and surface,
-// scene_optics.cpp the optics, scene_thermal.cpp air and temperatures, scene_settings.cpp the solver and the outputs.
+// The scene at one of its wavelengths, read table by table. The file scene.cpp reads domain, sun and surface. The files
+// scene_optics.cpp and scene_thermal.cpp read the optics, the air and temperatures. The file scene_settings.cpp reads
+// the solver and the outputs.
 #pragma once
 
 #include <cstddef>
@@ -84,7 +85,7 @@ class SceneReader {
   bool read_quantity(const ConfigReader& reader) const;
   /// @throws InputError for a key that has no meaning without [thermal].
   void check_thermal_key(const ConfigReader& reader, const std::string& key) const;
-  /// What [thermal] needs of the scene, and what [atmosphere] is for.
+  /// Checks that what [thermal] and heating rates need is there.
   void check_emission();
   void check_whole();
 

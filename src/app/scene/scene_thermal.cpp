@@ -111,7 +111,7 @@ void SceneReader::read_surface_temperature(const ConfigReader& reader) {
       reader.fail("temperature_map", "stands beside `temperature_k`", file, "one of the two");
     if (!scene_.cloud) {
       reader.fail("temperature_map", "needs a cloud, whose columns it covers", file,
-                  "`temperature_k` where there are layers alone");
+                  "`temperature_k` with layers alone");
     }
     scene_.temperature_map = existing_file(reader, "temperature_map");
     remember(reader, "temperature_map");

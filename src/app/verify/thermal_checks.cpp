@@ -101,11 +101,11 @@ std::vector<PhysicalCheck> thermal_checks() {
       {"planck-total", "the Planck function over all wavelengths is sigma T^4 / pi", "of it", 1e-9, planck_total},
       {"brightness-temperature", "the temperature of a black body's radiance is that of the body", "K", 1e-6,
        brightness_temperature},
-      // Eight directions per hemisphere, where columns are solved without iteration.
+      // Eight directions per hemisphere.
       {"emissivity", "an isothermal slab that absorbs alone has the emissivity 1 - 2 E3(tau)", "of it", 2e-4,
        emissivity},
       // The iteration's tolerance of 1e-5, and slopes of light in uneven clouds, as furnace-radiance.
-      {"enclosure", "where all has one temperature, fluxes are those of a black body", "of it", 2e-4, enclosure},
+      {"enclosure", "if all has one temperature, fluxes are those of a black body", "of it", 2e-4, enclosure},
   };
 }
 

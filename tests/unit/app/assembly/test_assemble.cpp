@@ -480,7 +480,7 @@ TEST(Accuracy, ColumnsAreSolvedInDoubleAndFineOnesWithTheirOwnDirections) {
 
 const std::string air = "[atmosphere]\nheight_m = [0, 1000]\ntemperature_k = [290, 280]\nstandard = \"us-1976\"\n";
 
-// The voxel from 25 to 50 m has the temperature of the air in its middle, 289.625 K, or that of its own grid.
+// The voxel is from 25 to 50 m: the air in its middle has 289.625 K. A grid gives it another temperature.
 TEST_F(AssembleTest, TemperaturesBecomePlanckRadiances) {
   const PlanckFunction planck = PlanckFunction::at(10.8);
   const std::string thermal = air + "[thermal]\nwavelength_um = 10.8\n";
