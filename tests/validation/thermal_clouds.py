@@ -50,8 +50,14 @@ CASES = {
     "stratocumulus": Case(0.6, 288.0, *LAPSE, photons=(20000, 20000, 30000),
                           make=("stratocumulus", "--cells", 24, 20, 20, "--voxel-size-m", 50, 50, 25, "--base-m", 250, "--optical-depth", 10, "--seed", 84)),
 }
-# Limits [%]: up, down, top. The project's goals for the step cloud.
-LIMITS = {("step", "balanced"): {"up": 0.3, "top": 1.0}}
+# Limits [%]: the project's goals for the step cloud, up .3 and top 1; the others as measured, and a tenth more.
+LIMITS = {
+    ("step", "balanced"): {"up": 0.3, "down": 0.25, "top": 1.0, "profile": 0.8, "total": 0.1},
+    ("cumulus", "balanced"): {"up": 0.08, "down": 3.4, "top": 4.3, "profile": 4.3, "total": 2.3},
+    ("cumulus", "fine"): {"up": 0.05, "down": 0.83, "top": 3.1, "profile": 2.2, "total": 0.4},
+    ("stratocumulus", "balanced"): {"up": 0.2, "down": 0.05, "top": 4.0, "profile": 1.9, "total": 0.23},
+    ("stratocumulus", "fine"): {"up": 0.08, "down": 0.05, "top": 1.5, "profile": 0.7, "total": 0.1},
+}
 
 
 def planck(temperature_k, wavelength_um=WAVELENGTH_UM):
@@ -175,6 +181,21 @@ def relative(found, truth, scale):
     return 100 * math.sqrt(max(0.0, square)) / scale, 100 * (found - truth[:, 3]).mean() / scale
 
 
+def on_layers_of_voxels(result, layers):
+    """Net absorbed power [z, y, x] on equal layers of the domain. Levels without cloud are one in the result, and absorb nothing."""
+    edges = result["z_edge"]
+    power = result["net_absorbed_power"]
+    height = (edges[-1] - edges[0]) / layers
+    whole = np.zeros((layers, *power.shape[1:]))
+    for level in range(len(power)):
+        place = (edges[level] - edges[0]) / height
+        if abs(edges[level + 1] - edges[level] - height) < 1e-3 * height:
+            whole[round(place)] = power[level]
+        elif np.any(power[level]):
+            raise support.Failure(f"level {level} absorbs and is no layer of voxels")
+    return whole
+
+
 def figures_of(result, truth):
     figures = {}
     down = result["downwelling_diffuse_flux"][0] + (result["direct_flux"][0] if "direct_flux" in result.fields else 0)
@@ -182,9 +203,7 @@ def figures_of(result, truth):
         table = truth[name]
         i, j = table[:, 0].astype(int), table[:, 1].astype(int)
         figures[name], figures[f"d{name}"] = relative(plane[j, i], table, table[:, 3].mean())
-    power = result["net_absorbed_power"]
-    if len(power) != len(truth["profile"]):
-        raise support.Failure(f"{len(power)} layers of cells, the truth has {len(truth['profile'])}")
+    power = on_layers_of_voxels(result, len(truth["profile"]))
     table = truth["top"]
     i, j, k = (table[:, n].astype(int) for n in range(3))
     figures["top"], _ = relative(power[k, j, i], table, math.sqrt(np.mean(table[:, 3] ** 2)))

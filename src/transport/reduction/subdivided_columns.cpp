@@ -79,14 +79,14 @@ void join(SubdividedColumns parts, RadianceField& field) {
 SubdividedColumns subdivide_thick_columns(const Problem& problem, const SolverOptions& options) {
   const double largest = options.max_column_optical_depth;
   const BoxGrid& box = problem.grid.box;
-  if (!(largest > 0) || !problem.sun || options.independent_columns) return {};
+  if (!(largest > 0) || !has_fading_light(problem) || options.independent_columns) return {};
   const double extinction = lit_extinction(problem, options);
-  const Direction& sun = problem.sun->travel;
   const auto parts_along = [&](int count, double width_m, double along_sun) {
     if (box.periodic && count == 1) return 1;  // nothing varies along it
     const double limit = largest * (1 + (across_the_sun - 1) * (1 - along_sun));
     return parts_for(extinction * width_m, limit);
   };
+  const Direction sun = problem.sun ? problem.sun->travel : -Direction::UnitZ();
   const double across = std::hypot(sun.x(), sun.y());
   const double x = across > 0 ? std::pow(sun.x() / across, 2) : .5;
   return {parts_along(box.nx, box.dx_m, x), parts_along(box.ny, box.dy_m, 1 - x)};

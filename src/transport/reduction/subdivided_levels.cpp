@@ -28,7 +28,7 @@ struct BeamInLevel {
 std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOptions& options) {
   const BoxGrid& box = problem.grid.box;
   const auto columns = static_cast<double>(box.columns());
-  const double mu0 = -problem.sun->travel.z();
+  const double mu0 = fading_cosine(problem);
   struct Sums {
     double extinction = 0, squares = 0;
   };
@@ -175,7 +175,7 @@ SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOpti
   const BoxGrid& box = problem.grid.box;
   SubdividedLevels cut;
   const double largest = options.max_level_optical_depth;
-  const bool looked_at = largest > 0 && problem.sun;
+  const bool looked_at = largest > 0 && has_fading_light(problem);
   const std::vector<BeamInLevel> beam =
       looked_at ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
   for (int k = 0; k < box.nz(); ++k) {
