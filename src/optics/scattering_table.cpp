@@ -227,9 +227,8 @@ ScatteringTable make_scattering_table(const PhaseFunction& phase, const ControlP
   const Eigen::Map<const Eigen::VectorXd> weight(ordinates.weight.data(), ordinates.size());
   table.report = joined(table.report, diffuse_columns->report);
   table.points_from_ordinates = diffuse_columns->value * (weight / four_pi).asDiagonal();
-  // Columns are fitted one by one, so isotropic light would become light of a few percent more in some directions. What
-  // a direction lacks is added as a share of the mean radiance. The sum over directions of these shares is 0, because
-  // every column conserves light.
+  // Columns are fitted one by one. Isotropic light would become light of a few percent more in some directions. Each
+  // direction gets the rest as a share of the mean radiance. These shares sum to 0, because columns conserve light.
   const Eigen::VectorXd lacking = 1 - table.points_from_ordinates.rowwise().sum().array();
   table.points_from_ordinates += lacking * (weight / four_pi).transpose();
   table.ordinates_from_ordinates = to_ordinates * table.points_from_ordinates;

@@ -360,8 +360,8 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
     solve(moments);
     return;
   }
-  // Light is found as its difference from the mean Planck radiance, which is small where matter and ground are nearly
-  // of one temperature.
+  // Light is found as its difference from the mean Planck radiance. That is small if matter and ground are nearly of
+  // one temperature.
   const Ground<Real> ground = low_.ground;
   low_.sky_radiance = full_->sky_radiance - full_->mean_planck;
   low_.ground = guess_ground_.with_planck_less(full_->mean_planck);

@@ -19,8 +19,8 @@ class LowOrderCorrection {
   LowOrderCorrection(LowOrderCorrection&&) noexcept;
   LowOrderCorrection& operator=(LowOrderCorrection&&) noexcept;
 
-  /// The moments [low_moments][n] of the light that the system's own beam leaves, and of thermal emission with the
-  /// light of sky and ground beside it: a first guess.
+  /// The moments [low_moments][n] of the light that the system's own beam leaves: a first guess. If there is thermal
+  /// emission, the guess has its light too, and that of sky and ground.
   void guess(std::span<Real> moments);
   /// Computes the moments missing after a sweep that changed them by `change`: those of the light that this change
   /// leads to. Both [low_moments][n].

@@ -216,10 +216,10 @@ void check_emission(const Problem& problem) {
   const auto check = [](double planck, double step) {
     const bool in_range = planck == 0 || (planck >= least_light && planck <= most_light);
     if (in_range && std::abs(step) <= 2 * planck * (1 + 1e-6)) return;
-    throw InputError(
-        fmt::format("Planck radiance: out of range (found {}, {} from bottom to top of a cell, allowed 0, or {:g} to "
-                    "{:g}, and no less than 0 at a face)",
-                    planck, step, least_light, most_light));
+    throw InputError(fmt::format(
+        "Planck radiance: out of range (found {}, with a step of {} in its cell, allowed 0, or {:g} to {:g}, and "
+        "a step of at most twice that)",
+        planck, step, least_light, most_light));
   };
   check(problem.surface.planck, 0);
   for (const float planck : problem.surface.planck_map) check(planck, 0);

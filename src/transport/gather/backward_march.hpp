@@ -33,7 +33,7 @@ struct Gathered {
 template <class Real>
 struct GatherWorkspace {
   std::vector<Real> source, transmitted, ground;
-  std::vector<Real> at_band;  // transmitted, where a band begins
+  std::vector<Real> at_band;  // transmitted, at the beginning of a band
 };
 
 /// `count` <= lanes rays, going back from the plane, meet as many cells. The light of these cells is added to `sum`,

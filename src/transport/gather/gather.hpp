@@ -44,8 +44,8 @@ struct GatherScene {
   const GroundRadiance<Real>* ground = nullptr;  ///< needed for light that travels up
   std::span<const Real> own_extinction{};        ///< [n + lane_padding] in place of that of the cells; empty: theirs
 
-  /// A radiance by which light is less here, and which the flux contains in the end: the same everywhere, it fulfils
-  /// the transport equation. Only the difference from it is smoothed, which is small in thermal scenes and 0 in
+  /// A radiance that fulfils the transport equation if it is the same everywhere. All light is counted from it here.
+  /// The flux contains it again in the end. Only the difference is smoothed. It is small in thermal scenes, 0 in
   /// equilibrium.
   double reference = 0;
 

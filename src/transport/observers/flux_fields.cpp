@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-// Of a gathered field, as a share of its difference from the reference, that is taken to be proportional to it.
+// A larger correction of a gathered field, as a share of its difference from the reference, is no matter of scale.
 constexpr double largest_correction = .2;
 
 double mean(const std::vector<double>& field) {
@@ -159,9 +159,8 @@ class FluxFields {
   double profile_up(int edge) const { return solved_.fluxes.profile_up[edge]; }
   double profile_down(int edge) const { return solved_.fluxes.profile_down[edge]; }
 
-  // Brings a gathered field to the mean that the conservative iteration found; returns the ratio of the means. What is
-  // scaled is the difference from the flux of the reference radiance, which is exact. If both differences are small,
-  // a shift remains.
+  // Brings a gathered field to the mean that the conservative iteration found; returns the ratio of the means. The flux
+  // of the reference radiance is exact, so the difference from it is scaled. If that is small, the field is shifted.
   double rescale(std::vector<double>& field, double wanted) const {
     const double found = mean(field);
     const double exact = std::numbers::pi * reference_;

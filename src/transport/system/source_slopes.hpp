@@ -79,9 +79,9 @@ template <class Real>
 void make_relative(const Slope<Real>& beam, const CellEmission<Real>& emission, std::span<const Real> source,
                    std::span<const Real> from_beam, Slope<Real>& slope);
 
-/// Slopes of a source of `n` cells, relative to it: its multiply scattered part has the slopes `multiple`, its part
-/// from the beam alone those of the beam, its emission that of the Planck radiance. Limited so that the linear source
-/// stays positive in every cell.
+/// Slopes of a source of `n` cells, relative to it. Its multiply scattered part has the slopes `multiple`, its part
+/// from the beam alone those of the beam. Its emission has the slope of the Planck radiance. Limited so that the linear
+/// source stays positive in every cell.
 /// @param emission that it contains; @param from_beam [n] that part; @param slope [3][n]
 template <class Real>
 void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,

@@ -50,8 +50,8 @@ struct TransportSystem {
   std::vector<Real> emission = {};
   bool thermal = false;             ///< that source is Cells::emitted
   std::vector<double> planck = {};  ///< [n] of thermal emission, as OpticalGrid's; empty: none
-  /// Their mean by absorption. As radiance everywhere it fulfils the transport equation with as much emission and light
-  /// at the boundaries, so iteration and gather may begin from it.
+  /// Their mean by absorption: light is counted from it in the first guess and in the gather (docs/theory.md, "Thermal
+  /// emission").
   double mean_planck = 0;
 
   bool has_independent_columns() const { return independent_columns || (box.periodic && box.columns() == 1); }

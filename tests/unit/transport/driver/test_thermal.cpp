@@ -145,9 +145,9 @@ double rms_difference(const std::vector<float>& a, const std::vector<double>& b,
   return std::sqrt(sum / static_cast<double>(a.size() - first));
 }
 
-// What a cloud of one temperature over a white ground emits is what it would absorb of a sky of that temperature. With
-// constant sources the tolerance is that of the two iterations. Slopes are limited so that each source stays positive,
-// which differs between a source and what it lacks: .3 % of pi B in this ragged cloud.
+// A cloud of one temperature over a white ground emits as much as it would absorb of a sky of that temperature. With
+// constant sources the tolerance is that of the two iterations. Limits of slopes differ between the two sources, which
+// leaves .3 % of pi B in this ragged cloud.
 TEST(Thermal, AnIsothermalCloudEmitsWhatItWouldAbsorb) {
   const BoxGrid box = make_box(6, 5, 6);
   Problem emitting = thermal_problem(make_grid(box, random_extinction(box, 3, 11), .7), 1);
@@ -364,8 +364,8 @@ TEST(Thermal, SlabsOfVoxelsAreThoseOfDiscreteOrdinates) {
   }
 }
 
-// A problem without emission does not know that there is any: same bits with emission of zero.
-TEST(Thermal, NoEmissionLeavesTheBits) {
+// A problem without emission has the ledger of one.
+TEST(Thermal, LedgerWithoutEmissionHasIncidentLightAlone) {
   const BoxGrid box = make_box(4, 4, 5);
   Problem problem = thermal_problem(make_grid(box, random_extinction(box, 2, 17), .9), 1);
   problem.grid.planck.clear();
