@@ -15,13 +15,19 @@ namespace {
 // fields of thick voxels (docs/error-estimates.md).
 constexpr double between_ends_factor = 1.5;
 
-// Fraction of the incident and emitted power. Errors of columns whose mean is less are not relative to that mean.
-constexpr double least_mean = 1e-6;
+// Fraction of the power. Errors of columns whose mean is less are not relative to that mean. Under a dark sky, the flux
+// down at the top is rounding of emitted light.
+constexpr double least_mean = 1e-6, least_mean_of_emission = 1e-3;
 
 /// W m-2 through the horizontal top, and emitted.
 double power_of(const Solution& solution) {
   if (solution.emits) return solution.ledger.power;
   return solution.profile_downwelling_diffuse_flux.back() + solution.profile_direct_flux.back();
+}
+
+/// W m-2, below which the mean of a plane is no light to speak of.
+double least_flux(const Solution& solution) {
+  return (solution.emits ? least_mean_of_emission : least_mean) * power_of(solution);
 }
 
 std::size_t planes(const Solution& solution) { return solution.flux_level.size(); }
@@ -122,14 +128,14 @@ ByFlux flux_distance(const Solution& solution, const Solution& other) {
          std::abs(solution.ledger.reflectance - other.ledger.reflectance),
          std::abs(solution.ledger.transmittance - other.ledger.transmittance)});
   }
-  distance.up = rms_over_mean(up_at_top(solution), up_at_top(other), least_mean * power);
-  distance.down = rms_over_mean(down_at_bottom(solution), down_at_bottom(other), least_mean * power);
+  distance.up = rms_over_mean(up_at_top(solution), up_at_top(other), least_flux(solution));
+  distance.down = rms_over_mean(down_at_bottom(solution), down_at_bottom(other), least_flux(solution));
   return distance;
 }
 
 ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other) {
   assert(solution.flux_level == other.flux_level);
-  const double least = least_mean * power_of(solution);
+  const double least = least_flux(solution);
   ByFlux distance;
   for (std::size_t plane = 0; plane < planes(solution); ++plane) {
     if (plane + 1 < planes(solution))

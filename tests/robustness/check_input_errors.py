@@ -87,6 +87,25 @@ def scenes():
     yield "domain smaller than the cloud", SCENE + "[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [200.0, 300.0, 400.0]\n", ["200", "300"]
     yield "more memory than the machine has", SCENE + ("[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [1500000.0, 1500000.0, 400.0]\n[[layer]]\nname = 'air'\n"
            "bottom_m = 0.0\ntop_m = 400.0\noptical_depth = 0.1\nsingle_scattering_albedo = 1.0\nphase_function = 'rayleigh'\n"), ["memory"]
+    thermal, air, warm = "[thermal]\nwavelength_um = 10.8\n", '[atmosphere]\nstandard = "us-1976"\n', "albedo = 0.05\ntemperature_k = 288.0"
+    hot = replaced("albedo = 0.05", warm)
+    yield "emission without a temperature of the ground", SCENE.replace("[sun]\nzenith_deg = 60.0\nazimuth_deg = 0.0\n", "") + air + thermal, ["scene.toml:12", "surface.temperature_k", "missing"]
+    yield "emission without air", hot.replace("azimuth_deg = 0.0", "azimuth_deg = 0.0\nirradiance_w_m2 = 0.2") + thermal, ["atmosphere", "missing", "us-1976"]
+    yield "a sun beside emission, of no irradiance", hot + air + thermal, ["sun.irradiance_w_m2", "missing", "W m-2 um-1"]
+    yield "temperature without emission", hot, ["scene.toml:18", "surface.temperature_k", "[thermal]"]
+    emitting = hot.replace("[sun]\nzenith_deg = 60.0\nazimuth_deg = 0.0\n", "") + air
+    yield "degrees Celsius", emitting.replace("288.0", "15.0") + thermal, ["scene.toml:15", "surface.temperature_k", "15", "not Celsius"]
+    yield "wavelength and band", emitting + thermal + "band_um = [8.0, 12.0]\n", ["thermal.band_um", "exclude"]
+    yield "band that descends", emitting + "[thermal]\nband_um = [12.0, 8.0]\n", ["thermal.band_um", "[12, 8]", "a < b"]
+    yield "wavelength in nanometres", emitting + "[thermal]\nwavelength_um = 10800.0\n", ["thermal.wavelength_um", "10800", "10000"]
+    yield "emission in the ultraviolet", emitting + "[thermal]\nwavelength_um = 0.2\n", ["thermal", "longer wavelengths"]
+    yield "missing temperature grid", emitting.replace("scale = 1.0", 'temperature_grid = "T"') + thermal, ["scene.toml:6", "cloud.temperature_grid", '"T"', "density"]
+    yield "extinction as temperature", emitting.replace("scale = 1.0", 'temperature_grid = "density"') + thermal, ["cloud.temperature_grid", "extinction", "temperature"]
+    yield "albedo as temperature map", emitting.replace("temperature_k = 288.0", 'temperature_map = "bright.h5"') + thermal, ["surface.temperature_map", "bright.h5", "100 to 1000 K"]
+    yield "heating rates without air", SCENE + '[output]\nfields = ["heating_rate"]\n', ["output.fields", "[atmosphere]"]
+    yield "missing atmosphere file", emitting.replace('standard = "us-1976"', 'file = "none.dat"') + thermal, ["atmosphere.file", "none.dat"]
+    yield "a cloud as atmosphere", emitting.replace('standard = "us-1976"', 'file = "cloud.vdb"') + thermal, ["atmosphere.file", "cloud.vdb"]
+    yield "brightness temperature of sunlight", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 0.0\nquantity = "brightness_temperature"\n', ["radiance.0.quantity", "[thermal]"]
     for fault, words in VDB_FAULTS.items():
         yield f"VDB file: {fault}", replaced("cloud.vdb", f"{fault}.vdb"), [f"{fault}.vdb", *words]
     for cut in (50, 90, 99):
