@@ -1,0 +1,32 @@
+// The choice of a few g-points, with weights, that stand for all in three dimensions (docs/theory.md, "Few g-points").
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace cloudbow {
+
+/// One g-point's answer for sampled columns, as independent columns have it.
+struct ColumnAnswers {
+  double power = 1;              ///< of the g-point, W m-2; only the sums use it
+  std::vector<double> up;        ///< [columns] at the top, per power
+  std::vector<double> down;      ///< [columns] at the ground, per power
+  std::vector<double> absorbed;  ///< [columns] in the column, net, per power
+};
+
+struct SpectralChoice {
+  std::vector<int> point;      ///< chosen, ascending
+  std::vector<double> weight;  ///< >= 0; a field of all is sum of weight times the field per power of the chosen
+  double residual = 0;         ///< of the sampled columns, relative: foretells the error of fields in three dimensions
+};
+
+/// Non-negative least squares: the x >= 0 that minimises |A x - b| (Lawson and Hanson 1974, chapter 23).
+/// @param columns [n] of A, all of b's length.
+std::vector<double> non_negative_least_squares(std::span<const std::vector<double>> columns, std::span<const double> b);
+
+/// Forward selection with exchange, until the residual is below `tolerance` or all are chosen.
+/// @param points at most so many; 0: no limit. Deterministic.
+SpectralChoice choose_points(std::span<const ColumnAnswers> of_points, double tolerance, int points = 0);
+
+}  // namespace cloudbow
