@@ -49,7 +49,7 @@ SUN = "[sun]\nzenith_deg = 60.0\nazimuth_deg = 0.0\n"
 CUMULUS = '[cloud]\nfile = "../clouds/fair_weather_cumulus.vdb"\nquantity = "extinction"\nsingle_scattering_albedo = 1.0\nphase_function = "droplets"\n'
 CELLS = "# nx,ny,nz=2,2,3 dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.3\nix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n1,1,2,20,1,2\n"
 MOMENTS = "0 1 1\n1 0.5 0.4\n2 0.3 0.2\n"
-THERMAL = (ROOT / "configs/thermal_cumulus.toml").read_text().split("[output]")[0]
+THERMAL = "[cloud]" + (ROOT / "configs/thermal_cumulus.toml").read_text().partition("[cloud]")[2].partition("[output]")[0]
 STEP_CLOUD = (ROOT / "configs/step_cloud.toml").read_text()
 
 
