@@ -62,8 +62,9 @@ void set_range(RenderReport& report, const RenderOptions& options) {
   if (options.range) {
     std::tie(report.min, report.max) = *options.range;
     if (!(std::isfinite(report.min) && std::isfinite(report.max) && report.min != report.max)) {
-      throw InputError(
-          fmt::format("range: {} to {} is not a range (two different numbers; the larger one first turns the colours round)", report.min, report.max));
+      throw InputError(fmt::format(
+          "range: {} to {} is not a range (two different numbers; the larger one first turns the colours round)",
+          report.min, report.max));
     }
     return;
   }
@@ -154,8 +155,7 @@ std::optional<Channels> find_channels(const RenderOptions& options) {
     if (!toned) return std::nullopt;
     throw InputError(
         fmt::format("{}: tone and exposure need an image with reflectance factors (found {}, allowed radiance_NAME, "
-                    "camera_NAME of a "
-                    "scene with a sun and without [thermal])",
+                    "camera_NAME in sunlight alone)",
                     options.result_file.string(), options.variable));
   }
   Channels channels;
