@@ -14,9 +14,8 @@
 namespace cloudbow {
 namespace {
 
-constexpr double gravity = 9.80665;                // m s-2
-constexpr double air_molar_mass = 28.970e-3;       // kg mol-1, with which ecCKD's tables were made
-constexpr double lowest_k = 100, highest_k = 400;  // temperatures of Atmosphere
+constexpr double gravity = 9.80665;           // m s-2
+constexpr double air_molar_mass = 28.970e-3;  // kg mol-1, with which ecCKD's tables were made
 
 /// Position between two entries of a table.
 struct Location {
@@ -78,11 +77,9 @@ class EcckdModel : public GasModel {
     for (const EcckdGas& gas : tables_.gas) {
       if (gas.dependence != EcckdDependence::none) gases_.push_back(gas.name);
     }
-    if (tables_.light == Light::longwave) {
-      extend_planck();
-    } else {
-      set_sun();
-    }
+    for (std::size_t i = 0; i < tables_.spectrum.lower.size(); ++i)
+      band_.push_back(planck_of_wavenumbers(tables_.spectrum.lower[i], tables_.spectrum.upper[i]));
+    if (tables_.light == Light::solar) set_sun();
   }
 
   Light light() const override { return tables_.light; }
@@ -112,10 +109,19 @@ class EcckdModel : public GasModel {
 
   double planck(int point, double temperature_k) const override {
     if (light() == Light::solar) return 0;
+    const auto g = static_cast<std::size_t>(point);
     const EvenAxis& axis = tables_.planck_temperature;
-    return locate(temperature_k, axis).mean([&](std::size_t n) {
-      return tables_.planck_flux[n * tables_.points + static_cast<std::size_t>(point)];
-    }) / std::numbers::pi;
+    const auto of_table = [&](std::size_t n) { return tables_.planck_flux[n * tables_.points + g] / std::numbers::pi; };
+    const double last = static_cast<double>(axis.count - 1);
+    const double index = (temperature_k - axis.first) / axis.step;
+    if (index >= 0 && index <= last) {
+      const std::size_t below = std::min(static_cast<std::size_t>(index), axis.count - 2);
+      return Location{below, index - static_cast<double>(below)}.mean(of_table);
+    }
+    // Tables end at 120 and 350 K, the ground need not. There the law itself takes over, scaled to the table's end.
+    const std::size_t end = index < 0 ? 0 : axis.count - 1;
+    const double of_law = planck_law(g, axis.first + axis.step * static_cast<double>(end));
+    return of_law > 0 ? of_table(end) / of_law * planck_law(g, temperature_k) : of_table(end);
   }
 
   double solar_share(int point) const override {
@@ -163,46 +169,11 @@ class EcckdModel : public GasModel {
     }
   }
 
-  /// Tables end at 120 and 350 K, ground and air need not. Beyond, the law itself, over the wavenumbers of the g-point,
-  /// joins the table's ends.
-  void extend_planck() {
-    EvenAxis& axis = tables_.planck_temperature;
-    std::vector<PlanckFunction> band;
-    for (std::size_t i = 0; i < tables_.spectrum.lower.size(); ++i)
-      band.push_back(planck_of_wavenumbers(tables_.spectrum.lower[i], tables_.spectrum.upper[i]));
-    const auto row_at = [&](double temperature_k) {
-      std::vector<double> row(tables_.points, 0.);
-      for (std::size_t i = 0; i < band.size(); ++i) {
-        const double radiance = band[i](temperature_k);
-        for (std::size_t g = 0; g < tables_.points; ++g) row[g] += share_[g * band.size() + i] * radiance;
-      }
-      return row;
-    };
-    const auto rows = [&](std::size_t count, double end_k, double step, const double* end_row) {
-      const std::vector<double> at_end = row_at(end_k);
-      std::vector<double> all;
-      for (std::size_t n = 1; n <= count; ++n) {
-        std::vector<double> row = row_at(end_k + static_cast<double>(n) * step);
-        for (std::size_t g = 0; g < tables_.points; ++g)
-          row[g] = at_end[g] > 0 ? row[g] * end_row[g] / at_end[g] : end_row[g];
-        // Downwards, rows go before those that are already there.
-        all.insert(step > 0 ? all.end() : all.begin(), row.begin(), row.end());
-      }
-      return all;
-    };
-    const auto steps = [&](double kelvin) {
-      return static_cast<std::size_t>(std::max(0., std::ceil(kelvin / axis.step)));
-    };
-    const double last = axis.first + axis.step * static_cast<double>(axis.count - 1);
-    const std::size_t below = std::min(steps(axis.first - lowest_k), static_cast<std::size_t>(axis.first / axis.step));
-    const std::size_t above = steps(highest_k - last);
-    std::vector<double>& flux = tables_.planck_flux;
-    const std::vector<double> colder = rows(below, axis.first, -axis.step, flux.data());
-    const std::vector<double> warmer = rows(above, last, axis.step, flux.data() + (axis.count - 1) * tables_.points);
-    flux.insert(flux.end(), warmer.begin(), warmer.end());
-    flux.insert(flux.begin(), colder.begin(), colder.end());
-    axis.first -= axis.step * static_cast<double>(below);
-    axis.count += below + above;
+  /// Planck's law over the wavenumbers of a g-point, W m-2 sr-1.
+  double planck_law(std::size_t point, double temperature_k) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < band_.size(); ++i) sum += share_[point * band_.size() + i] * band_[i](temperature_k);
+    return sum;
   }
 
   void set_sun() {
@@ -211,13 +182,13 @@ class EcckdModel : public GasModel {
     for (double& irradiance : tables_.solar_irradiance) irradiance /= sum;
     // Files before version 1.4 lack the solar spectrum; a black body has nearly its form.
     constexpr double sun_k = 5777;
-    Spectrum& spectrum = tables_.spectrum;
-    for (std::size_t i = spectrum.solar.size(); i < spectrum.lower.size(); ++i)
-      spectrum.solar.push_back(planck_of_wavenumbers(spectrum.lower[i], spectrum.upper[i])(sun_k));
+    std::vector<double>& solar = tables_.spectrum.solar;
+    for (std::size_t i = solar.size(); i < band_.size(); ++i) solar.push_back(band_[i](sun_k));
   }
 
   EcckdTables tables_;
-  std::vector<double> share_;  ///< [points][intervals]
+  std::vector<double> share_;         ///< [points][intervals]
+  std::vector<PlanckFunction> band_;  ///< [intervals]
   std::vector<std::string> gases_;
 };
 
