@@ -43,15 +43,17 @@ struct Gas {
   const char* name;
   std::array<const char*, 2> of_cf;
 };
-constexpr std::array<Gas, 9> gases{{{"h2o", {"water_vapor", "water_vapour"}},
-                                    {"o3", {"ozone", ""}},
-                                    {"co2", {"carbon_dioxide", ""}},
-                                    {"ch4", {"methane", ""}},
-                                    {"n2o", {"nitrous_oxide", ""}},
-                                    {"co", {"carbon_monoxide", ""}},
-                                    {"o2", {"molecular_oxygen", "oxygen"}},
-                                    {"no2", {"nitrogen_dioxide", ""}},
-                                    {"so2", {"sulfur_dioxide", ""}}}};
+constexpr std::array<Gas, 11> gases{{{"h2o", {"water_vapor", "water_vapour"}},
+                                     {"o3", {"ozone", ""}},
+                                     {"co2", {"carbon_dioxide", ""}},
+                                     {"ch4", {"methane", ""}},
+                                     {"n2o", {"nitrous_oxide", ""}},
+                                     {"co", {"carbon_monoxide", ""}},
+                                     {"o2", {"molecular_oxygen", "oxygen"}},
+                                     {"no2", {"nitrogen_dioxide", ""}},
+                                     {"so2", {"sulfur_dioxide", ""}},
+                                     {"cfc11", {"cfc11", ""}},
+                                     {"cfc12", {"cfc12", ""}}}};
 
 bool is_gas(const std::string& name) {
   return std::any_of(gases.begin(), gases.end(), [&](const Gas& gas) { return name == gas.name; });

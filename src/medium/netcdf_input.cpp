@@ -154,6 +154,8 @@ std::string NetcdfInput::text_attribute(const NetcdfVariable& variable, const ch
   return text_of(variable.id, name);
 }
 
+std::string NetcdfInput::global_text(const char* name) const { return text_of(NC_GLOBAL, name); }
+
 std::string NetcdfInput::text_of(int variable, const char* name) const {
   std::size_t length = 0;
   nc_type type = NC_NAT;

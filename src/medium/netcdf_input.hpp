@@ -33,6 +33,8 @@ class NetcdfInput {
   const NetcdfVariable* find(const std::string& name) const;
   /// Empty if there is none, or it is no text.
   std::string text_attribute(const NetcdfVariable& variable, const char* name) const;
+  /// A text among the attributes of the file; empty if there is none.
+  std::string global_text(const char* name) const;
   /// A number among the attributes of the file.
   std::optional<double> global_number(const char* name) const;
   /// 0 if the variable is not packed: the distance of two numbers that its integers can represent.

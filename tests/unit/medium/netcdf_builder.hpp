@@ -39,8 +39,7 @@ class NetcdfBuilder {
     check(nc_put_att_text(id_, find(name), attribute.c_str(), value.size(), value.c_str()));
   }
   void number(const std::string& name, const std::string& attribute, const std::vector<double>& value, nc_type type) {
-    const int variable = name.empty() ? NC_GLOBAL : find(name);
-    check(nc_put_att_double(id_, variable, attribute.c_str(), type, value.size(), value.data()));
+    check(nc_put_att_double(id_, find(name), attribute.c_str(), type, value.size(), value.data()));
   }
   std::filesystem::path close() {
     nc_close(std::exchange(id_, -1));
@@ -49,7 +48,9 @@ class NetcdfBuilder {
 
  private:
   static void check(int status) { ASSERT_EQ(status, NC_NOERR) << nc_strerror(status); }
+  /// The file itself by an empty name.
   int find(const std::string& name) const {
+    if (name.empty()) return NC_GLOBAL;
     int variable = 0;
     check(nc_inq_varid(id_, name.c_str(), &variable));
     return variable;

@@ -1,0 +1,344 @@
+// Gas models by ecCKD files that the tests make: each dependence on the mole fraction against its closed form.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <numbers>
+
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/gas_model.hpp"
+#include "cloudbow/optics/planck.hpp"
+#include "netcdf_builder.hpp"
+
+namespace cloudbow {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Tables of 3 pressures (1e3, 1e4, 1e5 Pa), 3 temperatures (20 K apart) and 2 g-points. Their entries are linear in
+// ln p and T, so interpolation gives them exactly.
+constexpr std::size_t pressures = 3, temperatures = 3, points = 2, fractions = 3;
+constexpr double lowest_pressure = 1e3, kelvin_step = 20;
+constexpr std::array<double, fractions> h2o_fraction{1e-4, 1e-3, 1e-2};
+constexpr double ch4_reference = 2e-6;
+constexpr double gravity = 9.80665, air_molar_mass = 28.970e-3;
+
+double first_kelvin(double log10_pressure) { return 200 + 10 * log10_pressure; }
+
+/// Molar absorption, m2 mol-1, of g-point g.
+double coefficient(double scale, double log10_pressure, double kelvin, double g) {
+  return scale * (1 + g) * (1 + 0.3 * log10_pressure + 0.01 * (kelvin - 200));
+}
+
+double air_of(double p1, double p2) { return std::abs(p2 - p1) / (gravity * air_molar_mass); }
+
+struct Change {
+  std::string leave_out = {};  ///< a variable
+  std::string constituents = "composite h2o o3 ch4";
+  std::vector<double> pressure = {1e3, 1e4, 1e5};
+  double ch4_code = 3;
+  std::array<double, 4> fraction = {0.25, 0.75, 0.5, 0.5};  ///< [points][intervals]
+  double least_absorption = 0;                              ///< replaces the first entry of o3
+  bool is_solar = false;
+};
+
+/// The g-points are 1/4 : 3/4 and 1/2 : 1/2 of intervals 100 and 200 cm-1 wide, so their widths W follow from
+/// W1/4 + W2/2 = 100, 3 W1/4 + W2/2 = 200.
+constexpr double width_1 = 200, width_2 = 100;
+
+std::filesystem::path make_file(const std::string& name, const Change& change = {}) {
+  NetcdfBuilder file(std::filesystem::path(::testing::TempDir()) / name);
+  file.dimension("temperature", temperatures);
+  file.dimension("pressure", change.pressure.size());
+  file.dimension("g_point", points);
+  file.dimension("h2o_mole_fraction", fractions);
+  file.dimension("wavenumber", 2);
+  file.dimension("temperature_planck", 3);
+  const auto variable = [&](const std::string& of, const std::vector<std::string>& dimensions,
+                            const std::vector<double>& values) {
+    if (of != change.leave_out) file.variable(of, dimensions, "", values, NC_DOUBLE);
+  };
+  if (!change.constituents.empty()) file.text("", "constituent_id", change.constituents);
+
+  variable("pressure", {"pressure"}, change.pressure);
+  std::vector<double> kelvin;
+  for (std::size_t t = 0; t < temperatures; ++t) {
+    for (std::size_t p = 0; p < change.pressure.size(); ++p)
+      kelvin.push_back(first_kelvin(static_cast<double>(p)) + kelvin_step * static_cast<double>(t));
+  }
+  variable("temperature", {"temperature", "pressure"}, kelvin);
+
+  const auto table = [&](double scale) {
+    std::vector<double> values;
+    for (std::size_t t = 0; t < temperatures; ++t) {
+      for (std::size_t p = 0; p < change.pressure.size(); ++p) {
+        for (std::size_t g = 0; g < points; ++g) {
+          values.push_back(coefficient(scale, static_cast<double>(p), kelvin[t * change.pressure.size() + p],
+                                       static_cast<double>(g)));
+        }
+      }
+    }
+    return values;
+  };
+  const std::vector<std::string> of_table{"temperature", "pressure", "g_point"};
+  variable("composite_conc_dependence_code", {}, {0});
+  variable("composite_molar_absorption_coeff", of_table, table(1e-6));
+  variable("o3_conc_dependence_code", {}, {1});
+  std::vector<double> o3 = table(10);
+  o3[0] += change.least_absorption;
+  variable("o3_molar_absorption_coeff", of_table, o3);
+  variable("ch4_conc_dependence_code", {}, {change.ch4_code});
+  variable("ch4_reference_mole_fraction", {}, {ch4_reference});
+  variable("ch4_molar_absorption_coeff", of_table, table(5));
+  variable("h2o_conc_dependence_code", {}, {2});
+  variable("h2o_mole_fraction", {"h2o_mole_fraction"}, {h2o_fraction.begin(), h2o_fraction.end()});
+  std::vector<double> h2o;
+  for (std::size_t n = 0; n < fractions; ++n) {
+    const std::vector<double> of_fraction = table(1 + static_cast<double>(n));  // linear in log x
+    h2o.insert(h2o.end(), of_fraction.begin(), of_fraction.end());
+  }
+  variable("h2o_molar_absorption_coeff", {"h2o_mole_fraction", "temperature", "pressure", "g_point"}, h2o);
+
+  variable("wavenumber1", {"wavenumber"}, {600, 700});
+  variable("wavenumber2", {"wavenumber"}, {700, 900});
+  variable("gpoint_fraction", {"g_point", "wavenumber"}, {change.fraction.begin(), change.fraction.end()});
+  if (change.is_solar) {
+    variable("solar_irradiance", {"g_point"}, {30, 10});
+    variable("solar_spectral_irradiance", {"wavenumber"}, {15, 25});
+    variable("rayleigh_molar_scattering_coeff", {"g_point"}, {1e-6, 2e-6});
+  } else {
+    variable("temperature_planck", {"temperature_planck"}, {200, 250, 300});
+    variable("planck_function", {"temperature_planck", "g_point"}, {1, 2, 3, 5, 7, 9});
+  }
+  return file.close();
+}
+
+/// One layer at 1e4 Pa of air at 230 K with these mole fractions of h2o, o3, ch4.
+GasModel::LayerOptics one_layer(const GasModel& model, std::array<double, 3> x, double kelvin = 230,
+                                double pressure = 1e4) {
+  const std::array<double, 2> edges{0.5 * pressure, 1.5 * pressure};
+  const std::vector<std::vector<double>> fraction{{x[0]}, {x[1]}, {x[2]}};
+  return model.optics(edges, std::array<double, 1>{kelvin}, fraction);
+}
+
+std::string error_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string error_of(const Change& change) {
+  const auto file = make_file("wrong.nc", change);
+  return error_of([&] { read_gas_model(file); });
+}
+
+TEST(GasModel, NamesWhatItNeeds) {
+  const auto longwave = read_gas_model(make_file("longwave.nc"));
+  EXPECT_EQ(longwave->light(), GasModel::Light::longwave);
+  EXPECT_EQ(longwave->points(), 2);
+  EXPECT_THAT(longwave->gases(), ElementsAre("h2o", "o3", "ch4"));
+  EXPECT_TRUE(longwave->spectrum().solar.empty());
+  EXPECT_EQ(longwave->solar_share(0), 0);
+  const auto solar = read_gas_model(make_file("solar.nc", {.is_solar = true}));
+  EXPECT_EQ(solar->light(), GasModel::Light::solar);
+  EXPECT_THAT(solar->spectrum().solar, ElementsAre(15, 25));
+  EXPECT_EQ(solar->planck(0, 300), 0);
+}
+
+// Truth: the closed forms of the tables, which are linear in ln p, T and ln x; rounding only.
+TEST(GasModel, DependsOnEachGasAsItsCodeSays) {
+  const auto model = read_gas_model(make_file("codes.nc"));
+  constexpr double pressure = 2e4, kelvin = 237;
+  const double air = air_of(0.5 * pressure, 1.5 * pressure), level = std::log10(pressure / lowest_pressure);
+  for (const double h2o : {2e-4, 5e-3}) {
+    const double o3 = 3e-6, ch4 = 3e-6;
+    const auto optics = one_layer(*model, {h2o, o3, ch4}, kelvin, pressure);
+    const double look_up = 1 + std::log10(h2o / h2o_fraction[0]);
+    for (std::size_t g = 0; g < points; ++g) {
+      const double expected = air * coefficient(1e-6 + 10 * o3 + 5 * (ch4 - ch4_reference) + look_up * h2o, level,
+                                                kelvin, static_cast<double>(g));
+      EXPECT_NEAR(optics.absorption[g][0], expected, 1e-12 * expected);
+    }
+  }
+}
+
+TEST(GasModel, KeepsToTheEndsOfItsTables) {
+  const auto model = read_gas_model(make_file("ends.nc"));
+  const auto depth = [&](double h2o, double kelvin, double pressure) {
+    return one_layer(*model, {h2o, 0, ch4_reference}, kelvin, pressure).absorption[0][0] /
+           air_of(0.5 * pressure, 1.5 * pressure);
+  };
+  // The upper end of a table lies at index n - 1.0001: off by 1e-4 of a step, and less than that of the value.
+  constexpr double end = 1e-4;
+  const auto expected = [](double look_up, double h2o, double kelvin, double level) {
+    return coefficient(1e-6 + look_up * h2o, level, kelvin, 0);
+  };
+  EXPECT_NEAR(depth(1e-6, 230, 1e4), expected(1, 1e-6, 230, 1), 1e-15);
+  EXPECT_NEAR(depth(0.1, 230, 1e4), expected(3, 0.1, 230, 1), end);
+  EXPECT_NEAR(depth(0, 230, 1e4), expected(0, 0, 230, 1), 1e-18);
+  EXPECT_NEAR(depth(1e-3, 150, 1e4), expected(2, 1e-3, 210, 1), 1e-15);
+  EXPECT_NEAR(depth(1e-3, 350, 1e4), expected(2, 1e-3, 250, 1), end * 1e-3);
+  EXPECT_NEAR(depth(1e-3, 230, 10), expected(2, 1e-3, 230, 0), 1e-15);
+  EXPECT_NEAR(depth(1e-3, 230, 1e6), expected(2, 1e-3, 230, 2), end * 1e-3);
+}
+
+TEST(GasModel, IsNeverNegative) {
+  const auto model = read_gas_model(make_file("negative.nc"));
+  EXPECT_EQ(one_layer(*model, {0, 0, 0}).absorption[0][0], 0);  // ch4 below its reference
+}
+
+TEST(GasModel, TakesLayersFromEitherEnd) {
+  const auto model = read_gas_model(make_file("order.nc", {.is_solar = true}));
+  const std::vector<std::vector<double>> rising{{1e-3, 2e-3}, {1e-6, 2e-6}, {0, 0}},
+      falling{{2e-3, 1e-3}, {2e-6, 1e-6}, {0, 0}};
+  const auto up = model->optics(std::array{9e4, 5e4, 1e4}, std::array{250., 220.}, rising);
+  const auto down = model->optics(std::array{1e4, 5e4, 9e4}, std::array{220., 250.}, falling);
+  for (std::size_t g = 0; g < points; ++g) {
+    EXPECT_EQ(up.absorption[g][0], down.absorption[g][1]);
+    EXPECT_EQ(up.absorption[g][1], down.absorption[g][0]);
+    EXPECT_EQ(up.rayleigh[g][0], down.rayleigh[g][1]);
+  }
+}
+
+TEST(GasModel, ScattersSunlight) {
+  const auto model = read_gas_model(make_file("rayleigh.nc", {.is_solar = true}));
+  const auto optics = one_layer(*model, {0, 0, 0});
+  EXPECT_DOUBLE_EQ(optics.rayleigh[0][0], 1e-6 * air_of(5e3, 15e3));
+  EXPECT_DOUBLE_EQ(optics.rayleigh[1][0], 2e-6 * air_of(5e3, 15e3));
+  EXPECT_TRUE(one_layer(*read_gas_model(make_file("none.nc")), {0, 0, 0}).rayleigh.empty());
+  EXPECT_DOUBLE_EQ(model->solar_share(0), 0.75);
+  EXPECT_DOUBLE_EQ(model->solar_share(1), 0.25);
+}
+
+TEST(GasModel, EmitsByItsTable) {
+  const auto model = read_gas_model(make_file("planck.nc"));
+  EXPECT_NEAR(model->planck(0, 200) * std::numbers::pi, 1, 1e-12);
+  EXPECT_NEAR(model->planck(0, 225) * std::numbers::pi, 2, 1e-12);
+  EXPECT_NEAR(model->planck(1, 290) * std::numbers::pi, 8.2, 1e-12);
+}
+
+// Truth: Planck's law over the intervals, by the g-point's shares of them; it joins the table's ends.
+TEST(GasModel, EmitsBeyondItsTableByPlancksLaw) {
+  const auto model = read_gas_model(make_file("beyond.nc"));
+  const PlanckFunction first = PlanckFunction::over({1e4 / 700, 1e4 / 600}),
+                       second = PlanckFunction::over({1e4 / 900, 1e4 / 700});
+  const auto law = [&](double kelvin) {
+    return model->share_of_interval(0, 0) * first(kelvin) + model->share_of_interval(0, 1) * second(kelvin);
+  };
+  for (const double kelvin : {300.001, 330., 1000.})
+    EXPECT_NEAR(model->planck(0, kelvin) / model->planck(0, 300), law(kelvin) / law(300), 1e-12 * kelvin);
+  for (const double kelvin : {199.999, 150., 20.})
+    EXPECT_NEAR(model->planck(0, kelvin) / model->planck(0, 200), law(kelvin) / law(200), 1e-12);
+  EXPECT_EQ(model->planck(0, 0), 0);
+}
+
+TEST(GasModel, SharesIntervals) {
+  const auto model = read_gas_model(make_file("shares.nc"));
+  EXPECT_NEAR(model->share_of_interval(0, 0), 0.25 * width_1 / 100, 1e-12);
+  EXPECT_NEAR(model->share_of_interval(0, 1), 0.75 * width_1 / 200, 1e-12);
+  EXPECT_NEAR(model->share_of_interval(1, 0), 0.5 * width_2 / 100, 1e-12);
+  EXPECT_NEAR(model->share_of_interval(1, 1), 0.5 * width_2 / 200, 1e-12);
+  EXPECT_THAT(model->spectrum().lower, ElementsAre(600, 700));
+  EXPECT_THAT(model->spectrum().upper, ElementsAre(700, 900));
+}
+
+TEST(GasModel, HasASunForFilesWithoutSpectrum) {
+  const auto model =
+      read_gas_model(make_file("black.nc", {.leave_out = "solar_spectral_irradiance", .is_solar = true}));
+  EXPECT_NEAR(model->spectrum().solar[0], PlanckFunction::over({1e4 / 700, 1e4 / 600})(5777), 1e-12);
+}
+
+// -- The air between heights ------------------------------------------------------------------------------------------
+
+Atmosphere small_air() {
+  Atmosphere air;
+  air.height_m = {0, 5000, 10000};
+  air.pressure_pa = {1e5, 5e4, 2e4};
+  air.temperature_k = {280, 250, 220};
+  air.mole_fraction = {{"h2o", {1e-2, 1e-3, 1e-4}}, {"o3", {1e-8, 1e-7, 1e-6}}, {"ch4", {2e-6, 2e-6, 2e-6}}};
+  return air;
+}
+
+TEST(GasOptics, OfLayersBetweenHeights) {
+  const auto model = read_gas_model(make_file("layers.nc"));
+  const Atmosphere air = small_air();
+  const std::array<double, 3> edges{0, 4000, 7000};
+  const auto optics = gas_optics(*model, air, edges);
+  const double p1 = air.pressure_at(4000), p2 = air.pressure_at(7000), mean = (p1 + p2) / 2;
+  // Of the second layer, whose mean pressure lies above 5000 m; pressure falls exponentially there.
+  const double height = 5000 + 5000 * std::log(5e4 / mean) / std::log(2.5), share = (height - 5000) / 5000;
+  ASSERT_GT(share, 0);
+  const double kelvin = (air.temperature_at(4000) * p1 + air.temperature_at(7000) * p2) / (p1 + p2);
+  const std::vector<std::vector<double>> fraction{
+      {1e-3 + share * (1e-4 - 1e-3)}, {1e-7 + share * (1e-6 - 1e-7)}, {2e-6}};
+  const auto expected = model->optics(std::array{p1, p2}, std::array{kelvin}, fraction);
+  for (std::size_t g = 0; g < points; ++g) EXPECT_NEAR(optics.absorption[g][1] / expected.absorption[g][0], 1, 1e-12);
+}
+
+TEST(GasOptics, GoesOnBeyondTheProfile) {
+  const auto model = read_gas_model(make_file("far.nc"));
+  const Atmosphere air = small_air();
+  const std::array<double, 2> edges{12000, 15000};
+  const double p1 = air.pressure_at(12000), p2 = air.pressure_at(15000);
+  const auto expected =
+      model->optics(std::array{p1, p2}, std::array{220.}, std::vector<std::vector<double>>{{1e-4}, {1e-6}, {2e-6}});
+  EXPECT_NEAR(gas_optics(*model, air, edges).absorption[0][0] / expected.absorption[0][0], 1, 1e-12);
+}
+
+TEST(GasOptics, NamesAllGasesThatTheAirLacks) {
+  const auto model = read_gas_model(make_file("lacking.nc"));
+  Atmosphere air = small_air();
+  air.mole_fraction.erase("o3");
+  air.mole_fraction.erase("ch4");
+  const std::array<double, 2> edges{0, 1000};
+  EXPECT_THAT(error_of([&] { gas_optics(*model, air, edges); }),
+              AllOf(HasSubstr("lacks gases of the gas model: o3, ch4"), HasSubstr("found h2o"),
+                    HasSubstr("allowed all of h2o, o3, ch4"), HasSubstr("one mole fraction")));
+}
+
+// -- Wrong files ------------------------------------------------------------------------------------------------------
+
+TEST(GasModelFile, OfAnotherKind) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / "other.nc";
+  NetcdfBuilder other(path);
+  other.dimension("x", 1);
+  other.variable("rain", {"x"}, "mm", {1});
+  other.close();
+  EXPECT_THAT(error_of([&] { read_gas_model(path); }),
+              AllOf(HasSubstr("other.nc: no gas model (found netCDF with the variables rain, allowed an ecCKD"),
+                    HasSubstr("ecRad's data folder")));
+  const auto text = std::filesystem::path(::testing::TempDir()) / "text.nc";
+  std::ofstream(text) << "no model\n";
+  EXPECT_THAT(error_of([&] { read_gas_model(text); }), HasSubstr("text.nc: not netCDF"));
+  EXPECT_THAT(error_of([&] { read_gas_model("missing.nc"); }), HasSubstr("missing.nc"));
+}
+
+TEST(GasModelFile, WithWrongContent) {
+  EXPECT_THAT(error_of({.constituents = ""}), HasSubstr("no gas model"));
+  EXPECT_THAT(error_of({.leave_out = "planck_function"}), HasSubstr("no gas model"));
+  EXPECT_THAT(error_of({.leave_out = "o3_molar_absorption_coeff"}),
+              HasSubstr("'o3_molar_absorption_coeff': no such variable (found none, allowed "
+                        "o3_molar_absorption_coeff(temperature, pressure, g_point))"));
+  EXPECT_THAT(error_of({.constituents = "composite co2"}), HasSubstr("'co2_conc_dependence_code': no such variable"));
+  EXPECT_THAT(error_of({.constituents = "composite o3 o3"}), HasSubstr("a gas twice (found o3"));
+  EXPECT_THAT(error_of({.pressure = {1e5, 1e4, 1e3}}), HasSubstr("'pressure': uneven"));
+  EXPECT_THAT(error_of({.pressure = {1e3, 2e3, 1e5}}), HasSubstr("'pressure': uneven"));
+  EXPECT_THAT(error_of({.pressure = {0, 1e4, 1e5}}), HasSubstr("'pressure': out of range (found 0"));
+  EXPECT_THAT(error_of({.pressure = {1e5}}), HasSubstr("'pressure': length out of range (found 1"));
+  EXPECT_THAT(error_of({.ch4_code = 4}), HasSubstr("'ch4_conc_dependence_code': out of range (found 4"));
+  EXPECT_THAT(error_of({.ch4_code = 1.5}), HasSubstr("'ch4_conc_dependence_code': not a code (found 1.5"));
+  EXPECT_THAT(error_of({.ch4_code = 2}), HasSubstr("'ch4_mole_fraction': no such variable"));
+  EXPECT_THAT(error_of({.fraction = {1, 1, 1, 1}}), HasSubstr("'gpoint_fraction': not the fractions of a g-point"));
+  EXPECT_THAT(error_of({.least_absorption = -100}), HasSubstr("'o3_molar_absorption_coeff': out of range"));
+  EXPECT_THAT(error_of({.least_absorption = std::nan("")}), HasSubstr("'o3_molar_absorption_coeff': out of range"));
+}
+
+}  // namespace
+}  // namespace cloudbow
