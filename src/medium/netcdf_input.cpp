@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <new>
+#include <string_view>
 
 #include "cloudbow/core/hdf5_file.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "import_parts.hpp"
 #include "text_tokens.hpp"
 
@@ -56,6 +59,14 @@ struct ValidValues {
            std::find(missing.begin(), missing.end(), stored) == missing.end();
   }
 };
+
+bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed) {
+  std::ifstream stream = open_input(file, allowed);
+  std::array<char, 4> begin{};
+  stream.read(begin.data(), begin.size());
+  const std::string_view text(begin.data(), begin.size());
+  return text.starts_with("CDF") || text == "\x89HDF";
+}
 
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
   hdf5::check_file(path);

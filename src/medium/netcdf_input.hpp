@@ -18,6 +18,9 @@ struct NetcdfVariable {
   bool is_float32 = false;
 };
 
+/// By its first bytes, classic or netCDF-4 (HDF5). @param allowed as the message of an unreadable file names it.
+bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed);
+
 /// Which values of a variable, as they are stored, are data.
 struct ValidValues;
 

@@ -1,9 +1,8 @@
 // Optics of droplets or ice by wavenumber and effective radius, as tables of bulk properties give them.
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace cloudbow {
@@ -11,28 +10,40 @@ namespace cloudbow {
 /// Mass extinction, single-scattering albedo and asymmetry parameter.
 struct BulkOptics {
   double extinction_m2_per_g = 0;
-  double single_scattering_albedo = 0;
-  double asymmetry = 0;
+  double single_scattering_albedo = 0;  ///< 0 to 1; 0 if there is no extinction
+  double asymmetry = 0;                 ///< -1 to 1; 0 if nothing is scattered
 };
 
-/// A table by wavenumber and effective radius, linear between its nodes in radius.
+/// A table by wavenumber and effective radius. Between wavenumbers k, k ssa and k ssa g are linear, with k the mass
+/// extinction; between radii two rows mix, as in DropletTable.
 struct BulkTable {
   std::vector<double> wavenumber_cm1;          ///< ascending
   std::vector<double> effective_radius_um;     ///< ascending
   std::vector<std::vector<BulkOptics>> value;  ///< [wavenumber][radius]
+  std::string name{};                          ///< begins the messages about it: its file, as a rule
 };
 
-/// Reads a table in the layout of ecRad's scattering files (netCDF). @throws InputError.
-BulkTable read_bulk_table(const std::filesystem::path& file);
+/// Asymmetry parameters are rounded to this, so that g-points share phase functions.
+inline constexpr double asymmetry_step = .002;
+/// Part of a weight that may lie beyond the wavenumbers of a table, on either side together. There the table goes on
+/// with its end values. The far infrared below 101 cm-1, where tables of ice begin, is up to 9 % of a longwave g-point.
+inline constexpr double largest_extended_share = .1;
 
-/// The table averaged over a spectral weight: k = <k>, ssa = <k ssa>/<k>, g = <k ssa g>/<k ssa>. The asymmetry is
-/// rounded to .002, so that g-points share phase functions.
-/// @param wavenumber_cm1, weight the weight by wavenumber, linear between; any unit, not all 0.
-/// @returns [radius]
+/// @throws InputError "NAME: ...": fewer than one wavenumber or radius, those that do not ascend, radii out of the
+/// range of DropletTable, arrays of other lengths, extinction <= 0, albedo outside 0 to 1, asymmetry outside -1 to 1.
+void check_bulk_table(const BulkTable& table);
+
+/// The table averaged over a spectral weight: k = <k>, ssa = <k ssa>/<k>, g = <k ssa g>/<k ssa>, the asymmetry rounded
+/// to asymmetry_step. The integrals are exact (node_shares()). Without extinction ssa is 0, without scattering g is 0.
+/// @param wavenumber_cm1, weight as in SpectralWeight.
+/// @returns [radius] @throws InputError if more than largest_extended_share of the weight lies beyond the table, with
+/// both ranges.
 std::vector<BulkOptics> average_over(const BulkTable& table, std::span<const double> wavenumber_cm1,
                                      std::span<const double> weight);
 
-/// At a radius, linear between nodes. @throws InputError beyond the table's radii, with the range.
+/// At a radius: the mixture of two neighbouring rows that has it. Masses add up, so that 1/r_e is linear in the share
+/// of mass, as are k, k ssa and k ssa g. The asymmetry is rounded again.
+/// @throws InputError beyond the table's radii, with the range.
 BulkOptics at_radius(const BulkTable& table, std::span<const BulkOptics> averaged, double effective_radius_um);
 
 }  // namespace cloudbow
