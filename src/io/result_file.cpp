@@ -277,7 +277,7 @@ class ResultWriter : private SolutionWriter {
     if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) return;
     write_variable(
         file, "brightness_temperature_" + name, {plane.y, plane.x},
-        [&](const Solution& s) { return brightness_temperature(radiance_of(s), info_.thermal[index_of(s)].planck); },
+        [&](const Solution& s) { return brightness_temperature(radiance_of(s), *info_.thermal[index_of(s)].planck); },
         {{"units", "K"},
          {"long_name", "brightness temperature: that of a black body with this radiance"},
          {"standard_name", "brightness_temperature"},

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "cloudbow/medium/atmosphere.hpp"
+#include "cloudbow/medium/gas_model.hpp"
 #include "cloudbow/medium/optical_grid.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/optics/droplet_table.hpp"
@@ -71,12 +73,32 @@ struct SceneAtmosphere {
 
 /// Emission of matter and ground, in one spectral interval. One of wavelength_um and band_um is there.
 struct SceneThermal {
-  PlanckFunction planck;
+  std::function<double(double)> planck;         ///< Planck radiance at a temperature [K]
+  std::optional<PlanckFunction> black_body{};   ///< the same with its inverse; none at a g-point
   std::optional<double> wavelength_um;
   std::optional<std::array<double, 2>> band_um;
 
+  void set(const PlanckFunction& of) {
+    planck = of;
+    black_body = of;
+  }
   /// Unit of fluxes: "W m-2 um-1" at a wavelength, "W m-2" over a band.
   std::string flux_units() const { return wavelength_um ? "W m-2 um-1" : "W m-2"; }
+};
+
+/// Light of all g-points of a gas model; each has a scene of its own.
+struct SceneBroadband {
+  enum class Method {
+    few,     ///< a few g-points, chosen by columns, stand for all
+    all,     ///< each g-point in three dimensions
+    columns  ///< each g-point as independent columns
+  };
+  std::shared_ptr<const GasModel> model;
+  std::string file;  ///< name of the model's
+  Method method = Method::few;
+  double few_tolerance = 1.5e-3;  ///< largest residual of the choice
+  int few_points = 0;             ///< at most so many are chosen; 0: as many as the tolerance needs
+  int molecules_phase_function = 0;  ///< index into Scene::phase_functions
 };
 
 struct SceneRadiance {
@@ -126,6 +148,8 @@ struct Scene {
   std::string title;
   std::vector<std::string> notes;       ///< values guessed or corrected in reading, to be reported to the user
   std::optional<double> wavelength_um;  ///< if the scene has a spectrum: the wavelength of all numbers below
+  std::optional<SceneBroadband> broadband;
+  int gas_point = 0;  ///< with broadband: the g-point of all numbers below
   std::optional<SceneCloud> cloud;
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once
   std::vector<Layer> layers;
@@ -151,7 +175,8 @@ struct Scene {
   std::string where(const std::string& key) const;
 };
 
-/// The scene at each of its wavelengths, in the order of `spectrum.wavelengths_um`; without a spectrum one scene.
+/// The scene at each of its wavelengths, in the order of `spectrum.wavelengths_um`, or at each g-point of its gas model;
+/// without a spectrum one scene.
 /// @param overrides "KEY=VALUE" as in read_config().
 /// @throws InputError with file, line, key, what was found and what is allowed.
 std::vector<Scene> read_scenes(const std::filesystem::path& path, std::span<const std::string> overrides = {});

@@ -33,7 +33,7 @@ struct RunPlan {
 
 /// Emission in one solution (`/thermal`). One of wavelength_um and band_um is there.
 struct ThermalInfo {
-  PlanckFunction planck;
+  std::optional<PlanckFunction> planck;  ///< with brightness temperatures
   std::optional<double> wavelength_um;
   std::optional<std::array<double, 2>> band_um;
   std::string atmosphere;  ///< name of the file, "us-1976" or "inline"

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "app/assembly/gas_layers.hpp"
 #include "app/assembly/open_cloud.hpp"
 #include "app/assembly/thermal.hpp"
 #include "app/process/cache_directory.hpp"
@@ -230,11 +231,17 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
   return assemble(scene, memory_limit_bytes, files, {});
 }
 
-AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes, CloudFiles& files,
+AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, CloudFiles& files,
                         const std::vector<double>& levels_m) {
   OpenedCloud cloud;
-  if (scene.cloud) cloud = open_cloud(scene, files);
-  const CloudField* field = scene.cloud ? &cloud.field : nullptr;
+  if (given.cloud) cloud = open_cloud(given, files);
+  const CloudField* field = given.cloud ? &cloud.field : nullptr;
+  std::optional<Scene> with_gas;
+  if (given.broadband) {
+    with_gas = given;
+    add_gas_layers(field, *with_gas);
+  }
+  const Scene& scene = with_gas ? *with_gas : given;
   const Domain domain = DomainChecker(scene, field).check();
   for (const double height : scene.output.heights_m) {
     if (height < domain.min_m[2] || height > domain.max_m[2]) {

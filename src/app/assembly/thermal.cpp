@@ -64,7 +64,7 @@ std::vector<double> emission_levels(const Scene& scene, const OpenedCloud& cloud
 void add_emission(const Scene& scene, const OpenedCloud& cloud, const std::array<double, 2>& extent_m,
                   Problem& problem) {
   const Atmosphere& air = scene.atmosphere->air;
-  const PlanckFunction& planck = scene.thermal->planck;
+  const auto& planck = scene.thermal->planck;
   set_emission(
       problem.grid, [&air](double z) { return air.temperature_at(z); }, planck, scene.cloud ? &cloud.field : nullptr,
       cloud.temperature_k.empty() ? nullptr : &cloud.temperature_k);

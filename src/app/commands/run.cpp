@@ -180,7 +180,7 @@ void add_thermal(const std::vector<Scene>& scenes, Solved& solved, ResultInfo& i
       if (!scene.output.absorption) solution.absorbed_power = {};
     }
     if (!scene.thermal) continue;
-    info.thermal.push_back({scene.thermal->planck, scene.thermal->wavelength_um, scene.thermal->band_um,
+    info.thermal.push_back({scene.thermal->black_body, scene.thermal->wavelength_um, scene.thermal->band_um,
                             scene.atmosphere->source, scene.surface_temperature_k, scene.temperature_map.filename(),
                             scene.cloud ? scene.cloud->temperature_grid : "", scene.sky_temperature_k});
   }

@@ -28,13 +28,43 @@ std::optional<double> light(const ConfigReader& reader, const std::string& key, 
   return value;
 }
 
-/// Wavelengths of `[spectrum]`; none without it.
-std::vector<double> read_wavelengths(const ConfigReader& root) {
+SceneBroadband read_broadband(const ConfigReader& spectrum, const std::filesystem::path& file) {
+  SceneBroadband broadband;
+  if (const std::string reason = unreadable_reason(file); !reason.empty())
+    spectrum.fail("gas_model", reason, file.string(), "a file that is there and may be read");
+  spectrum.with_place("gas_model", [&] { broadband.model = read_gas_model(file); });
+  broadband.file = file.filename().string();
+  using Method = SceneBroadband::Method;
+  const auto method = spectrum.find_choice("method", {"few", "all", "columns"}).value_or("few");
+  broadband.method = method == "few" ? Method::few : method == "all" ? Method::all : Method::columns;
+  for (const char* key : {"few_tolerance", "few_points"}) {
+    if (spectrum.has(key) && broadband.method != Method::few)
+      spectrum.fail(key, "a setting of method = \"few\"", method, "no such key, or \"few\"");
+  }
+  broadband.few_tolerance =
+      spectrum.find_number("few_tolerance", {"1e-6 to .1", 1e-6, .1}).value_or(broadband.few_tolerance);
+  broadband.few_points = spectrum.find_integer("few_points", 1, broadband.model->points()).value_or(0);
+  return broadband;
+}
+
+/// `[spectrum]`; nothing without it.
+SceneSpectrum read_spectrum(const ConfigReader& root, const std::filesystem::path& folder) {
   const auto spectrum = root.find_table("spectrum");
   if (!spectrum) return {};
-  spectrum->check_keys({"wavelengths_um"});
+  spectrum->check_keys({"wavelengths_um", "gas_model", "method", "few_tolerance", "few_points"});
+  if (spectrum->has("gas_model")) {
+    if (spectrum->has("wavelengths_um"))
+      spectrum->fail("gas_model", "stands beside `wavelengths_um`", "both", "one of the two");
+    SceneSpectrum points;
+    points.gas_file = folder / spectrum->text("gas_model");
+    points.broadband = read_broadband(*spectrum, points.gas_file);
+    return points;
+  }
+  for (const char* key : {"method", "few_tolerance", "few_points"}) {
+    if (spectrum->has(key)) spectrum->fail(key, "needs gas_model", "wavelengths alone", "no such key, or gas_model");
+  }
   const auto wavelengths = spectrum->find_numbers("wavelengths_um", positive);
-  if (!wavelengths) spectrum->fail_missing("wavelengths_um", "a list of wavelengths > 0");
+  if (!wavelengths) spectrum->fail_missing("wavelengths_um", "a list of wavelengths > 0, or gas_model");
   if (wavelengths->empty() || wavelengths->size() > max_wavelengths) {
     spectrum->fail("wavelengths_um", "empty or too long", fmt::format("{} wavelengths", wavelengths->size()),
                    fmt::format("1 to {}", max_wavelengths));
@@ -48,7 +78,9 @@ std::vector<double> read_wavelengths(const ConfigReader& root) {
     spectrum->fail("wavelengths_um", "neither ascending nor descending", describe(*spectrum->find("wavelengths_um")),
                    "each wavelength once, in one of the two orders");
   }
-  return *wavelengths;
+  SceneSpectrum at_wavelengths;
+  at_wavelengths.wavelengths_um = *wavelengths;
+  return at_wavelengths;
 }
 
 }  // namespace
@@ -148,6 +180,18 @@ void SceneReader::read_sun(const ConfigReader& reader) {
   }
   sun.azimuth_deg = *azimuth;
   const auto irradiance = light(reader, "irradiance_w_m2", at_);
+  if (scene_.broadband) {
+    const GasModel& model = *scene_.broadband->model;
+    if (model.light() != GasModel::Light::solar) {
+      throw InputError(fmt::format("{}: sun: stands beside a gas model of longwave light (found {}, allowed a model of "
+                                   "sunlight, or no [sun])",
+                                   root_.place_of("sun"), scene_.broadband->file));
+    }
+    if (!irradiance) reader.fail_missing("irradiance_w_m2", "the total solar irradiance in W m-2, such as 1361");
+    sun.irradiance_w_m2 = *irradiance * model.solar_share(scene_.gas_point);
+    if (sun.irradiance_w_m2 >= least_light) scene_.sun = sun;
+    return;
+  }
   if (scene_.thermal) {
     // A sun of 1 beside emission would be a wrong number.
     const std::string units = scene_.thermal->flux_units();
@@ -164,6 +208,10 @@ void SceneReader::read_sun(const ConfigReader& reader) {
 
 void SceneReader::read_sky(const ConfigReader& reader) {
   reader.check_keys({"radiance_w_m2_sr", "temperature_k"});
+  if (scene_.broadband && reader.has("radiance_w_m2_sr")) {
+    reader.fail("radiance_w_m2_sr", "has no spectrum", describe(*reader.find("radiance_w_m2_sr")),
+                "no such key with spectrum.gas_model, or temperature_k");
+  }
   scene_.sky_radiance = light(reader, "radiance_w_m2_sr", at_).value_or(0);
   if (!reader.has("temperature_k")) return;
   check_thermal_key(reader, "temperature_k");
@@ -221,12 +269,16 @@ void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
 }
 
 void SceneReader::check_whole() {
-  if (!scene_.cloud && scene_.layers.empty()) {
+  if (scene_.broadband) {
+    check_broadband();
+    scene_.broadband->molecules_phase_function = add_phase_function("rayleigh", PhaseFunction::rayleigh(), false);
+  }
+  if (!scene_.cloud && scene_.layers.empty() && !scene_.broadband) {
     throw InputError(
         fmt::format("{}: nothing that light could meet (found neither [cloud] nor [[layer]], allowed one or both)",
                     scene_.path.string()));
   }
-  if (!scene_.sun && scene_.sky_radiance <= 0 && !scene_.thermal) {
+  if (!scene_.sun && scene_.sky_radiance <= 0 && !scene_.thermal && !scene_.broadband) {
     throw InputError(fmt::format(
         "{}: no light (found neither [sun] nor [sky] that shines, nor [thermal], allowed one or more of them)",
         scene_.path.string()));
@@ -241,10 +293,9 @@ std::string Scene::where(const std::string& key) const {
 
 std::vector<Scene> read_scenes(const std::filesystem::path& path, std::span<const std::string> overrides) {
   const ConfigTree tree = read_config(path, overrides);
-  const std::vector<double> wavelengths = read_wavelengths(ConfigReader(tree.root, ""));
+  const SceneSpectrum spectrum = read_spectrum(ConfigReader(tree.root, ""), path.parent_path());
   std::vector<Scene> scenes;
-  for (std::size_t n = 0; n < std::max<std::size_t>(wavelengths.size(), 1); ++n)
-    scenes.push_back(SceneReader(tree, path, wavelengths, n).read());
+  for (std::size_t n = 0; n < spectrum.size(); ++n) scenes.push_back(SceneReader(tree, path, spectrum, n).read());
   return scenes;
 }
 

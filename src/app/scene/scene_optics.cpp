@@ -54,8 +54,9 @@ SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const ConfigR
   }
   if (type == "mie") return read_mie(reader);
   if (type == "set") return read_set(reader);
+  if (type == "bulk") return read_bulk(reader);
   reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
-              "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie, set");
+              "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie, set, bulk");
 }
 
 SceneReader::DefinedPhaseFunction SceneReader::read_legendre(const ConfigReader& reader) {
@@ -176,6 +177,14 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
                         fmt::format("effective_radius_um or effective_radius_grid, or {}", of_function));
   }
   reader.with_place(cloud.effective_radius_um ? "effective_radius_um" : "phase_function", [&] {
+    if (defined.bulk) {
+      const BulkOptics optics = at_radius(*defined.bulk->table, defined.bulk->by_radius, *radius);
+      cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
+      cloud.effective_radius_um = radius;
+      if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
+      cloud.phase_function = add_phase_function(name, PhaseFunction::henyey_greenstein(optics.asymmetry), false);
+      return;
+    }
     const DropletOptics optics = droplet_optics(*defined.droplets, *radius);
     cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
     cloud.effective_radius_um = radius;

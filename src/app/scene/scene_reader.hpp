@@ -3,6 +3,7 @@
 // the solver and the outputs.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <map>
@@ -16,15 +17,37 @@
 #include "app/scene/config_reader.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/io/phase_function_file.hpp"
+#include "cloudbow/optics/bulk_optics.hpp"
 
 namespace cloudbow {
 
+/// Tables of bulk optics by file, each read once for all g-points.
+using BulkTables = std::map<std::filesystem::path, BulkTable>;
+
+/// `[spectrum]`: wavelengths, or the g-points of a gas model, or neither.
+struct SceneSpectrum {
+  std::vector<double> wavelengths_um{};
+  std::optional<SceneBroadband> broadband{};
+  std::filesystem::path gas_file{};
+  std::shared_ptr<BulkTables> bulk_tables = std::make_shared<BulkTables>();
+
+  /// Scenes that it makes.
+  std::size_t size() const {
+    if (broadband) return static_cast<std::size_t>(broadband->model->points());
+    return std::max<std::size_t>(wavelengths_um.size(), 1);
+  }
+};
+
 class SceneReader {
  public:
-  SceneReader(const ConfigTree& tree, const std::filesystem::path& path, std::span<const double> wavelengths_um,
-              std::size_t wavelength)
-      : root_(tree.root, ""), at_{wavelength, wavelengths_um.size()} {
-    if (!wavelengths_um.empty()) scene_.wavelength_um = wavelengths_um[wavelength];
+  SceneReader(const ConfigTree& tree, const std::filesystem::path& path, const SceneSpectrum& spectrum,
+              std::size_t place)
+      : root_(tree.root, ""), at_{spectrum.wavelengths_um.empty() ? 0 : place, spectrum.wavelengths_um.size()},
+        bulk_tables_(spectrum.bulk_tables) {
+    if (!spectrum.wavelengths_um.empty()) scene_.wavelength_um = spectrum.wavelengths_um[place];
+    scene_.broadband = spectrum.broadband;
+    scene_.gas_point = static_cast<int>(place);
+    if (!spectrum.gas_file.empty()) scene_.inputs.push_back(spectrum.gas_file);
     scene_.path = path;
     scene_.inputs.push_back(path);
     scene_.text = tree.text;
@@ -33,6 +56,10 @@ class SceneReader {
   Scene read();
 
  private:
+  struct BulkOfPoint {
+    const BulkTable* table;
+    std::vector<BulkOptics> by_radius;
+  };
   /// A function, or a mie table from which an effective radius makes one, or a set of functions.
   struct DefinedPhaseFunction {
     std::optional<PhaseFunction> function;
@@ -40,6 +67,8 @@ class SceneReader {
     std::shared_ptr<const DropletTable> droplets{};
     std::optional<double> effective_radius_um{};
     std::shared_ptr<const ScenePhaseSet> set{};
+    /// Of bulk tables: the table at the g-point, by its radii. Droplets are there too, with the same optics.
+    std::optional<BulkOfPoint> bulk{};
   };
 
   std::filesystem::path relative_to_scene(const std::string& file) const;
@@ -59,6 +88,7 @@ class SceneReader {
                                           PhaseFunctionFile (*reader_of_file)(const std::filesystem::path&));
   DefinedPhaseFunction read_mie(const ConfigReader& reader);
   DefinedPhaseFunction read_set(const ConfigReader& reader);
+  DefinedPhaseFunction read_bulk(const ConfigReader& reader);
   const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const;
   /// Index in the scene of a function that may already be there.
   int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
@@ -79,6 +109,7 @@ class SceneReader {
   void read_albedo_map_key(const ConfigReader& reader);
   void read_atmosphere_table(const ConfigReader& reader);
   void read_thermal(const ConfigReader& reader);
+  void read_thermal_of_point(const ConfigReader& reader);
   /// The temperature of the ground, or its map.
   void read_surface_temperature(const ConfigReader& reader);
   /// `quantity` of an image: whether it is the brightness temperature.
@@ -88,6 +119,8 @@ class SceneReader {
   /// Checks that what [thermal] and heating rates need is there.
   void check_emission();
   void check_whole();
+  /// Checks that a scene has the light and the air of its gas model.
+  void check_broadband() const;
 
   /// Name of an image in results and pictures.
   std::string read_image_name(const ConfigReader& reader) const;
@@ -98,6 +131,7 @@ class SceneReader {
 
   ConfigReader root_;
   SpectralPlace at_;
+  std::shared_ptr<BulkTables> bulk_tables_;
   Scene scene_;
   std::map<std::string, DefinedPhaseFunction> defined_;
 };

@@ -72,8 +72,12 @@ void SceneReader::read_thermal(const ConfigReader& reader) {
                   "[thermal] without keys");
     }
     thermal.wavelength_um = scene_.wavelength_um;
-    thermal.planck = PlanckFunction::at(*scene_.wavelength_um);
+    thermal.set(PlanckFunction::at(*scene_.wavelength_um));
     scene_.thermal = thermal;
+    return;
+  }
+  if (scene_.broadband) {
+    read_thermal_of_point(reader);
     return;
   }
   if (reader.has("wavelength_um") == reader.has("band_um")) {
@@ -83,7 +87,7 @@ void SceneReader::read_thermal(const ConfigReader& reader) {
   }
   if (reader.has("wavelength_um")) {
     thermal.wavelength_um = reader.number("wavelength_um", positive);
-    reader.with_place("wavelength_um", [&] { thermal.planck = PlanckFunction::at(*thermal.wavelength_um); });
+    reader.with_place("wavelength_um", [&] { thermal.set(PlanckFunction::at(*thermal.wavelength_um)); });
   } else {
     const auto ends = *reader.find_numbers("band_um", positive);
     if (ends.size() != 2) reader.fail("band_um", "not of length 2", describe(*reader.find("band_um")), "[a, b]");
@@ -91,7 +95,7 @@ void SceneReader::read_thermal(const ConfigReader& reader) {
       reader.fail("band_um", "does not ascend", fmt::format("[{}, {}]", ends[0], ends[1]), "[a, b] with a < b");
     }
     thermal.band_um = {ends[0], ends[1]};
-    reader.with_place("band_um", [&] { thermal.planck = PlanckFunction::over(*thermal.band_um); });
+    reader.with_place("band_um", [&] { thermal.set(PlanckFunction::over(*thermal.band_um)); });
   }
   scene_.thermal = thermal;
 }
@@ -127,6 +131,8 @@ bool SceneReader::read_quantity(const ConfigReader& reader) const {
   const bool temperature =
       reader.find_choice("quantity", {"radiance", "brightness_temperature"}) == std::string("brightness_temperature");
   if (temperature) check_thermal_key(reader, "quantity");
+  if (temperature && scene_.broadband)
+    reader.fail("quantity", "is for one spectral interval", "brightness_temperature", "radiance with spectrum.gas_model");
   return temperature;
 }
 
@@ -149,7 +155,7 @@ void SceneReader::check_emission() {
                     "standard = \"{}\")",
                     scene_.where("output.fields"), us_1976));
   }
-  if (scene_.atmosphere && !scene_.thermal && !scene_.output.heating_rate) {
+  if (scene_.atmosphere && !scene_.thermal && !scene_.output.heating_rate && !scene_.broadband) {
     const std::string told = "not used: there is neither [thermal] nor heating_rate among output.fields";
     note(root_, "atmosphere", std::span(&told, 1));
   }

@@ -1,0 +1,92 @@
+// Scenes at the g-points of a gas model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/scene/scene_reader.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/bulk_table_file.hpp"
+#include "cloudbow/medium/spectral_weight.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr double longest_um = 1000;  // longwave models begin at the wavenumber 0
+
+/// Moments g^l, as far as they matter.
+std::vector<double> henyey_greenstein_moments(double asymmetry) {
+  std::vector<double> moments{1.};
+  constexpr double least = 1e-6;
+  constexpr std::size_t most = 2000;
+  while (moments.size() < most && std::abs(moments.back()) * (2. * static_cast<double>(moments.size()) + 1) > least)
+    moments.push_back(moments.back() * asymmetry);
+  return moments;
+}
+
+}  // namespace
+
+void SceneReader::read_thermal_of_point(const ConfigReader& reader) {
+  const GasModel& model = *scene_.broadband->model;
+  for (const char* key : {"wavelength_um", "band_um"}) {
+    if (reader.has(key))
+      reader.fail(key, "stands beside spectrum.gas_model", "both",
+                  "[thermal] without keys: the model has its own bands");
+  }
+  if (model.light() != GasModel::Light::longwave) {
+    throw InputError(fmt::format(
+        "{}: thermal: stands beside a gas model of sunlight (found {}, allowed a longwave model, or no [thermal])",
+        root_.place_of("thermal"), scene_.broadband->file));
+  }
+  SceneThermal thermal;
+  thermal.planck = [model = scene_.broadband->model, point = scene_.gas_point](double temperature) {
+    return model->planck(point, temperature);
+  };
+  const auto& spectrum = model.spectrum();
+  thermal.band_um = {1e4 / spectrum.upper.back(), std::min(longest_um, 1e4 / std::max(spectrum.lower.front(), 1e-9))};
+  scene_.thermal = thermal;
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& reader) {
+  reader.check_keys({"type", "file", "effective_radius_um"});
+  if (!scene_.broadband)
+    reader.fail("type", "needs spectrum.gas_model, whose g-points it is averaged over", "bulk", "mie at wavelengths");
+  const auto file = existing_file(reader, "file");
+  auto found = bulk_tables_->find(file);
+  if (found == bulk_tables_->end()) {
+    reader.with_place("file", [&] { found = bulk_tables_->emplace(file, read_bulk_table(file)).first; });
+  }
+  const BulkTable& table = found->second;
+  DefinedPhaseFunction defined;
+  defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
+  reader.with_place("file", [&] {
+    const SpectralWeight weight = weight_of_point(*scene_.broadband->model, scene_.gas_point);
+    defined.bulk = BulkOfPoint{&table, average_over(table, weight.wavenumber_cm1, weight.weight)};
+  });
+  DropletTable droplets;
+  droplets.effective_radius_um = table.effective_radius_um;
+  for (const BulkOptics& optics : defined.bulk->by_radius) {
+    droplets.extinction_m2_per_g.push_back(optics.extinction_m2_per_g);
+    droplets.single_scattering_albedo.push_back(optics.single_scattering_albedo);
+    droplets.moments.push_back(henyey_greenstein_moments(optics.asymmetry));
+  }
+  defined.droplets = std::make_shared<const DropletTable>(std::move(droplets));
+  return defined;
+}
+
+void SceneReader::check_broadband() const {
+  const SceneBroadband& broadband = *scene_.broadband;
+  if (!scene_.atmosphere) {
+    throw InputError(
+        fmt::format("{}: atmosphere: missing (found spectrum.gas_model without it, allowed [atmosphere] with "
+                    "the gases of the model)",
+                    root_.place_of("spectrum")));
+  }
+  const bool solar = broadband.model->light() == GasModel::Light::solar;
+  if (solar == root_.has("sun") || (!solar && scene_.thermal)) return;
+  throw InputError(fmt::format("{}: {}: missing (found {}, a gas model of {}, allowed [{}] beside it)",
+                               scene_.path.string(), solar ? "sun" : "thermal", broadband.file,
+                               solar ? "sunlight" : "longwave light", solar ? "sun" : "thermal"));
+}
+
+}  // namespace cloudbow
