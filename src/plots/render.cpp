@@ -155,7 +155,7 @@ std::optional<Channels> find_channels(const RenderOptions& options) {
     throw InputError(
         fmt::format("{}: tone and exposure need an image with reflectance factors (found {}, allowed radiance_NAME, "
                     "camera_NAME of a "
-                    "scene with a sun and without [thermal])",
+                    "scene with sunlight alone)",
                     options.result_file.string(), options.variable));
   }
   Channels channels;
