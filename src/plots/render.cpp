@@ -61,9 +61,10 @@ void set_size(RenderReport& report, int scale) {
 void set_range(RenderReport& report, const RenderOptions& options) {
   if (options.range) {
     std::tie(report.min, report.max) = *options.range;
-    if (!(std::isfinite(report.min) && std::isfinite(report.max) && report.min < report.max)) {
-      throw InputError(
-          fmt::format("range: {} to {} is not a range (two numbers, the smaller one first)", report.min, report.max));
+    if (!(std::isfinite(report.min) && std::isfinite(report.max) && report.min != report.max)) {
+      throw InputError(fmt::format(
+          "range: {} to {} is not a range (two different numbers; the larger one first turns the colours round)",
+          report.min, report.max));
     }
     return;
   }
@@ -82,7 +83,7 @@ void set_range(RenderReport& report, const RenderOptions& options) {
 
 std::uint8_t colour_index(float value, double min, double max) {
   if (!std::isfinite(value)) return 0;
-  const double t = max > min ? std::clamp((value - min) / (max - min), 0.0, 1.0) : 0.5;
+  const double t = max != min ? std::clamp((value - min) / (max - min), 0.0, 1.0) : 0.5;
   return static_cast<std::uint8_t>(1 + std::lround(t * (colour_count - 1)));
 }
 
@@ -154,8 +155,7 @@ std::optional<Channels> find_channels(const RenderOptions& options) {
     if (!toned) return std::nullopt;
     throw InputError(
         fmt::format("{}: tone and exposure need an image with reflectance factors (found {}, allowed radiance_NAME, "
-                    "camera_NAME of a "
-                    "scene with sunlight alone)",
+                    "camera_NAME in sunlight alone)",
                     options.result_file.string(), options.variable));
   }
   Channels channels;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """docs/result-reference.md names every variable and every attribute of a group that results hold, and no others.
 
-Truth: results of one scene with all that a scene can ask for, of the same with two wavelengths, and of scenes that emit.
+Truth: results of a scene with all that it can ask for, at one and at two wavelengths, and of scenes that emit.
 
 usage: check_result_reference.py CLOUDBOW DOCS/RESULT-REFERENCE.MD
 """

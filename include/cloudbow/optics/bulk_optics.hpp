@@ -25,8 +25,8 @@ struct BulkTable {
 /// Reads a table in the layout of ecRad's scattering files (netCDF). @throws InputError.
 BulkTable read_bulk_table(const std::filesystem::path& file);
 
-/// The table averaged over a spectral weight: k = <k>, ssa = <k ssa>/<k>, g = <k ssa g>/<k ssa>, the asymmetry rounded
-/// to .002, so that phase functions are shared between g-points.
+/// The table averaged over a spectral weight: k = <k>, ssa = <k ssa>/<k>, g = <k ssa g>/<k ssa>. The asymmetry is
+/// rounded to .002, so that g-points share phase functions.
 /// @param wavenumber_cm1, weight the weight by wavenumber, linear between; any unit, not all 0.
 /// @returns [radius]
 std::vector<BulkOptics> average_over(const BulkTable& table, std::span<const double> wavenumber_cm1,

@@ -12,8 +12,9 @@
 namespace cloudbow::columns {
 
 /// A symmetric, orthogonal matrix that rotates sqrt(w mu), which is isotropic light, to the first axis. In this basis
-/// the first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d,
-/// separate from larger numbers even if a thick layer makes it small.
+/// the first row of the absorbing matrices (B, Z) is 0 without absorption. The net flux is the first component of d. So
+/// it stands apart from larger numbers, even
+// if a thick layer makes it small.
 inline std::vector<std::vector<double>> isotropic_first(const PolarStreams& streams) {
   const int n = streams.size();
   std::vector<double> v;

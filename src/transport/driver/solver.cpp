@@ -217,8 +217,7 @@ void check_emission(const Problem& problem) {
     const bool in_range = planck == 0 || (planck >= least_light && planck <= most_light);
     if (in_range && std::abs(step) <= 2 * planck * (1 + 1e-6)) return;
     throw InputError(fmt::format(
-        "Planck radiance: out of range (found {}, with a step of {} in its cell, allowed 0, or {:g} to {:g}, and "
-        "a step of at most twice that)",
+        "Planck radiance: out of range (found {}, step {}, allowed 0, or {:g} to {:g}, steps up to twice the radiance)",
         planck, step, least_light, most_light));
   };
   check(problem.surface.planck, 0);

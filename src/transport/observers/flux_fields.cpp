@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-// A larger correction of a gathered field, as a share of its difference from the reference, is no matter of scale.
+// The largest change of scale of a gathered field, relative to its difference from the reference.
 constexpr double largest_correction = .2;
 
 double mean(const std::vector<double>& field) {

@@ -158,8 +158,8 @@ TEST_F(SpoiledCheckpoint, SeveralValuesInPlaceOfOneAreRefused) {
 }
 
 TEST_F(SpoiledCheckpoint, AnotherFormatIsOfAnotherVersion) {
-  // Format 1 had keys by another hash, format 2 no slopes of light; 4 is of the future.
-  for (const std::int32_t format : {1, 2, 4}) {
+  // Format 1 had keys by another hash, format 2 no slopes of light, 3 no power of the ledger; 5 is of the future.
+  for (const std::int32_t format : {1, 2, 3, 5}) {
     write_checkpoint(path_, "cloudbow test", key_, state_.arrays());
     const std::string message = message_after([format](hid_t file) {
       const hid_t attribute = H5Aopen(file, "checkpoint_format", H5P_DEFAULT);

@@ -184,7 +184,7 @@ std::string read_attribute(hid_t file, const char* object, const char* name) {
   return text.substr(0, text.find('\0'));
 }
 
-// Brightness temperature of a radiance B(T) is T; fractions of what enters mean nothing where matter emits.
+// Brightness temperature of a radiance B(T) is T; fractions of what enters mean nothing if matter emits.
 TEST_F(ResultFile, OfASceneThatEmitsHoldsFluxesAndTemperatures) {
   const PlanckFunction planck = PlanckFunction::at(10.8);
   Solution solution = sample::thermal_solution(3, 2, 1);

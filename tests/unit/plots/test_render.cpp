@@ -134,6 +134,10 @@ TEST_F(Render, RangeClampsAndMissingIsTransparent) {
   const Picture picture = draw();
   EXPECT_EQ(picture.red(0, 0), 0);
   EXPECT_EQ(picture.red(3, 0), 255);
+  options_.range = {3, 1};
+  const Picture round = draw();
+  EXPECT_EQ(round.red(0, 0), 255) << "cold cloud tops are white in pictures of the infrared";
+  EXPECT_EQ(round.red(3, 0), 0);
   EXPECT_EQ(picture.alpha(2, 0), 0);
   EXPECT_EQ(picture.alpha(1, 0), 255);
   EXPECT_EQ(picture.red(1, 0), make_colormap("grey", 255)[127][0]);

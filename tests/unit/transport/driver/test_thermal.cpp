@@ -145,9 +145,9 @@ double rms_difference(const std::vector<float>& a, const std::vector<double>& b,
   return std::sqrt(sum / static_cast<double>(a.size() - first));
 }
 
-// A cloud of one temperature over a white ground emits as much as it would absorb of a sky of that temperature. With
-// constant sources the tolerance is that of the two iterations. Limits of slopes differ between the two sources, which
-// leaves .3 % of pi B in this ragged cloud.
+// A cloud over a white ground emits as much as it would absorb of a sky of its temperature. With
+// constant sources the tolerance is that of the two iterations. Limits of slopes differ between the two sources: .3 %
+// of pi B in this ragged cloud.
 TEST(Thermal, AnIsothermalCloudEmitsWhatItWouldAbsorb) {
   const BoxGrid box = make_box(6, 5, 6);
   Problem emitting = thermal_problem(make_grid(box, random_extinction(box, 3, 11), .7), 1);
