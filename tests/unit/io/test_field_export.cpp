@@ -176,6 +176,27 @@ TEST_F(FieldExport, CellFieldsAreThoseOfTheFile) {
   EXPECT_EQ(absorbed.at({1, 0, 2}), sample::field_value(4, 2, 0, 1));
 }
 
+// Net power and cooling are negative; their grids have the spectral unit of the result.
+TEST_F(FieldExport, OfScenesThatEmitNetPowerAndHeatingRatesAreExported) {
+  Solution solution = even_solution();
+  solution.emits = true;
+  solution.absorbed_power[5] = -2;
+  ResultInfo info = sample::info();
+  info.thermal = {{PlanckFunction::at(10.8), 10.8, {}, "us-1976", 288., "", "", {}}};
+  info.heating_rates = {{solution.absorbed_power, std::vector<double>(4, 0.)}};
+  write_result(options_.result_file, solution, info);
+  options_.absorption = options_.heating_rate = true;
+  EXPECT_THAT(export_fields(options_).grids, ElementsAre("net_absorbed_power", "heating_rate"));
+  openvdb::io::File file(options_.vdb_file.string());
+  file.open();
+  for (const auto& [name, units] :
+       {std::pair("net_absorbed_power", "W m-3 um-1"), std::pair("heating_rate", "K s-1 um-1")}) {
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(name));
+    EXPECT_EQ(grid->metaValue<std::string>("units"), units);
+    EXPECT_EQ(grid->getConstAccessor().getValue({2, 1, 0}), -2.F) << name;
+  }
+}
+
 // Voxels of 20 m from 520 m to 580 m; a layer's edge cuts the second at 545 m; below and above are levels of other
 // heights.
 TEST_F(FieldExport, OfUnevenLevelsTheCloudsVoxelsAreExported) {
