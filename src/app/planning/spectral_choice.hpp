@@ -9,15 +9,18 @@ namespace cloudbow {
 
 /// One g-point's answer for sampled columns, as independent columns have it.
 struct ColumnAnswers {
-  double power = 1;              ///< of the g-point, W m-2; only the sums use it
+  double power = 1;              ///< of the g-point, W m-2; the unit of all that follows; 0: the g-point has no light
   std::vector<double> up;        ///< [columns] at the top, per power
-  std::vector<double> down;      ///< [columns] at the ground, per power
+  std::vector<double> down;      ///< [columns] at the ground, per power, direct and diffuse
   std::vector<double> absorbed;  ///< [columns] in the column, net, per power
+  /// [levels] absorbed per volume or mass, net, per power, mean over the columns; any unit. Empty: heating rates do not
+  /// count in the choice.
+  std::vector<double> heating;
 };
 
 struct SpectralChoice {
   std::vector<int> point;      ///< chosen, ascending
-  std::vector<double> weight;  ///< >= 0; a field of all is sum of weight times the field per power of the chosen
+  std::vector<double> weight;  ///< > 0; a field of all is sum of weight times the field per power of the chosen
   double residual = 0;         ///< of the sampled columns, relative: foretells the error of fields in three dimensions
 };
 
@@ -25,8 +28,9 @@ struct SpectralChoice {
 /// @param columns [n] of A, all of b's length.
 std::vector<double> non_negative_least_squares(std::span<const std::vector<double>> columns, std::span<const double> b);
 
-/// Forward selection with exchange, until the residual is below `tolerance` or all are chosen.
-/// @param points at most so many; 0: no limit. Deterministic.
+/// Forward selection with exchange, until the residual is below `tolerance` or all are chosen. G-points without power
+/// are never chosen; all others together have residual 0. Deterministic.
+/// @param points at most so many; 0: no limit.
 SpectralChoice choose_points(std::span<const ColumnAnswers> of_points, double tolerance, int points = 0);
 
 }  // namespace cloudbow
