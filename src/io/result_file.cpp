@@ -125,11 +125,13 @@ class ResultWriter : private SolutionWriter {
     write_summary(file, *this);
     write_ledger(file, *this);
     write_thermal(file, *this);
+    write_spectral(file, *this);
     write_solver(file, *this);
     if (!by_columns_.empty()) write_comparison(file);
     write_error_estimate(file, *this);
     if (!info_.error_estimates.empty()) write_error_fields(file);
     write_plan(file, *this);
+    write_clear_sky(file);
     write_images(file);
     write_camera_images(file);
     if (first_.radiance_field) write_radiance_field(file);
@@ -360,6 +362,33 @@ class ResultWriter : private SolutionWriter {
       netcdf4::write_coordinate(group, "z", midpoints(first_.box.z_edge_m), height_attributes(first_.box.cloud));
       write_heating_rate(group, {"z"}, "area: mean z: mean", &HeatingRate::profile);
     }
+    group.close();
+  }
+
+  /// Writes nothing without a clear sky.
+  void write_clear_sky(hid_t file) const {
+    if (info_.clear_sky.empty()) return;
+    const SolutionWriter clear(info_.clear_sky, info_);
+    hdf5::Handle group = netcdf4::create_group(file, "clear_sky");
+    write_wavelength(group);
+    netcdf4::write_coordinate(group, "z_edge", clear.first().box.z_edge_m,
+                              vertical_attributes("height of the horizontal interfaces without clouds"));
+    for (const OutputField& field : output_fields()) {
+      if (field.profile == nullptr) continue;
+      const FieldNames field_names = clear.names(field);
+      clear.write_variable(
+          group, field_names.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
+          attributes_of(field, field_names));
+    }
+    const auto of = [&clear](double EnergyFluxes::*term) {
+      return clear.each([term](const Solution& s) { return energy_fluxes(s.ledger).*term; });
+    };
+    netcdf4::write_attributes(group, {{"units", clear.units("W m-2")},
+                                      {"upwelling_top", of(&EnergyFluxes::upwelling_top)},
+                                      {"downwelling_bottom", of(&EnergyFluxes::downwelling_bottom)},
+                                      {"absorbed", of(&EnergyFluxes::absorbed)},
+                                      {"surface_absorbed", of(&EnergyFluxes::surface_absorbed)},
+                                      {"surface_emitted", of(&EnergyFluxes::surface_emitted)}});
     group.close();
   }
 

@@ -70,6 +70,21 @@ void write_thermal(hid_t file, const SolutionWriter& writer) {
   group.close();
 }
 
+void write_spectral(hid_t file, const SolutionWriter& writer) {
+  if (!writer.info().spectral) return;
+  const SpectralInfo& spectral = *writer.info().spectral;
+  hdf5::Handle group = netcdf4::create_group(file, "spectral");
+  std::vector<double> solved(spectral.solved.begin(), spectral.solved.end());
+  netcdf4::write_attributes(group, {{"gas_model", spectral.model},
+                                    {"light", spectral.light},
+                                    {"method", spectral.method},
+                                    {"g_points", static_cast<std::int32_t>(spectral.points)},
+                                    {"solved", solved},
+                                    {"weight", spectral.weight},
+                                    {"residual", spectral.residual}});
+  group.close();
+}
+
 void write_solver(hid_t file, const SolutionWriter& writer) {
   hdf5::Handle group = netcdf4::create_group(file, "solver");
   const auto real = [&writer](double SolverReport::*term) {
@@ -158,6 +173,7 @@ void write_error_estimate(hid_t file, const SolutionWriter& writer) {
                 {name + "_angular", part(&ErrorParts::angular)},
                 {name + "_spatial", part(&ErrorParts::spatial)},
                 {name + "_iteration", part(&ErrorParts::iteration)},
+                {name + "_spectral", part(&ErrorParts::spectral)},
                 {name + "_angular_distance",
                  of([&](const ErrorEstimate& estimate) { return estimate.angular_distance.*flux.distance; })},
                 {name + "_spatial_distance",

@@ -11,6 +11,8 @@ void write_summary(hid_t file, const SolutionWriter& writer);
 void write_ledger(hid_t file, const SolutionWriter& writer);
 /// Spectral interval and temperatures of emission; nothing without them.
 void write_thermal(hid_t file, const SolutionWriter& writer);
+/// G-points of a sum over a gas model; nothing without one.
+void write_spectral(hid_t file, const SolutionWriter& writer);
 void write_solver(hid_t file, const SolutionWriter& writer);
 /// Nothing without estimates.
 void write_error_estimate(hid_t file, const SolutionWriter& writer);

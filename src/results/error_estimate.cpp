@@ -146,7 +146,7 @@ ByFlux flux_distance_between_ends(const Solution& solution, const Solution& othe
   return distance;
 }
 
-double ErrorParts::total() const { return std::hypot(angular, spatial, iteration); }
+double ErrorParts::total() const { return std::hypot(std::hypot(angular, spatial, iteration), spectral); }
 
 double ErrorEstimate::columns() const { return std::max(up.total(), down.total()); }
 

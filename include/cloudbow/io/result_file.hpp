@@ -43,6 +43,17 @@ struct ThermalInfo {
   std::optional<double> sky_temperature_k;
 };
 
+/// G-points of a sum over a gas model (`/spectral`).
+struct SpectralInfo {
+  std::string model;           ///< name of its file
+  std::string light;           ///< "solar" or "longwave"
+  std::string method;          ///< "few", "all" or "columns"
+  int points = 0;              ///< of the model
+  std::vector<int> solved;     ///< from 0
+  std::vector<double> weight;  ///< of each: the result is the sum of weight times solution
+  double residual = 0;         ///< of the choice, relative
+};
+
 struct ResultInfo {
   std::string title;
   std::string source;  ///< program name and version
@@ -55,6 +66,8 @@ struct ResultInfo {
   std::vector<double> wavelengths_um{};  ///< of each solution; empty: the scene has no spectrum, and one solution
   std::vector<ErrorEstimate> error_estimates{};  ///< of each solution, or none
   std::optional<RunPlan> plan{};
+  std::optional<SpectralInfo> spectral{};
+  std::vector<Solution> clear_sky{};  ///< of each solution the same without clouds, on levels of its own, or none
   std::vector<ThermalInfo> thermal{};                  ///< of each solution, or none; all of one spectral unit
   std::vector<std::string> brightness_temperatures{};  ///< names of views and cameras; needs `thermal`
   std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none

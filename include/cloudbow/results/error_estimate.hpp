@@ -38,6 +38,7 @@ struct ErrorParts {
   double angular = 0;
   double spatial = 0;
   double iteration = 0;
+  double spectral = 0;   ///< of the choice of g-points
   double total() const;  ///< root of the sum of squares
 };
 

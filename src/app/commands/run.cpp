@@ -7,6 +7,8 @@
 #include <set>
 #include <string>
 
+#include "app/planning/broadband.hpp"
+#include "app/planning/clear_sky.hpp"
 #include "app/planning/run_checkpoints.hpp"
 #include "app/planning/run_options.hpp"
 #include "app/planning/solve_scenes.hpp"
@@ -46,6 +48,20 @@ void check_comparable(const Scene& scene) {
                     "itself, allowed auto, 3d)",
                     scene.where("solver.mode")));
   }
+}
+
+/// Sums over g-points are solved in one way.
+void check_broadband_options(const RunOptions& options, const Scene& scene) {
+  const char* const found = options.compare               ? "--compare"
+                            : options.target              ? "--target-error or --budget"
+                            : !options.checkpoint.empty() ? "--checkpoint"
+                            : !options.resume.empty()     ? "--resume"
+                                                          : nullptr;
+  if (found == nullptr) return;
+  throw InputError(
+      fmt::format("{}: spectrum.gas_model: excludes {} (found both, allowed one of the two) spectrum.method = "
+                  "\"columns\" solves independent columns",
+                  scene.path.string(), found));
 }
 
 void check_memory(const Scene& scene, const CostEstimate& cost, std::uint64_t available) {
@@ -119,6 +135,10 @@ void print_plan(const std::vector<Scene>& scenes, const PlannedScene& planned, c
     fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points,
                first.options.directions, first.options.tolerance);
   }
+  if (scenes.front().broadband) {
+    const SceneBroadband& broadband = *scenes.front().broadband;
+    fmt::print("spectrum  {} g-points of {}\n", broadband.model->points(), broadband.file);
+  }
   if (scenes.front().wavelength_um) {
     std::string list;
     for (const Scene& scene : scenes) list += fmt::format("{}{}", list.empty() ? "" : ", ", *scene.wavelength_um);
@@ -146,7 +166,24 @@ std::filesystem::path output_file(const RunOptions& options, const Scene& scene)
   return scene.path.stem().string() + ".h5";
 }
 
-void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
+/// What clouds change, and heating in K per day.
+void print_effects(const Solution& solution, const ResultInfo& info, std::size_t n, const std::string& flux_units) {
+  if (!info.clear_sky.empty()) {
+    const EnergyFluxes here = energy_fluxes(solution.ledger), clear = energy_fluxes(info.clear_sky[n].ledger);
+    fmt::print("{:<21}{:+.4g} at the top, {:+.4g} at the ground {}\n", "cloud effect",
+               clear.upwelling_top - here.upwelling_top,
+               (here.surface_absorbed - here.surface_emitted) - (clear.surface_absorbed - clear.surface_emitted),
+               flux_units);
+  }
+  if (!info.heating_rates.empty() && flux_units == "W m-2") {
+    constexpr double day = 86400;
+    const auto [least, most] =
+        std::minmax_element(info.heating_rates[n].profile.begin(), info.heating_rates[n].profile.end());
+    fmt::print("{:<21}{:.4g} to {:.4g} K/day, means of levels\n", "heating", *least * day, *most * day);
+  }
+}
+
+void print_summaries(const std::vector<Scene>& scenes, const Solved& solved, const ResultInfo& info) {
   for (std::size_t n = 0; n < scenes.size(); ++n) {
     if (scenes[n].wavelength_um)
       fmt::print("{}{:<21}{} um\n", n == 0 ? "" : "\n", "wavelength", *scenes[n].wavelength_um);
@@ -154,6 +191,7 @@ void print_summaries(const std::vector<Scene>& scenes, const Solved& solved) {
       fmt::print("{:<21}{}\n", "phase functions", classes_text(solved.phase_classes[n]));
     const std::string flux_units = scenes[n].thermal ? scenes[n].thermal->flux_units() : "W m-2";
     fmt::print("{}", summary_table(solved.solutions[n], flux_units));
+    print_effects(solved.solutions[n], info, n, flux_units);
     if (!solved.errors.empty()) fmt::print("{}", error_line(solved.errors[n]));
     if (!solved.by_columns.empty()) {
       const EnergyLedger &ledger = solved.solutions[n].ledger, &columns = solved.by_columns[n].ledger;
@@ -261,6 +299,8 @@ int run(const RunOptions& options) {
   const std::filesystem::path output = output_file(options, first);
   check_files(options, scenes.size(), output, first);
   if (options.compare) check_comparable(first);
+  if (first.broadband) check_broadband_options(options, first);
+  if (options.clear_sky) check_clear_sky(first);
 
   const std::uint64_t available = available_memory_bytes();
   CloudFiles files(scenes.size() > 1, [&options](const std::string& sentence) {
@@ -268,7 +308,9 @@ int run(const RunOptions& options) {
   });
   const InterruptGuard guard;
   Solved solved;
+  std::vector<Solution> clear_sky;
   std::optional<RunPlan> plan;
+  std::optional<SpectralInfo> spectral;
   if (options.target) {
     TargetRun done = reach_target(options, available, files);
     scenes = std::move(done.scenes);
@@ -284,12 +326,22 @@ int run(const RunOptions& options) {
       print_plan(scenes, planned, expected, available);
       return exit_done;
     }
-    solved = solve_all(scenes, std::move(expected), options, available, files);
+    if (options.clear_sky) clear_sky = solve_clear_sky(scenes, options, available, files);
+    if (first.broadband) {
+      BroadbandRun broadband = solve_broadband(scenes, expected, options, available, files);
+      scenes.resize(1);
+      solved = std::move(broadband.solved);
+      spectral = std::move(broadband.info);
+    } else {
+      solved = solve_all(scenes, std::move(expected), options, available, files);
+    }
   }
   ResultInfo info{first.title, fmt::format("cloudbow {}", version()), history_line(options.command),
                   scenes.front().text};
   info.error_estimates = solved.errors;
   info.plan = plan;
+  info.spectral = spectral;
+  info.clear_sky = std::move(clear_sky);
   for (const PhaseClassReport& classes : solved.phase_classes) {
     info.phase_classes.push_back(classes.classes);
     info.phase_class_error.push_back(classes.estimated_error);
@@ -303,7 +355,7 @@ int run(const RunOptions& options) {
   InterruptGuard::check();
 
   if (!options.quiet) {
-    print_summaries(scenes, solved);
+    print_summaries(scenes, solved, info);
     fmt::print("\nwritten to {}\n", output.string());
   }
   return std::max({tell_unconverged(scenes, solved.solutions, "", output),

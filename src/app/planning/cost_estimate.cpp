@@ -97,6 +97,13 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     kept += solution_bytes(scene, *planned.scene);
     if (scenes.size() == 1) cost.only = std::move(planned);
   }
+  if (scenes.front().broadband) {
+    // A sum and one solution are kept; of few g-points about so many are solved.
+    constexpr double few = 7;
+    const auto points = static_cast<double>(scenes.size());
+    kept = static_cast<std::size_t>(2 * static_cast<double>(kept) / points);
+    if (scenes.front().broadband->method == SceneBroadband::Method::few) cost.seconds *= std::min(1., few / points);
+  }
   if (scenes.size() > 1 || compare) cost.memory += kept;
   cost.seconds *= machine_slowness();
   if (scenes.size() > 1) {

@@ -18,6 +18,7 @@ struct RunOptions {
   int threads = 0;  ///< 0: all
   bool quiet = false;
   bool compare = false;          ///< solve as independent columns too and write the differences of the column fluxes
+  bool clear_sky = false;        ///< solve the scene without its clouds too
   bool dry_run = false;          ///< validate, predict memory and time, write nothing
   std::optional<Target> target;  ///< the level of accuracy is chosen, in place of the scene's
   std::filesystem::path checkpoint;  ///< keeps the state of the iteration here; empty: nowhere

@@ -13,9 +13,8 @@
 #include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
-namespace {
 
-ErrorEstimate estimate(const Scene& scene, const PlannedScene& planned, const Solution& solution) {
+ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution) {
   const CoarseSolves coarse_solves = solve_coarsely(planned.plan, scene.solver.accuracy, planned.as,
                                                     [](const SolverProgress&) { InterruptGuard::check(); });
   ErrorEstimate error =
@@ -23,8 +22,6 @@ ErrorEstimate estimate(const Scene& scene, const PlannedScene& planned, const So
   error.calibrated_for = scene.solver.accuracy;
   return error;
 }
-
-}  // namespace
 
 Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files) {
@@ -56,7 +53,7 @@ Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunO
            : options.resume.empty()   ? "--checkpoint is"
                                       : "--checkpoint and --resume are");
     }
-    if (scene.output.error_estimate) solved.errors.push_back(estimate(scene, planned, solved.solutions.back()));
+    if (scene.output.error_estimate) solved.errors.push_back(estimate_of(scene, planned, solved.solutions.back()));
     if (options.compare) {
       // A single column is its own independent column.
       const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;

@@ -18,6 +18,9 @@ struct Solved {
   std::vector<ErrorEstimate> errors;            ///< of each, or none
 };
 
+/// Errors of a solution of the scene, from coarse solves. @throws Interrupted.
+ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution);
+
 /// @throws Interrupted.
 Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files);

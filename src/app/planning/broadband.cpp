@@ -1,0 +1,151 @@
+#include "app/planning/broadband.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "app/planning/coarse_solves.hpp"
+#include "app/planning/column_answers.hpp"
+#include "app/planning/error_calibration.hpp"
+#include "app/planning/spectral_choice.hpp"
+#include "app/process/interrupt.hpp"
+#include "app/process/messages.hpp"
+#include "app/process/progress.hpp"
+#include "cloudbow/core/thread_scope.hpp"
+#include "cloudbow/results/weighted_sum.hpp"
+#include "cloudbow/transport/probe_columns.hpp"
+#include "cloudbow/transport/solver.hpp"
+
+namespace cloudbow {
+namespace {
+
+using Method = SceneBroadband::Method;
+
+/// G-points to solve; the sum of weights times their solutions is the answer.
+struct Points {
+  std::vector<int> point;
+  std::vector<double> weight;
+  double residual = 0;
+};
+
+Points all_points(const std::vector<Scene>& scenes) {
+  Points all;
+  for (std::size_t g = 0; g < scenes.size(); ++g) {
+    all.point.push_back(static_cast<int>(g));
+    all.weight.push_back(1);
+  }
+  return all;
+}
+
+Points few_points(const std::vector<Scene>& scenes, const CostEstimate& cost, const RunOptions& options,
+                  std::uint64_t available, CloudFiles& files) {
+  const SceneBroadband& broadband = *scenes.front().broadband;
+  std::vector<ColumnAnswers> answers;
+  std::vector<std::size_t> columns;
+  for (const Scene& scene : scenes) {
+    const AssembledScene assembled = assemble(scene, available, files, cost.levels_m);
+    if (columns.empty()) columns = representative_columns(assembled.problem.grid, columns_of_choice);
+    const ThreadScope threads(options.threads);
+    answers.push_back(column_answers(assembled.problem, assembled.options, columns));
+    InterruptGuard::check();
+  }
+  const SpectralChoice choice = choose_points(answers, broadband.few_tolerance, broadband.few_points);
+  Points few{choice.point, {}, choice.residual};
+  for (std::size_t n = 0; n < choice.point.size(); ++n)
+    few.weight.push_back(choice.weight[n] / answers[static_cast<std::size_t>(choice.point[n])].power);
+  return few;
+}
+
+/// Mean flux of the columns, of which the estimate's relative error is.
+double mean_flux(const Solution& solution, bool up) {
+  if (up) return solution.profile_upwelling_flux.back();
+  return solution.profile_downwelling_diffuse_flux.front() + solution.profile_direct_flux.front();
+}
+
+/// Errors of g-points have the same origin, so they add up like the fluxes that they are of.
+class SummedErrors {
+ public:
+  void add(const ErrorEstimate& error, const Solution& solution, double weight) {
+    if (!sum_) {
+      sum_ = ErrorEstimate();
+      sum_->calibrated_for = error.calibrated_for;
+    }
+    const auto add_parts = [](const ErrorParts& of, double share, ErrorParts& to) {
+      to.angular += share * of.angular;
+      to.spatial += share * of.spatial;
+      to.iteration += share * of.iteration;
+    };
+    const double power = weight * solution.ledger.power;
+    const double up = weight * mean_flux(solution, true), down = weight * mean_flux(solution, false);
+    add_parts(error.domain, power, sum_->domain);
+    add_parts(error.up, up, sum_->up);
+    add_parts(error.down, down, sum_->down);
+    sum_->between_ends += std::max(up, down) * error.between_ends;
+    between_ += std::max(up, down);
+    sum_->cpu_seconds += error.cpu_seconds;
+    sum_->table_seconds += error.table_seconds;
+  }
+
+  /// @param spectral error of the choice of g-points.
+  std::optional<ErrorEstimate> of(const Solution& whole, double spectral) const {
+    if (!sum_) return std::nullopt;
+    ErrorEstimate error = *sum_;
+    const auto divide = [spectral](double by, ErrorParts& parts) {
+      const double share = by > 0 ? 1 / by : 0;
+      parts.angular *= share;
+      parts.spatial *= share;
+      parts.iteration *= share;
+      parts.spectral = spectral;
+    };
+    divide(whole.ledger.power, error.domain);
+    divide(mean_flux(whole, true), error.up);
+    divide(mean_flux(whole, false), error.down);
+    error.between_ends = between_ > 0 ? std::hypot(error.between_ends / between_, spectral) : 0;
+    return error;
+  }
+
+ private:
+  std::optional<ErrorEstimate> sum_;
+  double between_ = 0;
+};
+
+}  // namespace
+
+BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimate& cost, const RunOptions& options,
+                             std::uint64_t available, CloudFiles& files) {
+  const SceneBroadband& broadband = *scenes.front().broadband;
+  const bool few = broadband.method == Method::few;
+  if (few && !options.quiet) tell("choice of g-points\n");
+  const Points points = few ? few_points(scenes, cost, options, available, files) : all_points(scenes);
+  BroadbandRun run;
+  run.info.model = broadband.file;
+  run.info.method = few ? "few" : broadband.method == Method::all ? "all" : "columns";
+  run.info.light = broadband.model->light() == GasModel::Light::solar ? "solar" : "longwave";
+  run.info.points = broadband.model->points();
+  run.info.solved = points.point;
+  run.info.weight = points.weight;
+  run.info.residual = points.residual;
+  Solution sum;
+  SummedErrors errors;
+  for (std::size_t n = 0; n < points.point.size(); ++n) {
+    Scene scene = scenes[static_cast<std::size_t>(points.point[n])];
+    if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
+    const PlannedScene planned = plan_scene(scene, available, files, cost.levels_m, options.threads);
+    if (!options.quiet) tell("g-point {} of {}\n", points.point[n] + 1, broadband.model->points());
+    ProgressDisplay display(options.quiet, planned.plan.options().tolerance);
+    const Solution solution = solve(planned.plan, [&display](const SolverProgress& progress) {
+      InterruptGuard::check();
+      display.show(progress);
+    });
+    if (scene.output.error_estimate) errors.add(estimate_of(scene, planned, solution), solution, points.weight[n]);
+    add_weighted(sum, solution, points.weight[n]);
+    if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
+    InterruptGuard::check();
+  }
+  if (const auto error = errors.of(sum, points.residual)) run.solved.errors.push_back(*error);
+  run.solved.solutions.push_back(std::move(sum));
+  return run;
+}
+
+}  // namespace cloudbow
