@@ -156,8 +156,8 @@ void add_intensity(const Block& block, const Sizes& sizes, std::span<const doubl
   intensity += sizes.weight.middleCols(block.first, block.count) * sphere;
 }
 
-/// Extinction and single-scattering albedo of each distribution.
-void add_efficiencies(const Sizes& sizes, const DropletRecipe& recipe, DropletTable& table) {
+/// Extinction, single-scattering albedo and asymmetry of each distribution.
+std::vector<BulkOptics> average_efficiencies(const Sizes& sizes, const DropletRecipe& recipe) {
   const double wave_number = 2 * std::numbers::pi / recipe.wavelength_um;
   const auto count = static_cast<int>(sizes.radius_um.size());
   std::vector<MieEfficiencies> efficiencies(sizes.radius_um.size());
@@ -169,19 +169,22 @@ void add_efficiencies(const Sizes& sizes, const DropletRecipe& recipe, DropletTa
     });
   }
   errors.rethrow();
+  std::vector<BulkOptics> averages;
   for (Eigen::Index d = 0; d < sizes.weight.rows(); ++d) {
-    double mass = 0, scattering = 0, absorption = 0;
+    double mass = 0, scattering = 0, absorption = 0, forward = 0;
     for (int n = 0; n < count; ++n) {
       const double radius = sizes.radius_um[n], weighted = sizes.weight(d, n) * radius * radius;
       mass += weighted * radius;
       scattering += weighted * efficiencies[n].scattering;
       absorption += weighted * efficiencies[n].absorption;
+      forward += weighted * efficiencies[n].scattering * efficiencies[n].asymmetry_parameter;
     }
     const double extinction = scattering + absorption;
     // pi r^2 Q over (4/3) pi r^3 rho: 1/um per g/cm3 is m2/g.
-    table.extinction_m2_per_g.push_back(0.75 / recipe.density_g_cm3 * extinction / mass);
-    table.single_scattering_albedo.push_back(scattering / extinction);
+    averages.push_back(
+        {0.75 / recipe.density_g_cm3 * extinction / mass, scattering / extinction, forward / scattering});
   }
+  return averages;
 }
 
 /// chi_l of values at Gauss-Legendre cosines, with the trailing ones that do not matter left out.
@@ -248,11 +251,22 @@ DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double>
   DropletTable table;
   table.wavelength_um = recipe.wavelength_um;
   table.effective_radius_um.assign(radii.begin(), radii.end());
-  add_efficiencies(choose_sizes(recipe, radii, options.size_step / efficiency_steps), recipe, table);
+  for (const BulkOptics& bulk :
+       average_efficiencies(choose_sizes(recipe, radii, options.size_step / efficiency_steps), recipe)) {
+    table.extinction_m2_per_g.push_back(bulk.extinction_m2_per_g);
+    table.single_scattering_albedo.push_back(bulk.single_scattering_albedo);
+  }
   for (Eigen::Index d = 0; d < intensity.rows(); ++d) {
     table.moments.push_back(legendre_moments(rule, intensity.row(d), degree + 1));
   }
   return table;
+}
+
+std::vector<BulkOptics> mie_bulk_optics(const DropletRecipe& recipe, std::span<const double> radii, double size_step,
+                                        int threads) {
+  check_recipe(recipe, radii);
+  const ThreadScope scope(threads);
+  return average_efficiencies(choose_sizes(recipe, radii, size_step), recipe);
 }
 
 }  // namespace cloudbow

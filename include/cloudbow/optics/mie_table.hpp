@@ -4,7 +4,9 @@
 #include <complex>
 #include <functional>
 #include <span>
+#include <vector>
 
+#include "cloudbow/optics/bulk_optics.hpp"
 #include "cloudbow/optics/droplet_distribution.hpp"
 #include "cloudbow/optics/droplet_table.hpp"
 
@@ -41,5 +43,10 @@ inline constexpr double smallest_size_parameter = 1e-12;
 /// largest_size_parameter or smaller than smallest_size_parameter.
 DropletTable make_mie_table(const DropletRecipe& recipe, std::span<const double> effective_radius_um,
                             const MieTableOptions& options = {});
+
+/// Extinction, albedo and asymmetry alone: no phase functions, and so far less time.
+/// @param size_step as in MieTableOptions, but of all sums. @returns [radius] @throws InputError as make_mie_table().
+std::vector<BulkOptics> mie_bulk_optics(const DropletRecipe& recipe, std::span<const double> effective_radius_um,
+                                        double size_step, int threads = 0);
 
 }  // namespace cloudbow

@@ -10,14 +10,14 @@ enum class Substance { water, ice };
 
 /// Wavelengths [um] at which both substances are known.
 inline constexpr double shortest_index_wavelength = 0.2;
-inline constexpr double longest_index_wavelength = 40;
+inline constexpr double longest_index_wavelength = 1000;
 
 /// n linear and log k linear in the logarithm of the wavelength, between the rows of
 /// - water (25 C): D. J. Segelstein, "The complex refractive index of water", thesis, University of Missouri-Kansas
 /// City,
 ///   1981, thinned in smooth ranges;
 /// - ice (-7 C): S. G. Warren & R. E. Brandt, J. Geophys. Res. 113, D14220, 2008.
-/// @throws InputError for wavelengths outside 0.2 to 40 um.
+/// @throws InputError for wavelengths outside 0.2 to 1000 um.
 std::complex<double> refractive_index(Substance substance, double wavelength_um);
 
 /// Density [g/cm3]: water 1, as tables of cloud properties take it; ice 0.917 (0 C).

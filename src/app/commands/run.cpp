@@ -293,7 +293,8 @@ void check_files(const RunOptions& options, std::size_t solves, const std::files
 }  // namespace
 
 int run(const RunOptions& options) {
-  std::vector<Scene> scenes = read_scenes(options.scene, options.overrides);
+  const std::vector<Scene> read = read_scenes(options.scene, options.overrides);
+  std::vector<Scene> scenes = read;
   const Scene first = scenes.front();
   tell_notes(scenes);
   const std::filesystem::path output = output_file(options, first);
@@ -326,7 +327,6 @@ int run(const RunOptions& options) {
       print_plan(scenes, planned, expected, available);
       return exit_done;
     }
-    if (options.clear_sky) clear_sky = solve_clear_sky(scenes, options, available, files);
     if (first.broadband) {
       BroadbandRun broadband = solve_broadband(scenes, expected, options, available, files);
       scenes.resize(1);
@@ -336,6 +336,7 @@ int run(const RunOptions& options) {
       solved = solve_all(scenes, std::move(expected), options, available, files);
     }
   }
+  if (options.clear_sky) clear_sky = solve_clear_sky(read, options, available, files);
   ResultInfo info{first.title, fmt::format("cloudbow {}", version()), history_line(options.command),
                   scenes.front().text};
   info.error_estimates = solved.errors;

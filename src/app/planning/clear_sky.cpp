@@ -30,11 +30,11 @@ Scene without_cloud(Scene scene) {
 }  // namespace
 
 void check_clear_sky(const Scene& scene) {
-  const char* const found = !scene.cloud                                ? "no [cloud]"
-                            : scene.layers.empty() && !scene.broadband  ? "a cloud alone"
-                            : !scene.albedo_map.empty()                 ? "surface.albedo_map"
-                            : !scene.temperature_map.empty()            ? "surface.temperature_map"
-                                                                        : nullptr;
+  const char* const found = !scene.cloud                               ? "no [cloud]"
+                            : scene.layers.empty() && !scene.broadband ? "a cloud alone"
+                            : !scene.albedo_map.empty()                ? "surface.albedo_map"
+                            : !scene.temperature_map.empty()           ? "surface.temperature_map"
+                                                                       : nullptr;
   if (found == nullptr) return;
   throw InputError(
       fmt::format("{}: --clear-sky: there is no such sky (found {}, allowed a scene with a cloud, with [[layer]] or "

@@ -183,9 +183,10 @@ void SceneReader::read_sun(const ConfigReader& reader) {
   if (scene_.broadband) {
     const GasModel& model = *scene_.broadband->model;
     if (model.light() != GasModel::Light::solar) {
-      throw InputError(fmt::format("{}: sun: stands beside a gas model of longwave light (found {}, allowed a model of "
-                                   "sunlight, or no [sun])",
-                                   root_.place_of("sun"), scene_.broadband->file));
+      throw InputError(
+          fmt::format("{}: sun: stands beside a gas model of longwave light (found {}, allowed a model of "
+                      "sunlight, or no [sun])",
+                      root_.place_of("sun"), scene_.broadband->file));
     }
     if (!irradiance) reader.fail_missing("irradiance_w_m2", "the total solar irradiance in W m-2, such as 1361");
     sun.irradiance_w_m2 = *irradiance * model.solar_share(scene_.gas_point);
@@ -234,8 +235,9 @@ void SceneReader::read_surface(const ConfigReader& reader) {
   surface.tilt.slope_deg = reader.find_number("slope_deg", {"0 to 89", 0, 89}).value_or(0);
   surface.tilt.aspect_deg = reader.find_number("aspect_deg", finite).value_or(0);
   if (type == "lambertian") {
-    check_keys({"albedo", "albedo_map"});
+    check_keys({"albedo", "albedo_map", "spectral_albedo"});
     surface.albedo = reader.find_number("albedo", fraction, at_).value_or(0);
+    if (reader.has("spectral_albedo")) surface.albedo = read_spectral_albedo_key(reader);
     if (reader.has("albedo_map")) read_albedo_map_key(reader);
     if (surface.tilt.slope_deg > 0) surface.brdf = SurfaceBrdf::lambertian(surface.albedo);
   } else if (type == "rpv") {

@@ -7,6 +7,7 @@
 #include "app/scene/scene_reader.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/bulk_table_file.hpp"
+#include "cloudbow/medium/spectral_albedo.hpp"
 #include "cloudbow/medium/spectral_weight.hpp"
 
 namespace cloudbow {
@@ -72,6 +73,23 @@ SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& rea
   }
   defined.droplets = std::make_shared<const DropletTable>(std::move(droplets));
   return defined;
+}
+
+double SceneReader::read_spectral_albedo_key(const ConfigReader& reader) {
+  for (const char* key : {"albedo", "albedo_map"}) {
+    if (reader.has(key))
+      reader.fail("spectral_albedo", fmt::format("stands beside `{}`", key), "both", "one of the two");
+  }
+  if (!scene_.broadband)
+    reader.fail("spectral_albedo", "needs spectrum.gas_model", reader.text("spectral_albedo"),
+                "`albedo`, or a list of them");
+  const auto file = existing_file(reader, "spectral_albedo");
+  double albedo = 0;
+  reader.with_place("spectral_albedo", [&] {
+    albedo = albedo_of_points(*scene_.broadband->model, read_spectral_albedo(file),
+                              file.filename().string())[static_cast<std::size_t>(scene_.gas_point)];
+  });
+  return albedo;
 }
 
 void SceneReader::check_broadband() const {

@@ -42,7 +42,8 @@ class SceneReader {
  public:
   SceneReader(const ConfigTree& tree, const std::filesystem::path& path, const SceneSpectrum& spectrum,
               std::size_t place)
-      : root_(tree.root, ""), at_{spectrum.wavelengths_um.empty() ? 0 : place, spectrum.wavelengths_um.size()},
+      : root_(tree.root, ""),
+        at_{spectrum.wavelengths_um.empty() ? 0 : place, spectrum.wavelengths_um.size()},
         bulk_tables_(spectrum.bulk_tables) {
     if (!spectrum.wavelengths_um.empty()) scene_.wavelength_um = spectrum.wavelengths_um[place];
     scene_.broadband = spectrum.broadband;
@@ -107,6 +108,8 @@ class SceneReader {
   void read_sky(const ConfigReader& reader);
   void read_surface(const ConfigReader& reader);
   void read_albedo_map_key(const ConfigReader& reader);
+  /// The mean over the g-point of an albedo by wavelength.
+  double read_spectral_albedo_key(const ConfigReader& reader);
   void read_atmosphere_table(const ConfigReader& reader);
   void read_thermal(const ConfigReader& reader);
   void read_thermal_of_point(const ConfigReader& reader);

@@ -132,7 +132,8 @@ bool SceneReader::read_quantity(const ConfigReader& reader) const {
       reader.find_choice("quantity", {"radiance", "brightness_temperature"}) == std::string("brightness_temperature");
   if (temperature) check_thermal_key(reader, "quantity");
   if (temperature && scene_.broadband)
-    reader.fail("quantity", "is for one spectral interval", "brightness_temperature", "radiance with spectrum.gas_model");
+    reader.fail("quantity", "is for one spectral interval", "brightness_temperature",
+                "radiance with spectrum.gas_model");
   return temperature;
 }
 

@@ -28,6 +28,9 @@ TEST(RefractiveIndex, WaterKeepsToTheRowsLeftOut) {
   expect_index(Substance::water, 2.9040227, 1.208002, 2e-3, 2.6472207e-1, 0.01);
   expect_index(Substance::water, 6.7452802, 1.304521, 2e-4, 3.3097115e-2, 0.01);
   expect_index(Substance::water, 15.100802, 1.251704, 1e-3, 4.0531264e-1, 0.01);
+  expect_index(Substance::water, 89.949760, 1.874242, 1e-3, 4.6536117e-1, 0.01);
+  expect_index(Substance::water, 159.95580, 1.941655, 1e-3, 4.3330145e-1, 0.01);
+  expect_index(Substance::water, 950.60477, 2.385313, 5e-3, 1.0110908, 0.01);
 }
 
 // Hale & Querry, Appl. Opt. 12, 555 (1973), an independent compilation, at wavelengths of both. The slack is the
@@ -49,6 +52,8 @@ TEST(RefractiveIndex, IceIsAsPublished) {
   expect_index(Substance::ice, 0.55, 1.3110, 1e-12, 2.289e-9, 1e-12);
   expect_index(Substance::ice, 1.65, 1.2879, 1e-12, 2.361e-4, 1e-12);
   expect_index(Substance::ice, 11, 1.0886, 1e-12, 0.248, 1e-12);
+  expect_index(Substance::ice, 48, 1.5874, 1e-12, .8158, 1e-12);
+  expect_index(Substance::ice, 500, 1.7908, 1e-12, .01405, 1e-12);
   const double t = std::log(3.9 / 3.847) / std::log(3.969 / 3.847);
   expect_index(Substance::ice, 3.9, 1.3750 + t * (1.3623 - 1.3750), 1e-12, 8.248e-3 * std::pow(1.112e-2 / 8.248e-3, t),
                1e-12);
@@ -67,7 +72,7 @@ TEST(RefractiveIndex, CoversItsRangeAndNoMore) {
     }
     EXPECT_NO_THROW(refractive_index(substance, longest_index_wavelength));
     EXPECT_THROW(refractive_index(substance, 0.1999), InputError);
-    EXPECT_THROW(refractive_index(substance, 40.1), InputError);
+    EXPECT_THROW(refractive_index(substance, 1001), InputError);
     EXPECT_THROW(refractive_index(substance, std::nan("")), InputError);
   }
 }
