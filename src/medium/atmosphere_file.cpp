@@ -320,14 +320,6 @@ class NetcdfProfiles {
   NetcdfInput input_;
 };
 
-bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed) {
-  std::ifstream stream = open_input(file, allowed);
-  std::array<char, 4> begin{};
-  stream.read(begin.data(), begin.size());
-  const std::string_view text(begin.data(), begin.size());
-  return text.starts_with("CDF") || text == "\x89HDF";
-}
-
 }  // namespace
 
 Atmosphere read_atmosphere(const std::filesystem::path& file) {

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <new>
+#include <string_view>
 
 #include "cloudbow/core/hdf5_file.hpp"
+#include "cloudbow/core/input_file.hpp"
 #include "import_parts.hpp"
 #include "text_tokens.hpp"
 
@@ -43,6 +46,14 @@ double default_fill(nc_type type) {
 }
 
 }  // namespace
+
+bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed) {
+  std::ifstream stream = open_input(file, allowed);
+  std::array<char, 4> begin{};
+  stream.read(begin.data(), begin.size());
+  const std::string_view text(begin.data(), begin.size());
+  return text.starts_with("CDF") || text == "\x89HDF";
+}
 
 struct ValidValues {
   std::vector<double> missing;
