@@ -17,6 +17,7 @@ namespace {
 constexpr double most_numbers = 1e8;  // of one variable
 constexpr std::size_t most_points = 4096, most_length = 100000;
 constexpr const char* way_out = "take an undamaged ecCKD definition file, as in ecRad's data folder";
+constexpr const char* source = "ecRad's data folder has such files";
 
 struct Range {
   double lowest, highest;
@@ -64,8 +65,8 @@ class EcckdReader {
     if (input_.variables().size() > shown) found += ", ...";
     fail(
         "no gas model (found netCDF with {} {}, allowed an ecCKD definition file: the attribute constituent_id, the "
-        "variables gpoint_fraction and either planck_function or solar_irradiance) ecRad's data folder has such files",
-        input_.variables().empty() ? "no" : "the variables", found.empty() ? "variable" : found);
+        "variables gpoint_fraction and either planck_function or solar_irradiance) {}",
+        input_.variables().empty() ? "no" : "the variables", found.empty() ? "variable" : found, source);
   }
 
   Names constituents() const {
@@ -213,6 +214,12 @@ class EcckdReader {
 
 }  // namespace
 
-EcckdTables read_ecckd(const std::filesystem::path& file) { return EcckdReader(file).read(); }
+EcckdTables read_ecckd(const std::filesystem::path& file) {
+  constexpr const char* allowed = "an ecCKD definition file";
+  if (!begins_as_netcdf(file, allowed)) {
+    fail_import(file, "no gas model (found neither netCDF nor HDF5, allowed {}, which is netCDF) {}", allowed, source);
+  }
+  return EcckdReader(file).read();
+}
 
 }  // namespace cloudbow

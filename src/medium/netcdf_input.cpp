@@ -47,6 +47,14 @@ double default_fill(nc_type type) {
 
 }  // namespace
 
+bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed) {
+  std::ifstream stream = open_input(file, allowed);
+  std::array<char, 4> begin{};
+  stream.read(begin.data(), begin.size());
+  const std::string_view text(begin.data(), begin.size());
+  return text.starts_with("CDF") || text == "\x89HDF";
+}
+
 struct ValidValues {
   std::vector<double> missing;
   double lowest = -std::numeric_limits<double>::infinity();

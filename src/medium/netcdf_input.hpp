@@ -18,7 +18,8 @@ struct NetcdfVariable {
   bool is_float32 = false;
 };
 
-/// By its first bytes, classic or netCDF-4 (HDF5). @param allowed as the message of an unreadable file names it.
+/// Whether the first bytes are those of netCDF, classic or netCDF-4; such a file may still be damaged.
+/// @param allowed what the file should be, for messages. @throws InputError if it cannot be read.
 bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed);
 
 /// Which values of a variable, as they are stored, are data.

@@ -17,6 +17,7 @@
 #include "app/commands/cloud_commands.hpp"
 #include "app/commands/command_checks.hpp"
 #include "app/commands/export_command.hpp"
+#include "app/commands/gas_commands.hpp"
 #include "app/commands/mie_command.hpp"
 #include "app/commands/phase_command.hpp"
 #include "app/commands/run.hpp"
@@ -253,6 +254,7 @@ int parse_and_act(int argc, const char* const* argv) {
   add_run(app, action, command_text(argc, argv));
   add_cloud(app, action);
   add_mie(app, action, command_text(argc, argv));
+  add_gas(app, action, command_text(argc, argv));
   add_render(app, action);
   add_export(app, action);
   add_phase(app, action, command_text(argc, argv));

@@ -3,14 +3,15 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <functional>
+#include <memory>
 #include <numbers>
 
+#include "../app/temporary_folder.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/gas_model.hpp"
 #include "cloudbow/optics/planck.hpp"
-#include "netcdf_builder.hpp"
+#include "ecckd_example.hpp"
 
 namespace cloudbow {
 namespace {
@@ -19,103 +20,16 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Tables of 3 pressures (1e3, 1e4, 1e5 Pa), 3 temperatures (20 K apart) and 2 g-points. Their entries are linear in
-// ln p and T, so interpolation gives them exactly.
-constexpr std::size_t pressures = 3, temperatures = 3, points = 2, fractions = 3;
-constexpr double lowest_pressure = 1e3, kelvin_step = 20;
-constexpr std::array<double, fractions> h2o_fraction{1e-4, 1e-3, 1e-2};
-constexpr double ch4_reference = 2e-6;
+using namespace ecckd_example;
+
 constexpr double gravity = 9.80665, air_molar_mass = 28.970e-3;
 
-double first_kelvin(double log10_pressure) { return 200 + 10 * log10_pressure; }
-
-/// Molar absorption, m2 mol-1, of g-point g.
-double coefficient(double scale, double log10_pressure, double kelvin, double g) {
-  return scale * (1 + g) * (1 + 0.3 * log10_pressure + 0.01 * (kelvin - 200));
+std::unique_ptr<GasModel> model_of(const Recipe& recipe = {}) {
+  const TemporaryFolder folder;
+  return read_gas_model(make_file(folder / "model.nc", recipe));
 }
 
 double air_of(double p1, double p2) { return std::abs(p2 - p1) / (gravity * air_molar_mass); }
-
-struct Change {
-  std::string leave_out = {};  ///< a variable
-  std::string constituents = "composite h2o o3 ch4";
-  std::vector<double> pressure = {1e3, 1e4, 1e5};
-  double ch4_code = 3;
-  std::array<double, 4> fraction = {0.25, 0.75, 0.5, 0.5};  ///< [points][intervals]
-  double least_absorption = 0;                              ///< replaces the first entry of o3
-  bool is_solar = false;
-};
-
-/// The g-points are 1/4 : 3/4 and 1/2 : 1/2 of intervals 100 and 200 cm-1 wide, so their widths W follow from
-/// W1/4 + W2/2 = 100, 3 W1/4 + W2/2 = 200.
-constexpr double width_1 = 200, width_2 = 100;
-
-std::filesystem::path make_file(const std::string& name, const Change& change = {}) {
-  NetcdfBuilder file(std::filesystem::path(::testing::TempDir()) / name);
-  file.dimension("temperature", temperatures);
-  file.dimension("pressure", change.pressure.size());
-  file.dimension("g_point", points);
-  file.dimension("h2o_mole_fraction", fractions);
-  file.dimension("wavenumber", 2);
-  file.dimension("temperature_planck", 3);
-  const auto variable = [&](const std::string& of, const std::vector<std::string>& dimensions,
-                            const std::vector<double>& values) {
-    if (of != change.leave_out) file.variable(of, dimensions, "", values, NC_DOUBLE);
-  };
-  if (!change.constituents.empty()) file.text("", "constituent_id", change.constituents);
-
-  variable("pressure", {"pressure"}, change.pressure);
-  std::vector<double> kelvin;
-  for (std::size_t t = 0; t < temperatures; ++t) {
-    for (std::size_t p = 0; p < change.pressure.size(); ++p)
-      kelvin.push_back(first_kelvin(static_cast<double>(p)) + kelvin_step * static_cast<double>(t));
-  }
-  variable("temperature", {"temperature", "pressure"}, kelvin);
-
-  const auto table = [&](double scale) {
-    std::vector<double> values;
-    for (std::size_t t = 0; t < temperatures; ++t) {
-      for (std::size_t p = 0; p < change.pressure.size(); ++p) {
-        for (std::size_t g = 0; g < points; ++g) {
-          values.push_back(coefficient(scale, static_cast<double>(p), kelvin[t * change.pressure.size() + p],
-                                       static_cast<double>(g)));
-        }
-      }
-    }
-    return values;
-  };
-  const std::vector<std::string> of_table{"temperature", "pressure", "g_point"};
-  variable("composite_conc_dependence_code", {}, {0});
-  variable("composite_molar_absorption_coeff", of_table, table(1e-6));
-  variable("o3_conc_dependence_code", {}, {1});
-  std::vector<double> o3 = table(10);
-  o3[0] += change.least_absorption;
-  variable("o3_molar_absorption_coeff", of_table, o3);
-  variable("ch4_conc_dependence_code", {}, {change.ch4_code});
-  variable("ch4_reference_mole_fraction", {}, {ch4_reference});
-  variable("ch4_molar_absorption_coeff", of_table, table(5));
-  variable("h2o_conc_dependence_code", {}, {2});
-  variable("h2o_mole_fraction", {"h2o_mole_fraction"}, {h2o_fraction.begin(), h2o_fraction.end()});
-  std::vector<double> h2o;
-  for (std::size_t n = 0; n < fractions; ++n) {
-    const std::vector<double> of_fraction = table(1 + static_cast<double>(n));  // linear in log x
-    h2o.insert(h2o.end(), of_fraction.begin(), of_fraction.end());
-  }
-  variable("h2o_molar_absorption_coeff", {"h2o_mole_fraction", "temperature", "pressure", "g_point"}, h2o);
-
-  variable("wavenumber1", {"wavenumber"}, {600, 700});
-  variable("wavenumber2", {"wavenumber"}, {700, 900});
-  variable("gpoint_fraction", {"g_point", "wavenumber"}, {change.fraction.begin(), change.fraction.end()});
-  if (change.is_solar) {
-    variable("solar_irradiance", {"g_point"}, {30, 10});
-    variable("solar_spectral_irradiance", {"wavenumber"}, {15, 25});
-    variable("rayleigh_molar_scattering_coeff", {"g_point"}, {1e-6, 2e-6});
-  } else {
-    variable("temperature_planck", {"temperature_planck"}, {200, 250, 300});
-    variable("planck_function", {"temperature_planck", "g_point"}, {1, 2, 3, 5, 7, 9});
-  }
-  return file.close();
-}
 
 /// One layer at 1e4 Pa of air at 230 K with these mole fractions of h2o, o3, ch4.
 GasModel::LayerOptics one_layer(const GasModel& model, std::array<double, 3> x, double kelvin = 230,
@@ -134,19 +48,18 @@ std::string error_of(const std::function<void()>& call) {
   return "no error";
 }
 
-std::string error_of(const Change& change) {
-  const auto file = make_file("wrong.nc", change);
-  return error_of([&] { read_gas_model(file); });
+std::string error_of(const Recipe& recipe) {
+  return error_of([&] { model_of(recipe); });
 }
 
 TEST(GasModel, NamesWhatItNeeds) {
-  const auto longwave = read_gas_model(make_file("longwave.nc"));
+  const auto longwave = model_of();
   EXPECT_EQ(longwave->light(), GasModel::Light::longwave);
   EXPECT_EQ(longwave->points(), 2);
   EXPECT_THAT(longwave->gases(), ElementsAre("h2o", "o3", "ch4"));
   EXPECT_TRUE(longwave->spectrum().solar.empty());
   EXPECT_EQ(longwave->solar_share(0), 0);
-  const auto solar = read_gas_model(make_file("solar.nc", {.is_solar = true}));
+  const auto solar = model_of({.is_solar = true});
   EXPECT_EQ(solar->light(), GasModel::Light::solar);
   EXPECT_THAT(solar->spectrum().solar, ElementsAre(15, 25));
   EXPECT_EQ(solar->planck(0, 300), 0);
@@ -154,7 +67,7 @@ TEST(GasModel, NamesWhatItNeeds) {
 
 // Truth: the closed forms of the tables, which are linear in ln p, T and ln x; rounding only.
 TEST(GasModel, DependsOnEachGasAsItsCodeSays) {
-  const auto model = read_gas_model(make_file("codes.nc"));
+  const auto model = model_of();
   constexpr double pressure = 2e4, kelvin = 237;
   const double air = air_of(0.5 * pressure, 1.5 * pressure), level = std::log10(pressure / lowest_pressure);
   for (const double h2o : {2e-4, 5e-3}) {
@@ -170,7 +83,7 @@ TEST(GasModel, DependsOnEachGasAsItsCodeSays) {
 }
 
 TEST(GasModel, KeepsToTheEndsOfItsTables) {
-  const auto model = read_gas_model(make_file("ends.nc"));
+  const auto model = model_of();
   const auto depth = [&](double h2o, double kelvin, double pressure) {
     return one_layer(*model, {h2o, 0, ch4_reference}, kelvin, pressure).absorption[0][0] /
            air_of(0.5 * pressure, 1.5 * pressure);
@@ -190,12 +103,12 @@ TEST(GasModel, KeepsToTheEndsOfItsTables) {
 }
 
 TEST(GasModel, IsNeverNegative) {
-  const auto model = read_gas_model(make_file("negative.nc"));
+  const auto model = model_of();
   EXPECT_EQ(one_layer(*model, {0, 0, 0}).absorption[0][0], 0);  // ch4 below its reference
 }
 
 TEST(GasModel, TakesLayersFromEitherEnd) {
-  const auto model = read_gas_model(make_file("order.nc", {.is_solar = true}));
+  const auto model = model_of({.is_solar = true});
   const std::vector<std::vector<double>> rising{{1e-3, 2e-3}, {1e-6, 2e-6}, {0, 0}},
       falling{{2e-3, 1e-3}, {2e-6, 1e-6}, {0, 0}};
   const auto up = model->optics(std::array{9e4, 5e4, 1e4}, std::array{250., 220.}, rising);
@@ -208,17 +121,17 @@ TEST(GasModel, TakesLayersFromEitherEnd) {
 }
 
 TEST(GasModel, ScattersSunlight) {
-  const auto model = read_gas_model(make_file("rayleigh.nc", {.is_solar = true}));
+  const auto model = model_of({.is_solar = true});
   const auto optics = one_layer(*model, {0, 0, 0});
   EXPECT_DOUBLE_EQ(optics.rayleigh[0][0], 1e-6 * air_of(5e3, 15e3));
   EXPECT_DOUBLE_EQ(optics.rayleigh[1][0], 2e-6 * air_of(5e3, 15e3));
-  EXPECT_TRUE(one_layer(*read_gas_model(make_file("none.nc")), {0, 0, 0}).rayleigh.empty());
+  EXPECT_TRUE(one_layer(*model_of(), {0, 0, 0}).rayleigh.empty());
   EXPECT_DOUBLE_EQ(model->solar_share(0), 0.75);
   EXPECT_DOUBLE_EQ(model->solar_share(1), 0.25);
 }
 
 TEST(GasModel, EmitsByItsTable) {
-  const auto model = read_gas_model(make_file("planck.nc"));
+  const auto model = model_of();
   EXPECT_NEAR(model->planck(0, 200) * std::numbers::pi, 1, 1e-12);
   EXPECT_NEAR(model->planck(0, 225) * std::numbers::pi, 2, 1e-12);
   EXPECT_NEAR(model->planck(1, 290) * std::numbers::pi, 8.2, 1e-12);
@@ -226,7 +139,7 @@ TEST(GasModel, EmitsByItsTable) {
 
 // Truth: Planck's law over the intervals, by the g-point's shares of them; it joins the table's ends.
 TEST(GasModel, EmitsBeyondItsTableByPlancksLaw) {
-  const auto model = read_gas_model(make_file("beyond.nc"));
+  const auto model = model_of();
   const PlanckFunction first = PlanckFunction::over({1e4 / 700, 1e4 / 600}),
                        second = PlanckFunction::over({1e4 / 900, 1e4 / 700});
   const auto law = [&](double kelvin) {
@@ -240,7 +153,7 @@ TEST(GasModel, EmitsBeyondItsTableByPlancksLaw) {
 }
 
 TEST(GasModel, SharesIntervals) {
-  const auto model = read_gas_model(make_file("shares.nc"));
+  const auto model = model_of();
   EXPECT_NEAR(model->share_of_interval(0, 0), 0.25 * width_1 / 100, 1e-12);
   EXPECT_NEAR(model->share_of_interval(0, 1), 0.75 * width_1 / 200, 1e-12);
   EXPECT_NEAR(model->share_of_interval(1, 0), 0.5 * width_2 / 100, 1e-12);
@@ -250,8 +163,7 @@ TEST(GasModel, SharesIntervals) {
 }
 
 TEST(GasModel, HasASunForFilesWithoutSpectrum) {
-  const auto model =
-      read_gas_model(make_file("black.nc", {.leave_out = "solar_spectral_irradiance", .is_solar = true}));
+  const auto model = model_of({.leave_out = "solar_spectral_irradiance", .is_solar = true});
   EXPECT_NEAR(model->spectrum().solar[0], PlanckFunction::over({1e4 / 700, 1e4 / 600})(5777), 1e-12);
 }
 
@@ -267,7 +179,7 @@ Atmosphere small_air() {
 }
 
 TEST(GasOptics, OfLayersBetweenHeights) {
-  const auto model = read_gas_model(make_file("layers.nc"));
+  const auto model = model_of();
   const Atmosphere air = small_air();
   const std::array<double, 3> edges{0, 4000, 7000};
   const auto optics = gas_optics(*model, air, edges);
@@ -283,7 +195,7 @@ TEST(GasOptics, OfLayersBetweenHeights) {
 }
 
 TEST(GasOptics, GoesOnBeyondTheProfile) {
-  const auto model = read_gas_model(make_file("far.nc"));
+  const auto model = model_of();
   const Atmosphere air = small_air();
   const std::array<double, 2> edges{12000, 15000};
   const double p1 = air.pressure_at(12000), p2 = air.pressure_at(15000);
@@ -293,7 +205,7 @@ TEST(GasOptics, GoesOnBeyondTheProfile) {
 }
 
 TEST(GasOptics, NamesAllGasesThatTheAirLacks) {
-  const auto model = read_gas_model(make_file("lacking.nc"));
+  const auto model = model_of();
   Atmosphere air = small_air();
   air.mole_fraction.erase("o3");
   air.mole_fraction.erase("ch4");
@@ -306,7 +218,8 @@ TEST(GasOptics, NamesAllGasesThatTheAirLacks) {
 // -- Wrong files ------------------------------------------------------------------------------------------------------
 
 TEST(GasModelFile, OfAnotherKind) {
-  const auto path = std::filesystem::path(::testing::TempDir()) / "other.nc";
+  const TemporaryFolder folder;
+  const auto path = folder / "other.nc";
   NetcdfBuilder other(path);
   other.dimension("x", 1);
   other.variable("rain", {"x"}, "mm", {1});
@@ -314,10 +227,12 @@ TEST(GasModelFile, OfAnotherKind) {
   EXPECT_THAT(error_of([&] { read_gas_model(path); }),
               AllOf(HasSubstr("other.nc: no gas model (found netCDF with the variables rain, allowed an ecCKD"),
                     HasSubstr("ecRad's data folder")));
-  const auto text = std::filesystem::path(::testing::TempDir()) / "text.nc";
-  std::ofstream(text) << "no model\n";
-  EXPECT_THAT(error_of([&] { read_gas_model(text); }), HasSubstr("text.nc: not netCDF"));
-  EXPECT_THAT(error_of([&] { read_gas_model("missing.nc"); }), HasSubstr("missing.nc"));
+  const auto text = folder.write("text.nc", "no model\n");
+  EXPECT_THAT(
+      error_of([&] { read_gas_model(text); }),
+      AllOf(HasSubstr("text.nc: no gas model (found neither netCDF nor HDF5"), HasSubstr("ecRad's data folder")));
+  EXPECT_THAT(error_of([&] { read_gas_model("missing.nc"); }),
+              HasSubstr("missing.nc: can't be read (found no such file"));
 }
 
 TEST(GasModelFile, WithWrongContent) {
