@@ -68,14 +68,6 @@ struct ValidValues {
   }
 };
 
-bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed) {
-  std::ifstream stream = open_input(file, allowed);
-  std::array<char, 4> begin{};
-  stream.read(begin.data(), begin.size());
-  const std::string_view text(begin.data(), begin.size());
-  return text.starts_with("CDF") || text == "\x89HDF";
-}
-
 NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
   hdf5::check_file(path);
   check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");

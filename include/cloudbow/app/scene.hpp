@@ -41,6 +41,9 @@ struct SceneCloud {
   std::string temperature_grid;               ///< [K]; empty: the voxels have the temperature of the air
   int phase_function = 0;  ///< index into Scene::phase_functions; unused if droplets or phase_set are used
   std::optional<double> extinction_m2_per_g;  ///< by a mie table at the one effective radius
+  /// By bulk optics at a g-point: extinction over that at visible_um. An extinction grid is taken to be visible.
+  std::optional<double> relative_extinction;
+  static constexpr double visible_um = .55;
   /// A mie table whose effective radius varies from voxel to voxel (effective_radius_grid).
   std::shared_ptr<const DropletTable> droplets;
   std::shared_ptr<const ScenePhaseSet> phase_set;  ///< in place of phase_function and droplets

@@ -275,6 +275,12 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   }
   LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
   levels.layer_cells = scene.domain.vertical_cells;
+  if (scene.broadband) {
+    // The layers of air are thin, and their levels the same at all g-points, whatever the optics.
+    constexpr double any_depth = 1e30;
+    levels.edge_optical_depth = levels.max_optical_depth = any_depth;
+    levels.min_levels = 1;
+  }
   levels.edges_m = scene.output.heights_m;
   const std::array<double, 2> z_m{domain.min_m[2], domain.max_m[2]};
   const std::vector<double> of_emission = emission_levels(scene, cloud, z_m);

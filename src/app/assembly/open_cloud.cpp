@@ -166,7 +166,16 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   } else if (cloud.effective_radius_um) {
     opened.figures.effective_radius_um = {*cloud.effective_radius_um, *cloud.effective_radius_um};
   }
-  if (cloud.droplets != nullptr) {
+  if (scene.broadband && !is_water && cloud.droplets != nullptr) {
+    throw InputError(fmt::format("{}: extinction has no spectrum of its own (found an extinction grid with radii by voxel, "
+                                 "allowed liquid_water_content, or one effective_radius_um)",
+                                 scene.where("cloud.quantity")));
+  }
+  if (!is_water && cloud.relative_extinction) {
+    files.note(fmt::format("{}: the extinction is taken to be that at {} um", scene.where("cloud.file"),
+                           SceneCloud::visible_um));
+    opened.optics.extinction_per_value = *cloud.relative_extinction;
+  } else if (cloud.droplets != nullptr) {
     take_droplets(*cloud.droplets, radius, is_water, class_error, opened);
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,6 +17,12 @@ namespace cloudbow {
 namespace {
 
 constexpr NumberRange asymmetry{"-1 < g < 1", -1, 1, false, false};
+
+double visible_extinction(const BulkTable& table, double effective_radius_um) {
+  const double wavenumber = 1e4 / SceneCloud::visible_um;
+  const std::array<double, 2> about{wavenumber - 1, wavenumber + 1}, weight{1, 1};
+  return at_radius(table, average_over(table, about, weight), effective_radius_um).extinction_m2_per_g;
+}
 
 }  // namespace
 
@@ -180,6 +187,7 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
     if (defined.bulk) {
       const BulkOptics optics = at_radius(*defined.bulk->table, defined.bulk->by_radius, *radius);
       cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
+      cloud.relative_extinction = optics.extinction_m2_per_g / visible_extinction(*defined.bulk->table, *radius);
       cloud.effective_radius_um = radius;
       if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
       cloud.phase_function = add_phase_function(name, PhaseFunction::henyey_greenstein(optics.asymmetry), false);

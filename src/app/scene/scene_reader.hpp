@@ -111,6 +111,8 @@ class SceneReader {
   /// The mean over the g-point of an albedo by wavelength.
   double read_spectral_albedo_key(const ConfigReader& reader);
   void read_atmosphere_table(const ConfigReader& reader);
+  /// Mole fractions: one for all heights, or one for each height of the table.
+  void read_gases(const ConfigReader& reader, Atmosphere& air) const;
   void read_thermal(const ConfigReader& reader);
   void read_thermal_of_point(const ConfigReader& reader);
   /// The temperature of the ground, or its map.

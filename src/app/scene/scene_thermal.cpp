@@ -41,8 +41,8 @@ Atmosphere inline_atmosphere(const ConfigReader& reader, bool standard) {
 }  // namespace
 
 void SceneReader::read_atmosphere_table(const ConfigReader& reader) {
-  reader.check_keys({"file", "standard", "height_m", "pressure_pa", "temperature_k"},
-                    {"h2o", "o3", "co2", "ch4", "n2o", "co2_ppm"});
+  reader.check_keys({"file", "standard", "height_m", "pressure_pa", "temperature_k", "h2o", "o3", "co2", "ch4", "n2o",
+                     "cfc11", "cfc12", "co2_ppm"});
   const bool standard = reader.find_choice("standard", {us_1976}).has_value();
   const bool is_inline = reader.has("height_m") || reader.has("pressure_pa") || reader.has("temperature_k");
   if (reader.has("file")) {
@@ -60,6 +60,28 @@ void SceneReader::read_atmosphere_table(const ConfigReader& reader) {
         "standard",
         fmt::format("one of file, standard = \"{}\", or height_m with pressure_pa and temperature_k", us_1976));
   }
+  read_gases(reader, scene_.atmosphere->air);
+}
+
+void SceneReader::read_gases(const ConfigReader& reader, Atmosphere& air) const {
+  constexpr NumberRange mole_fraction{"a mole fraction, 0 to 1", 0, 1};
+  for (const char* gas : {"h2o", "o3", "co2", "ch4", "n2o", "cfc11", "cfc12"}) {
+    const ConfigNode* const given = reader.find(gas);
+    if (given == nullptr) continue;
+    std::vector<double>& profile = air.mole_fraction[gas];
+    if (given->kind != ConfigNode::Kind::array) {
+      profile.assign(air.height_m.size(), reader.number(gas, mole_fraction));
+      continue;
+    }
+    profile = *reader.find_numbers(gas, mole_fraction);
+    if (profile.size() != air.height_m.size() || !reader.has("height_m")) {
+      reader.fail(gas, "not one number for each of height_m", fmt::format("{} numbers", profile.size()),
+                  "a list as long as height_m of the table, or one number for all heights");
+    }
+  }
+  if (!reader.has("co2_ppm")) return;
+  if (reader.has("co2")) reader.fail("co2_ppm", "stands beside `co2`", "both", "one of the two");
+  air.mole_fraction["co2"].assign(air.height_m.size(), 1e-6 * reader.number("co2_ppm", {"0 to 1e5", 0, 1e5}));
 }
 
 void SceneReader::read_thermal(const ConfigReader& reader) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -33,6 +34,21 @@ constexpr int last_sweep_to_find_slopes_again = 40;
 // Float16 does not resolve changes smaller than its steps: the last of the slow modes of thick clouds stay (Landsat:
 // 3e-5). Different rounding in each sweep removes them, but its noise prevents convergence (7e-4).
 constexpr double float16_energy_tolerance = 1e-4;
+
+// Opaque matter emits and absorbs far more than leaves it. The net power is a small difference, and rounding of the two
+// remains in the ledger. Measured in gas of optical depths to 1e5 in float: .1 to .5 units in the last place of the
+// sum.
+template <class Real>
+double rounding_of_emission(const TransportSystem<Real>& system) {
+  if (!system.thermal || system.power <= 0) return 0;
+  double emitted = 0;
+  for (int k = 0; k < system.box.nz(); ++k) {
+    for (std::uint32_t c = system.cells->rows.level_cell[k]; c < system.cells->rows.level_cell[k + 1]; ++c)
+      emitted += system.absorption[c] * system.planck[c] * system.box.thickness_m(k) * system.cells->rows.places_of(c);
+  }
+  const double per_power = 4 * std::numbers::pi * emitted / static_cast<double>(system.box.columns()) / system.power;
+  return static_cast<double>(std::numeric_limits<Real>::epsilon()) * per_power;
+}
 
 // Steps of the scalar flux below these may be due to rounding alone. Measured in thick clouds: up to 3e-6 in float.
 template <class Real>
@@ -165,7 +181,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   std::vector<Real> g(low_moments * n);
   const double energy_tolerance = result.radiance.packed()
                                       ? std::max(options.energy_tolerance, float16_energy_tolerance)
-                                      : options.energy_tolerance;
+                                      : std::max(options.energy_tolerance, rounding_of_emission(system));
   const std::size_t mixed = 4 * n;  // the moments l <= 1
   const double rounding = rounding_of(result.radiance);
   {
