@@ -188,7 +188,7 @@ std::vector<double> albedo_of_points(const GasModel& model, const SpectralAlbedo
   if (albedo.albedo.size() > 1 && beyond > largest_power_beyond_albedo * power) {
     const auto range = wavelengths_of(model);
     throw InputError(
-        fmt::format("{}: too short for {:.3g} to {:.3g} um (found {:.6g} to {:.6g}, {:.0f} % of the power beyond, "
+        fmt::format("{}: lacks {:.3g} to {:.3g} um (found {:.6g} to {:.6g}, {:.0f} % beyond, "
                     "allowed {:.0f}) repeat the last albedo",
                     name, range[0], range[1], albedo.wavelength_um.front(), albedo.wavelength_um.back(),
                     100 * beyond / power, 100 * largest_power_beyond_albedo));

@@ -54,8 +54,7 @@ TEST(SpectralAlbedo, KeepsItsLastValueForASmallPartOfThePower) {
       [] {
         albedo_of_points(two_intervals(), {{.4, .8}, {.1, .2}}, "soil.txt");
       },
-      ThrowsMessage<InputError>(HasSubstr("soil.txt: too short for 0.5 to 2 um (found 0.4 to 0.8, 50 % of the power "
-                                          "beyond, allowed 10)")));
+      ThrowsMessage<InputError>(HasSubstr("soil.txt: lacks 0.5 to 2 um (found 0.4 to 0.8, 50 % beyond, allowed 10)")));
 }
 
 TEST(SpectralAlbedo, ChecksPairs) {
