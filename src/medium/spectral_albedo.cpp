@@ -187,11 +187,11 @@ std::vector<double> albedo_of_points(const GasModel& model, const SpectralAlbedo
   // A single pair is an albedo of all wavelengths.
   if (albedo.albedo.size() > 1 && beyond > largest_power_beyond_albedo * power) {
     const auto range = wavelengths_of(model);
-    throw InputError(fmt::format(
-        "{}: too few wavelengths (found {:.6g} to {:.6g} um, beyond which {:.0f} % of the power from {:.3g} to {:.3g} "
-        "um lies, allowed {:.0f} %) add pairs, even if by repeating the last albedo",
-        name, albedo.wavelength_um.front(), albedo.wavelength_um.back(), 100 * beyond / power, range[0], range[1],
-        100 * largest_power_beyond_albedo));
+    throw InputError(
+        fmt::format("{}: lacks {:.3g} to {:.3g} um (found {:.6g} to {:.6g}, {:.0f} % beyond, "
+                    "allowed {:.0f}) repeat the last albedo",
+                    name, range[0], range[1], albedo.wavelength_um.front(), albedo.wavelength_um.back(),
+                    100 * beyond / power, 100 * largest_power_beyond_albedo));
   }
   return result;
 }

@@ -95,10 +95,10 @@ std::vector<BulkOptics> average_over(const BulkTable& table, std::span<const dou
   if (nodes.below + nodes.above > largest_extended_share) {
     const auto [first, last] = std::minmax_element(wavenumber_cm1.begin(), wavenumber_cm1.end());
     throw InputError(
-        fmt::format("{}: too few wavenumbers for the spectrum (found {:.6g} to {:.6g} cm-1, beyond which {:.0f} % of a "
-                    "weight from {:.6g} to {:.6g} cm-1 lies, allowed {:.0f} %) take a table that has them",
-                    name_of(table), table.wavenumber_cm1.front(), table.wavenumber_cm1.back(),
-                    100 * (nodes.below + nodes.above), *first, *last, 100 * largest_extended_share));
+        fmt::format("{}: too short for {:.6g} to {:.6g} cm-1 (found {:.6g} to {:.6g}, {:.0f} % beyond, allowed {:.0f}) "
+                    "take another table",
+                    name_of(table), *first, *last, table.wavenumber_cm1.front(), table.wavenumber_cm1.back(),
+                    100 * (nodes.below + nodes.above), 100 * largest_extended_share));
   }
   std::vector<Sums> sums(table.effective_radius_um.size());
   for (std::size_t n = 0; n < nodes.share.size(); ++n) {

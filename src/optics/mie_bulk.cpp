@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -17,7 +18,14 @@ namespace {
 constexpr double cm1_um = 1e4;  // wavenumber [cm-1] times wavelength [um]
 
 /// Step of size parameters. Narrow resonances that it misses average out over wavelengths: docs/formats.md.
-constexpr double size_step = 0.2;
+constexpr double size_step = 1;
+
+/// Density of wavelengths from one on, up to the next.
+struct Spacing {
+  double from_um;
+  int per_decade;
+};
+constexpr std::array<Spacing, 3> spacings{{{shortest_index_wavelength, 24}, {.7, 200}, {5, 60}}};
 
 constexpr Eigen::Index quantities = 3;  // columns of a cached table per radius
 
@@ -77,17 +85,23 @@ bool take_columns(const FittedColumns& columns, BulkTable& table) {
 
 }  // namespace
 
-std::vector<double> mie_wavelengths(double shortest_um, double longest_um, int per_decade) {
+std::vector<double> mie_wavelengths(double shortest_um, double longest_um) {
   const double first = std::max(shortest_um, shortest_index_wavelength);
   const double last = std::min(longest_um, longest_index_wavelength);
-  if (!(last > first) || per_decade < 1) {
+  if (!(last > first)) {
     throw InputError(
         fmt::format("Mie table: no wavelengths (found {:.6g} to {:.6g} um, allowed a range in {} to {} um)",
                     shortest_um, longest_um, shortest_index_wavelength, longest_index_wavelength));
   }
-  const int steps = std::max(1, static_cast<int>(std::ceil(per_decade * std::log10(last / first) - 1e-9)));
   std::vector<double> wavelengths;
-  for (int n = 0; n < steps; ++n) wavelengths.push_back(first * std::pow(last / first, static_cast<double>(n) / steps));
+  for (std::size_t n = 0; n < spacings.size(); ++n) {
+    const double begin = std::max(first, spacings[n].from_um);
+    const double end = n + 1 < spacings.size() ? std::min(last, spacings[n + 1].from_um) : last;
+    if (!(end > begin)) continue;
+    // Rounding must not add a step to a whole number of them.
+    const double steps = std::ceil(spacings[n].per_decade * std::log10(end / begin) - 1e-9);
+    for (double step = 0; step < steps; ++step) wavelengths.push_back(begin * std::pow(end / begin, step / steps));
+  }
   wavelengths.push_back(last);
   return wavelengths;
 }

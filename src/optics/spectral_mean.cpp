@@ -66,7 +66,7 @@ NodeShares node_shares(std::span<const double> node, std::span<const double> wav
         result.share.back() += integral;
         result.above += integral;
       } else {
-        // The hat of the right node has the values (left - a)/(b - a) and (stop - a)/(b - a) at the ends.
+        // The function of the right node is (x - a)/(b - a).
         const double a = node[right - 1], b = node[right];
         const double of_right = piece.left_share * ((left - a) / (b - a)) + piece.right_share * ((stop - a) / (b - a));
         result.share[right] += of_right;

@@ -11,9 +11,9 @@ namespace cloudbow {
 /// Temperature [K] of the Planck spectrum that weights longwave optics.
 inline constexpr double weight_temperature_k = 288;
 
-/// Weight of a g-point by wavenumber: its share of each interval of the model, times the solar spectrum of the model or
-/// the Planck radiance at weight_temperature_k, per wavenumber. Constant in an interval. Intervals of which the g-point
-/// has nothing are left out. The integral is the power of the g-point, in W m-2 sr-1 or the unit of the solar spectrum.
+/// Weight of a g-point by wavenumber, constant in each interval of the model: the share of the interval times spectrum.
+/// That is the solar spectrum of the model, or the Planck radiance at weight_temperature_k, per wavenumber. Intervals
+/// without a share are left out. The integral is the power, in W m-2 sr-1 or the unit of the solar spectrum.
 /// @throws InputError if the point has no share of any interval.
 SpectralWeight weight_of_point(const GasModel& model, int point);
 

@@ -25,12 +25,12 @@ struct BulkTable {
 
 /// Asymmetry parameters are rounded to this, so that g-points share phase functions.
 inline constexpr double asymmetry_step = .002;
-/// Part of a weight that may lie beyond the wavenumbers of a table, on either side together. There the table goes on
-/// with its end values. The far infrared below 101 cm-1, where tables of ice begin, is up to 9 % of a longwave g-point.
+/// Part of a weight that may lie beyond the wavenumbers of a table, on both sides together. The table goes on there
+/// with its end values. Tables of ice begin at 101 cm-1; below lies up to 9 % of a longwave g-point.
 inline constexpr double largest_extended_share = .1;
 
-/// @throws InputError "NAME: ...": fewer than one wavenumber or radius, those that do not ascend, radii out of the
-/// range of DropletTable, arrays of other lengths, extinction <= 0, albedo outside 0 to 1, asymmetry outside -1 to 1.
+/// @throws InputError "NAME: ...": no wavenumber or radius, or some that do not ascend; radii outside the range of
+/// DropletTable; arrays of other lengths; extinction <= 0; albedo outside 0 to 1; asymmetry outside -1 to 1.
 void check_bulk_table(const BulkTable& table);
 
 /// The table averaged over a spectral weight: k = <k>, ssa = <k ssa>/<k>, g = <k ssa g>/<k ssa>, the asymmetry rounded
@@ -41,8 +41,8 @@ void check_bulk_table(const BulkTable& table);
 std::vector<BulkOptics> average_over(const BulkTable& table, std::span<const double> wavenumber_cm1,
                                      std::span<const double> weight);
 
-/// At a radius: the mixture of two neighbouring rows that has it. Masses add up, so that 1/r_e is linear in the share
-/// of mass, as are k, k ssa and k ssa g. The asymmetry is rounded again.
+/// At a radius: the mixture of two neighbouring rows that has it. Masses add up, and 1/r_e is linear in the share of
+/// mass. So are k, k ssa and k ssa g. The asymmetry is rounded again.
 /// @throws InputError beyond the table's radii, with the range.
 BulkOptics at_radius(const BulkTable& table, std::span<const BulkOptics> averaged, double effective_radius_um);
 

@@ -23,13 +23,11 @@ struct MieBulkOptions {
   std::filesystem::path cache_directory{};  ///< empty: no cache
 };
 
-/// Wavelengths per decade that averages over g-points need. The error is measured in docs/formats.md, "Tables of bulk
-/// optics".
-inline constexpr int mie_wavelengths_per_decade = 60;
-
-/// Wavelengths [um] in equal ratios, at least so many per decade, both ends among them. The range is narrowed to that
-/// of refractive_index(). @throws InputError if nothing of it is left, or the ends do not ascend.
-std::vector<double> mie_wavelengths(double shortest_um, double longest_um, int per_decade = mie_wavelengths_per_decade);
+/// Wavelengths [um], as many as averages over g-points need, both ends among them. Their ratios are equal: 24 per
+/// decade below .7 um, 200 from there to 5 um, 60 beyond. Absorption bands of water and ice are narrow in the middle
+/// range. All are within the range of refractive_index(). The error is in docs/formats.md, "Tables of bulk optics".
+/// @throws InputError if nothing is left of the range, or its ends do not ascend.
+std::vector<double> mie_wavelengths(double shortest_um, double longest_um);
 
 /// Extinction, albedo and asymmetry of the distributions: no phase functions.
 /// @param wavelength_um ascending. @param effective_radius_um ascending.
