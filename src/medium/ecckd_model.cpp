@@ -49,7 +49,7 @@ std::vector<double> shares_of_intervals(const EcckdTables& tables) {
   Eigen::VectorXd width(static_cast<Eigen::Index>(intervals));
   for (std::size_t i = 0; i < intervals; ++i)
     width[static_cast<Eigen::Index>(i)] = tables.spectrum.upper[i] - tables.spectrum.lower[i];
-  // Equations of g-points that cannot be told apart are degenerate: the decomposition gives the shortest solution.
+  // G-points with equal fractions make this degenerate; the decomposition then gives the shortest solution.
   const Eigen::VectorXd of_points =
       (fraction * fraction.transpose()).completeOrthogonalDecomposition().solve(fraction * width).cwiseMax(0.);
 

@@ -235,6 +235,37 @@ def write_albedo_maps(folder):
             albedo[:] = 1000
 
 
+def write_gas_model(path, form, light):
+    """A model of two g-points with a gas of each kind, as ecCKD's definition files have them."""
+    sizes = {"temperature": 2, "pressure": 3, "g_point": 2, "wavenumber": 2, "h2o_mole_fraction": 2, "temperature_planck": 2}
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        file.constituent_id = "composite h2o o3 ch4"
+        for name, length in sizes.items():
+            file.createDimension(name, length)
+
+        def write(name, dimensions, values):
+            file.createVariable(name, "f4", dimensions)[...] = values
+
+        table = ("temperature", "pressure", "g_point")
+        write("pressure", ("pressure",), [1e3, 1e4, 1e5])
+        write("temperature", ("temperature", "pressure"), [[200, 210, 220], [220, 230, 240]])
+        for code, gas in enumerate(("composite", "o3", "h2o", "ch4")):
+            write(f"{gas}_conc_dependence_code", (), code)
+            write(f"{gas}_molar_absorption_coeff", ("h2o_mole_fraction", *table) if gas == "h2o" else table, 1e-3)
+        write("h2o_mole_fraction", ("h2o_mole_fraction",), [1e-4, 1e-2])
+        write("ch4_reference_mole_fraction", (), 1.9e-6)
+        write("wavenumber1", ("wavenumber",), [600, 700])
+        write("wavenumber2", ("wavenumber",), [700, 900])
+        write("gpoint_fraction", ("g_point", "wavenumber"), [[0.25, 0.75], [0.5, 0.5]])
+        if light == "solar":
+            write("solar_irradiance", ("g_point",), [30, 10])
+            write("solar_spectral_irradiance", ("wavenumber",), [15, 25])
+            write("rayleigh_molar_scattering_coeff", ("g_point",), 1e-6)
+        else:
+            write("temperature_planck", ("temperature_planck",), [200, 300])
+            write("planck_function", ("temperature_planck", "g_point"), [[1, 2], [3, 5]])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cloudbow", required=True, type=Path)
@@ -263,6 +294,8 @@ def main():
     for form in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF4"):
         write_les(folder("cloud_netcdf") / f"{form}.nc", form)
         write_wrf(folder("cloud_netcdf") / f"wrf_{form}.nc", form)
+        for light in ("solar", "longwave"):
+            write_gas_model(folder("gas_model") / f"{light}_{form}.nc", form, light)
         write_libradtran(folder("droplet_table") / f"{form}.nc", form)
     write_albedo_maps(folder("albedo_map"))
     clouds = folder("cloud_vdb")

@@ -280,6 +280,9 @@ def main():
         checker.expect_error("cloud make: no cell with a cloud",
                              ["cloud", "make", "cumulus", "--cells", "16", "16", "8", "--voxel-size-m", "50", "50", "50", "--cover", "0.001", "-o", folder / "output.vdb"],
                              ["empty", "cover"], folder / "output.vdb")
+        checker.expect_error("gas info: a cloud", ["gas", "info", cloud], ["cloud.vdb", "no gas model", "ecCKD"], output)
+        checker.expect_error("gas info: no such file", ["gas", "info", folder / "none.nc"], ["none.nc", "no such file"], output)
+        checker.expect_error("gas optics: a scene as atmosphere", ["gas", "optics", scene, "--model", cloud, "-o", output], ["scene.toml"], output)
         for name, arguments, words in phase_commands(folder):
             checker.expect_error(f"phase: {name}", ["phase", *arguments, "-o", output], words, output)
         checker.expect_error("phase: file in a missing folder", ["phase", "rayleigh", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)
@@ -297,6 +300,7 @@ def main():
         slab = ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "9", "9", "9"]
         for name, ending, command, words in (
                 ("mie", "toml", ["mie", "--wavelength-um", "0.55", "--effective-radius-um", "1", "-o"], ["the table", ".h5"]),
+                ("gas optics", "png", ["gas", "optics", scene, "--model", cloud, "-o"], ["the optics", ".h5"]),
                 ("cloud make", "h5", [*slab, "-o"], ["the cloud", ".vdb"]),
                 ("cloud import", "nc", ["cloud", "import", folder / "at3d.csv", "-o"], ["the cloud", ".vdb"]),
                 ("export", "png", ["export", folder / "result.h5", "--actinic", "--vdb"], ["the grids", ".vdb"]),

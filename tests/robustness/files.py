@@ -95,6 +95,7 @@ def outputs(bench):
                    ("plot over a reference", ["tradeoff", scene, "--reference", "moments.txt", "--plot", "moments.txt"], ["overwrite an input"]),
                    ("phase plot over its moments", ["phase", "legendre", "--file", "moments.txt", "--plot", "moments.txt"], ["overwrite an input"]),
                    ("phase plot and figures of one name", ["phase", "isotropic", "--plot", "a.png", "-o", "A.png"], ["overwrite the plot"]),
+                   ("optics over the profile", ["gas", "optics", "moments.txt", "--model", "a.phase.csv", "-o", "moments.txt"], ["optics would overwrite an input"]),
                    ("import over its input", ["cloud", "import", "moments.txt", "-o", "moments.txt"], ["cloud would overwrite an input"]),
                    ("phase functions over the import's input", ["cloud", "import", "a.phase.csv", "-o", "a.vdb"], ["phase functions would overwrite an input"])]
     os.symlink("b.2", bench.folder / "a.1")  # what the second wavelength is to go on from
@@ -119,7 +120,7 @@ def pipes(bench):
         bench.expect_refusal(f"a pipe as {name}", ["run", "piped.toml", "-o", "r.h5"], ["pipe", "a named pipe"])
     for name, command in (("scene", ["run", "pipe", "-o", "r.h5"]), ("checkpoint", ["run", "scene.toml", "-o", "r.h5", "--resume", "pipe"]),
                           ("reference", ["tradeoff", "scene.toml", "--levels", "draft", "--reference", "pipe"]), ("cloud to describe", ["cloud", "info", "pipe"]),
-                          ("cloud to import", ["cloud", "import", "pipe", "-o", "r.vdb"]), ("moments", ["phase", "legendre", "--file", "pipe"]),
+                          ("cloud to import", ["cloud", "import", "pipe", "-o", "r.vdb"]), ("gas model", ["gas", "info", "pipe"]), ("moments", ["phase", "legendre", "--file", "pipe"]),
                           ("result to draw", ["render", "pipe", "-o", "r.png"]), ("result to export", ["export", "pipe", "--vdb", "r.vdb", "--actinic"])):
         bench.expect_refusal(f"a pipe as {name}", command, ["pipe", "a named pipe"])
     for table in (bench.folder / "cache" / "cloudbow").glob("scattering-*.table"):

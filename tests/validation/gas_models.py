@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Optical depths of the air by g-point, as `cloudbow gas optics` writes them, against a reading of the same model files by this driver alone.
+"""Optical depths of the air by g-point, as `cloudbow gas optics` writes them.
 
-Truth: the equations of ecCKD (Hogan and Matricardi 2022, doi:10.1029/2022MS003033; docs/theory.md), written anew here on NumPy, on the AFGL mid-latitude
-summer profile, at its own heights and at others between them. Planck radiances and shares of sunlight are compared too. Both sides are in double, so
-they differ by rounding: the limit 1e-6 is of each number, beside 1e-12 of the largest of its g-point.
+Truth: ecCKD's equations (Hogan and Matricardi 2022; docs/theory.md) on the same model files, by this driver's own reader. The air is the AFGL
+mid-latitude summer profile. Layers lie between its own heights, and between others. Planck radiances and shares of sunlight are compared too.
+Both sides are in double, so they differ by rounding. The limit is 1e-6 of each number, beside 1e-12 of the largest of its g-point.
 
-The models are the files of others: CLOUDBOW_REFERENCE_DIR names a folder with gas/*ckd-definition.nc and atmospheres/afglms.txt; skipped without.
+The models are files of others. CLOUDBOW_REFERENCE_DIR names a folder with gas/*ckd-definition.nc and atmospheres/afglms.txt; skipped without.
 
 usage: CLOUDBOW_REFERENCE_DIR=... gas_models.py --cloudbow PROGRAM
 """

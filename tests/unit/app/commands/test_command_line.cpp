@@ -410,7 +410,8 @@ TEST(CommandLine, TradeoffLeavesOutWhatCannotDoTheScene) {
 
 TEST(CommandLine, WordsThatNobodyKnowsComeWithThoseThatAreKnown) {
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"rn", "scene.toml"}, "cloudbow: unknown command (found rn, allowed run, cloud, mie, render, export, "},
+           {{"rn", "scene.toml"},
+            "cloudbow: unknown command (found rn, allowed run, cloud, mie, gas, render, export, "},
            {{"rn", "scene.toml"}, "; did you mean run?)"},
            {{"info", "cloud.vdb"}, "; did you mean cloud info?)"},
            {{"cloud", "mke", "slab"},
