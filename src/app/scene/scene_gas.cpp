@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/process/cache_directory.hpp"
 #include "app/scene/scene_reader.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/bulk_table_file.hpp"
 #include "cloudbow/medium/spectral_albedo.hpp"
 #include "cloudbow/medium/spectral_weight.hpp"
+#include "cloudbow/optics/mie_bulk.hpp"
 
 namespace cloudbow {
 namespace {
@@ -48,19 +50,50 @@ void SceneReader::read_thermal_of_point(const ConfigReader& reader) {
   scene_.thermal = thermal;
 }
 
-SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& reader) {
-  reader.check_keys({"type", "file", "effective_radius_um"});
-  if (!scene_.broadband)
-    reader.fail("type", "needs spectrum.gas_model, whose g-points it is averaged over", "bulk", "mie at wavelengths");
+const BulkTable& SceneReader::bulk_table_of_file(const ConfigReader& reader) {
   const auto file = existing_file(reader, "file");
   auto found = bulk_tables_->find(file);
   if (found == bulk_tables_->end()) {
     reader.with_place("file", [&] { found = bulk_tables_->emplace(file, read_bulk_table(file)).first; });
   }
-  const BulkTable& table = found->second;
+  return found->second;
+}
+
+const BulkTable& SceneReader::bulk_table_by_mie(const ConfigReader& reader) {
+  const std::string substance = *reader.find_choice("substance", {"water", "ice"});
+  // Mie theory takes long for large radii: those of the scene alone, if it says so.
+  std::vector<double> radii{3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30};
+  auto radius = reader.find_number("effective_radius_um", positive);
+  if (const auto cloud = root_.find_table("cloud"); !radius && cloud)
+    radius = cloud->find_number("effective_radius_um", positive);
+  if (radius) radii = {*radius};
+  const std::filesystem::path key = fmt::format("{} {}", substance, radius.value_or(0));
+  auto found = bulk_tables_->find(key);
+  if (found == bulk_tables_->end()) {
+    reader.with_place(radius ? "effective_radius_um" : "substance", [&] {
+      const auto [shortest, longest] = wavelengths_of(*scene_.broadband->model);
+      const MieBulkRecipe recipe{substance == "water" ? Substance::water : Substance::ice, DistributionKind::gamma, .1};
+      found = bulk_tables_
+                  ->emplace(key, make_mie_bulk_table(recipe, mie_wavelengths(shortest, longest), radii,
+                                                     {0, cache_directory()}))
+                  .first;
+    });
+  }
+  return found->second;
+}
+
+SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& reader) {
+  reader.check_keys({"type", "file", "substance", "effective_radius_um"});
+  if (!scene_.broadband)
+    reader.fail("type", "needs spectrum.gas_model, whose g-points it is averaged over", "bulk", "mie at wavelengths");
+  if (reader.has("file") == reader.has("substance")) {
+    reader.fail(reader.has("file") ? "substance" : "file", "file and substance exclude each other",
+                reader.has("file") ? "both" : "neither", "one of the two");
+  }
   DefinedPhaseFunction defined;
   defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
-  reader.with_place("file", [&] {
+  const BulkTable& table = reader.has("file") ? bulk_table_of_file(reader) : bulk_table_by_mie(reader);
+  reader.with_place(reader.has("file") ? "file" : "substance", [&] {
     const SpectralWeight weight = weight_of_point(*scene_.broadband->model, scene_.gas_point);
     defined.bulk = BulkOfPoint{&table, average_over(table, weight.wavenumber_cm1, weight.weight)};
   });

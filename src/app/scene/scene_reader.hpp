@@ -89,7 +89,10 @@ class SceneReader {
                                           PhaseFunctionFile (*reader_of_file)(const std::filesystem::path&));
   DefinedPhaseFunction read_mie(const ConfigReader& reader);
   DefinedPhaseFunction read_set(const ConfigReader& reader);
+  /// Optics by wavenumber and radius, from a file or by Mie theory, averaged over the g-point.
   DefinedPhaseFunction read_bulk(const ConfigReader& reader);
+  const BulkTable& bulk_table_of_file(const ConfigReader& reader);
+  const BulkTable& bulk_table_by_mie(const ConfigReader& reader);
   const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const;
   /// Index in the scene of a function that may already be there.
   int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
