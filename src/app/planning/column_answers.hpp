@@ -10,7 +10,7 @@
 
 namespace cloudbow {
 
-/// Enough for the choice of g-points: with four times as many the errors of the fields hardly change.
+/// Of a field, for the choice of g-points.
 constexpr std::size_t columns_of_choice = 128;
 
 /// Solves some columns of a problem independently, by polar streams. Ground with a BRDF counts as Lambertian of the
