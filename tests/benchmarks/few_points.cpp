@@ -1,9 +1,9 @@
-// A few g-points in place of all, in three dimensions (docs/theory.md, "Few g-points"), in the clouds of `cloudbow
-// cloud make`, under two suns and in the longwave. Truth: the sum over all g-points with the same directions. Prints
-// the errors of columns and of heating rates beside the residual that foretells them.
+// A few g-points in place of all, in three dimensions (docs/theory.md, "Few g-points"). The clouds are those of
+// `cloudbow cloud make`, under two suns and in the longwave. Truth: the sum over all g-points with the same directions.
+// Prints the errors of columns and of heating rates beside the residual that foretells them.
 //
 // usage: few_points stratocumulus|cumulus SEED [SOLAR LONGWAVE]
-//   SOLAR, LONGWAVE  text files of g-points (read_gas); made-up gas of 24 g-points without them
+//   SOLAR, LONGWAVE  text files of g-points (read_gas). Without them the gas is made up.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -29,8 +29,8 @@ struct SpectralChoice {
   std::vector<int> point;      ///< chosen, ascending
   std::vector<double> weight;  ///< > 0; a field of all is sum of weight times the field per power of the chosen
   double residual = 0;         ///< of the sampled columns, relative: foretells the error of fields in three dimensions
-  /// Sum of all less that of the chosen, W m-2 and W m-3. If it is added to the fields of the chosen, domain means err
-  /// by three-dimensional effects alone, above the clouds by nothing. Empty without ColumnAnswers::means.
+  /// Means of all less those of the chosen, W m-2 and W m-3. It is to be added to the fields of the chosen. Domain
+  /// means then err by three-dimensional effects alone. Empty without ColumnAnswers::means.
   LevelMeans missing;
 };
 

@@ -44,7 +44,7 @@ std::vector<double> rest(const std::vector<std::vector<double>>& columns, const 
   return r;
 }
 
-// x >= 0; A^T (b - A x) is 0 where x > 0, and not positive elsewhere.
+// x >= 0; A^T (b - A x) is 0 if x > 0, and not positive otherwise.
 void expect_optimal(const std::vector<std::vector<double>>& columns, const std::vector<double>& b,
                     const std::vector<double>& x, const std::string& name) {
   ASSERT_EQ(x.size(), columns.size());
@@ -254,7 +254,7 @@ TEST(SpectralChoice, OfAllHasTheirPowersAndNoResidual) {
   EXPECT_EQ(choose_points(std::vector<ColumnAnswers>{answers[3]}, 1e-3).point, std::vector<int>{0});
 }
 
-// What the chosen lack is the difference of the sums, by level; all lack nothing.
+// The difference of the sums, by level; all g-points together lack nothing.
 TEST(SpectralChoice, ReportsWhatIsMissing) {
   std::vector<ColumnAnswers> answers = smooth_answers(9, 16);
   for (std::size_t g = 0; g < answers.size(); ++g) {
