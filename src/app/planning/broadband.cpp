@@ -28,6 +28,7 @@ struct Points {
   std::vector<int> point;
   std::vector<double> weight;
   double residual = 0;
+  LevelMeans missing{};  ///< of all, less those of the points
 };
 
 Points all_points(const std::vector<Scene>& scenes) {
@@ -52,12 +53,14 @@ Points few_points(const std::vector<Scene>& scenes, const CostEstimate& cost, co
     InterruptGuard::check();
   }
   const SpectralChoice choice = choose_points(answers, broadband.few_tolerance, broadband.few_points);
-  Points few{choice.point, {}, choice.residual};
+  Points few{choice.point, {}, choice.residual, choice.missing};
   for (std::size_t n = 0; n < choice.point.size(); ++n)
     few.weight.push_back(choice.weight[n] / answers[static_cast<std::size_t>(choice.point[n])].power);
   return few;
 }
 
+// Measured on five fields: columns err by at most 2.2 times the residual of the choice, absorption by 4 times.
+constexpr double error_per_residual = 3;
 // Coarse solves of more g-points would hardly change the estimate: errors of strong ones are alike.
 constexpr std::size_t estimated_points = 2;
 
@@ -74,6 +77,41 @@ std::vector<std::size_t> strongest(const Points& points, const GasModel& model) 
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return power(a) > power(b); });
   order.resize(std::min(order.size(), estimated_points));
   return order;
+}
+
+/// Adds the mean light of the g-points that were left out, the same everywhere in a level. Direct light in deep shadow
+/// stays as it is: it would fall below 0.
+void add_missing(const LevelMeans& missing, Solution& sum) {
+  if (missing.up.empty()) return;
+  const std::size_t columns = sum.box.columns();
+  const auto add = [columns](float more, std::size_t plane, std::vector<float>& field) {
+    for (std::size_t c = plane * columns; c < (plane + 1) * columns; ++c) field[c] = std::max(0.F, field[c] + more);
+  };
+  for (std::size_t plane = 0; plane < sum.flux_level.size(); ++plane) {
+    const auto level = static_cast<std::size_t>(sum.flux_level[plane]);
+    add(static_cast<float>(missing.up[level]), plane, sum.upwelling_flux);
+    add(static_cast<float>(missing.down_diffuse[level]), plane, sum.downwelling_diffuse_flux);
+    add(static_cast<float>(missing.direct[level]), plane, sum.direct_flux);
+  }
+  for (std::size_t level = 0; level < missing.up.size(); ++level) {
+    sum.profile_upwelling_flux[level] += missing.up[level];
+    sum.profile_downwelling_diffuse_flux[level] += missing.down_diffuse[level];
+    sum.profile_direct_flux[level] += missing.direct[level];
+  }
+  double absorbed = 0;
+  for (std::size_t k = 0; k < missing.absorbed.size(); ++k) {
+    absorbed += missing.absorbed[k] * sum.box.thickness_m(static_cast<int>(k));
+    if (sum.absorbed_power.empty()) continue;
+    const auto more = static_cast<float>(missing.absorbed[k]);
+    for (std::size_t c = k * columns; c < (k + 1) * columns; ++c) sum.absorbed_power[c] += more;
+  }
+  EnergyLedger& ledger = sum.ledger;
+  const double down = missing.down_diffuse.front() + missing.direct.front();
+  ledger.reflectance += missing.up.back() / ledger.power;
+  ledger.transmittance += down / ledger.power;
+  ledger.transmittance_direct += missing.direct.front() / ledger.power;
+  ledger.absorptance += absorbed / ledger.power;
+  ledger.surface_absorptance += (down - missing.up.front()) / ledger.power;
 }
 
 /// Mean flux of the columns, of which the estimate's relative error is.
@@ -168,7 +206,8 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
     if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
     InterruptGuard::check();
   }
-  if (const auto error = errors.with(points.residual)) run.solved.errors.push_back(*error);
+  add_missing(points.missing, sum);
+  if (const auto error = errors.with(error_per_residual * points.residual)) run.solved.errors.push_back(*error);
   run.solved.solutions.push_back(std::move(sum));
   return run;
 }
