@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A command under a limit on its addresses (`ulimit -v`) ends with its result, or with one message and exit code 2; never by a signal, never hangs.
 
-Truth: what a user may meet under batch systems, which set such limits. A scene of a VDB cloud is solved by one and by two threads, its result is
-drawn and an LES output is imported, under limits that grow by equal steps; below the first of them the system cannot even load the program's
-libraries (exit code 127 of the loader), which is not the program's to say. The scene is solved in half a second: 120 s is a hang.
+Truth: what a user may meet under batch systems, which set such limits. A scene of a VDB cloud is solved by one and by two threads, and with layers
+of air beside the cloud. Its result is drawn, and an LES output is imported. The limits grow by equal steps. Below the first of them the system cannot
+load the program's libraries (exit code 127 of the loader). The scene is solved in half a second: 120 s is a hang.
 
 usage: memory_limits.py --cloudbow PROGRAM [--from MB] [--to MB] [--step MB]
 By hand: the defaults are all steps; ctest takes those about what OpenVDB needs to load.
@@ -23,6 +23,25 @@ import sound_scene
 MEGABYTE = 1_000_000
 LOADER = 127  # ld.so could not map a library
 HANGS = 120  # seconds
+
+# Air beside and above the cloud, seen by a camera and in the flux of every level.
+LAYERS = """\
+[output]
+flux_levels = "all"
+[[layer]]
+name = "air"
+bottom_m = 0.0
+top_m = 4000.0
+optical_depth = 0.1
+single_scattering_albedo = 1.0
+phase_function = "rayleigh"
+[[camera]]
+name = "fisheye"
+type = "fisheye"
+position_m = [0.0, 0.0, 0.0]
+width = 16
+height = 16
+"""
 
 
 def run(command, megabytes):
@@ -83,11 +102,14 @@ def main():
                         "50", "25", "--seed", "3", "-o", folder / "cloud.vdb"], check=True, capture_output=True)
         scene, les, result = folder / "scene.toml", folder / "les.nc", folder / "result.h5"
         scene.write_text(sound_scene.SCENE)
+        with_layers = folder / "with_layers.toml"
+        with_layers.write_text(sound_scene.SCENE + LAYERS)
         make_les_file(les)
         subprocess.run([options.cloudbow, "run", scene, "-o", result, "--quiet"], check=True)
         commands = {
             "run, 1 thread": (["run", scene, "--quiet", "--threads", "1"], folder / "output.h5"),
             "run, 2 threads": (["run", scene, "--quiet", "--threads", "2"], folder / "output.h5"),
+            "run with layers, 2 threads": (["run", with_layers, "--quiet", "--threads", "2"], folder / "output.h5"),
             "cloud import": (["cloud", "import", les], folder / "output.vdb"),
             "render": (["render", result], folder / "output.png"),
         }
