@@ -6,9 +6,9 @@ of air beside the cloud. Its result is drawn, and an LES output is imported. The
 load the program's libraries (exit code 127 of the loader). The scene is solved in half a second: 120 s is a hang.
 
 usage: memory_limits.py --cloudbow PROGRAM [--from MB] [--to MB] [--step MB] [--group FOLDER]
-By hand: the defaults are all steps; ctest takes those about what OpenVDB needs to load. With --group the limits are those of a control group of
-version 1 or 2, an empty one that the caller made and may write, such as /sys/fs/cgroup/memory/test. Its memory then is the process's own, without
-libraries that others have loaded: --from 10 --to 100 --step 5.
+By hand: the defaults are all steps. ctest takes those about what OpenVDB needs to load. With --group the limits are those of a control group of
+version 1 or 2. It is empty, and the caller made it and may write it, such as /sys/fs/cgroup/memory/test. Libraries that others have loaded do not count
+there: --from 10 --to 100 --step 5.
 """
 import argparse
 import os
@@ -58,7 +58,7 @@ def limit_group(group, megabytes):
 
 
 def run(command, megabytes, group):
-    """Exit code and lines on stderr of a command that may take so many addresses, or so much memory in the group; no exit code if it hangs."""
+    """Exit code and lines on stderr of a command under a limit on its addresses, or on the memory of the group. No exit code if it hangs."""
     if group:
         limit_group(group, megabytes)
 

@@ -48,7 +48,7 @@ def told(done):
 def with_spoiled_records(whole, path):
     """Checkpoints with a spoiled list of the chunks of the radiance: (name, bytes). No checksum covers this list, and HDF5 crashes on some of them.
 
-    HDF5 1.8 lists chunks in nodes "TREE" (its file format specification, III.A.1) by records of size, filters left out, first indices and address.
+    HDF5 1.8 lists chunks in nodes "TREE" (its file format specification, III.A.1). A record is size, filters left out, first indices and address.
     """
     with h5py.File(path) as file:
         chunks = file["radiance"].id
