@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
@@ -66,11 +67,14 @@ void check_broadband_options(const RunOptions& options, const Scene& scene) {
 
 void check_memory(const Scene& scene, const CostEstimate& cost, std::uint64_t available) {
   if (cost.memory <= available) return;
+  constexpr double megabyte = 1e6;
+  // Rounded away from each other, so that close numbers are seen to differ.
+  const double needed = std::ceil(static_cast<double>(cost.memory) / megabyte);
+  const double allowed = std::floor(static_cast<double>(available) / megabyte);
   throw InputError(
-      fmt::format("{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
-                  "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
-                  "less",
-                  scene.path.string(), static_cast<double>(cost.memory) / 1e9, static_cast<double>(available) / 1e9));
+      fmt::format("{}: needs more memory than is available (found {:.0f} MB needed, allowed {:.0f} MB); a smaller "
+                  "domain, fewer solver.control_points or a lower solver.accuracy need less",
+                  scene.path.string(), needed, allowed));
 }
 
 std::string figures_text(const ColumnFigures& figures, double columns, const char* unit) {
