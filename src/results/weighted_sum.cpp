@@ -9,10 +9,12 @@
 namespace cloudbow {
 namespace {
 
+[[noreturn]] void refuse() { throw std::invalid_argument("solutions of different grids do not add up"); }
+
 template <class Value>
 void add(const std::vector<Value>& of, double weight, std::vector<Value>& sum) {
   if (sum.empty()) sum.assign(of.size(), Value(0));
-  if (sum.size() != of.size()) throw std::invalid_argument("solutions of different grids do not add up");
+  if (sum.size() != of.size()) refuse();
   for (std::size_t n = 0; n < of.size(); ++n) {
     // The weight 1 leaves the bits, so that a sum over all is that of single runs.
     sum[n] += weight == 1 ? of[n] : static_cast<Value>(weight * static_cast<double>(of[n]));
@@ -33,8 +35,12 @@ constexpr double EnergyLedger::*fractions[] = {&EnergyLedger::incident,
 
 void add(const EnergyLedger& of, double weight, EnergyLedger& sum) {
   const double power = sum.power + weight * of.power;
-  for (const auto term : fractions)
-    sum.*term = power > 0 ? (sum.power * (sum.*term) + weight * of.power * (of.*term)) / power : of.*term;
+  for (const auto term : fractions) {
+    // A product and a quotient could change the last bit of the only solution with power.
+    sum.*term = sum.power > 0 && of.power > 0 ? (sum.power * (sum.*term) + weight * of.power * (of.*term)) / power
+                : sum.power > 0               ? sum.*term
+                                              : of.*term;
+  }
   sum.power = power;
 }
 
@@ -71,14 +77,19 @@ void add_weighted(Solution& sum, const Solution& solution, double weight) {
     sum.sun = solution.sun;
     if (sum.sun) sum.sun->irradiance = 0;
     sum.flux_level = solution.flux_level;
-    sum.emits = solution.emits;
     sum.ledger.incident = 0;
     for (const RadianceImage& image : solution.images) sum.images.push_back({image.view, {}});
     for (const CameraImage& image : solution.camera_images) sum.camera_images.push_back({image.camera, {}});
   }
-  if (sum.flux_level != solution.flux_level || sum.images.size() != solution.images.size())
-    throw std::invalid_argument("solutions of different grids do not add up");
-  if (sum.sun && solution.sun) sum.sun->irradiance += weight * solution.sun->irradiance;
+  if (sum.flux_level != solution.flux_level || sum.box.z_edge_m != solution.box.z_edge_m ||
+      sum.images.size() != solution.images.size() || sum.camera_images.size() != solution.camera_images.size())
+    refuse();
+  if (solution.sun) {
+    // A g-point without sunlight may be the first.
+    if (!sum.sun) sum.sun = Sun{solution.sun->travel, 0};
+    sum.sun->irradiance += weight * solution.sun->irradiance;
+  }
+  sum.emits = sum.emits || solution.emits;
   for (const OutputField& field : output_fields()) {
     add(solution.*field.values, weight, sum.*field.values);
     if (field.profile != nullptr) add(solution.*field.profile, weight, sum.*field.profile);
@@ -86,6 +97,7 @@ void add_weighted(Solution& sum, const Solution& solution, double weight) {
   for (std::size_t n = 0; n < sum.images.size(); ++n) add(solution.images[n].radiance, weight, sum.images[n].radiance);
   for (std::size_t n = 0; n < sum.camera_images.size(); ++n)
     add(solution.camera_images[n].radiance, weight, sum.camera_images[n].radiance);
+  if (!first && sum.radiance_field.has_value() != solution.radiance_field.has_value()) refuse();
   if (solution.radiance_field) {
     if (first) {
       sum.radiance_field = solution.radiance_field;

@@ -24,8 +24,6 @@
 namespace cloudbow {
 namespace {
 
-// Corners of the domain this close to a voxel face are taken to lie on it, in voxels.
-constexpr double face_tolerance = 1e-3;
 constexpr double max_columns_per_axis = 1e6;
 
 struct Domain {
@@ -77,7 +75,7 @@ class DomainChecker {
     const double origin = field_->min_m[axis];
     const double size = field_->cell_size_m[axis];
     const double faces = (value - origin) / size;
-    if (std::abs(faces - std::round(faces)) <= face_tolerance) return origin + std::round(faces) * size;
+    if (lies_on_face(*field_, axis, value)) return onto_face(*field_, axis, value);
     if (axis == 2) {
       for (const Layer& layer : scene_.layers) {
         if (value == layer.bottom_m || value == layer.top_m) return value;

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "app/assembly/open_cloud.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {
@@ -57,18 +59,20 @@ std::vector<double> layer_edges(const Atmosphere& air, const CloudField* field, 
   }
   const auto in_cloud = [&](double z) { return cloud && z > cloud->bottom_m && z < cloud->top_m; };
   for (const double z : air.height_m) {
-    if (z > domain.bottom_m && z < domain.top_m && !in_cloud(z)) given.push_back(z);
+    if (!(z > domain.bottom_m && z < domain.top_m) || in_cloud(z)) continue;
+    // Faces and ends of the domain stay; heights of the profile beside them are not needed.
+    const auto near = [z](double other) { return std::abs(z - other) < least_distance_m; };
+    if (std::none_of(given.begin(), given.end(), near)) given.push_back(z);
   }
   std::sort(given.begin(), given.end());
   std::vector<double> edges{given.front()};
   for (std::size_t e = 1; e < given.size(); ++e) {
     const double from = edges.back(), to = given[e];
-    const bool last = e + 1 == given.size();
-    if (to - from < least_distance_m && !in_cloud(to) && !last) continue;
     const int parts = in_cloud(.5 * (from + to))
                           ? 1
                           : std::max(1, static_cast<int>(std::ceil((to - from) / thickest_at(from) - 1e-9)));
-    for (int n = 1; n <= parts; ++n) edges.push_back(from + (to - from) * n / parts);
+    for (int n = 1; n < parts; ++n) edges.push_back(from + (to - from) * n / parts);
+    edges.push_back(to);
   }
   return edges;
 }
@@ -79,10 +83,12 @@ void add_gas_layers(const CloudField* field, Scene& scene) {
   const Atmosphere& air = scene.atmosphere->air;
   const GasModel& model = *scene.broadband->model;
   Span domain{field != nullptr ? std::min(0., field->min_m[2]) : 0., air.height_m.back()};
-  if (scene.domain.min_m) domain.bottom_m = (*scene.domain.min_m)[2];
-  if (scene.domain.max_m) domain.top_m = (*scene.domain.max_m)[2];
-  const double least_top = field != nullptr ? field->max_m(2) : domain.bottom_m;
-  domain.top_m = std::max(domain.top_m, least_top);
+  if (field != nullptr) domain.top_m = std::max(domain.top_m, field->max_m(2));
+  const auto corner = [&](const std::array<double, 3>& of) {
+    return field != nullptr ? onto_face(*field, 2, of[2]) : of[2];
+  };
+  if (scene.domain.min_m) domain.bottom_m = corner(*scene.domain.min_m);
+  if (scene.domain.max_m) domain.top_m = corner(*scene.domain.max_m);
   const std::vector<double> edges = layer_edges(air, field, domain);
   GasModel::LayerOptics optics;
   try {

@@ -130,7 +130,21 @@ std::optional<VdbDomain> given_domain(const SceneDomain& domain) {
   return VdbDomain{*domain.min_m, *domain.max_m};
 }
 
+double faces_from_corner(const CloudField& field, int axis, double value_m) {
+  return (value_m - field.min_m[axis]) / field.cell_size_m[axis];
+}
+
 }  // namespace
+
+bool lies_on_face(const CloudField& field, int axis, double value_m) {
+  const double faces = faces_from_corner(field, axis, value_m);
+  return std::abs(faces - std::round(faces)) <= face_tolerance;
+}
+
+double onto_face(const CloudField& field, int axis, double value_m) {
+  if (!lies_on_face(field, axis, value_m)) return value_m;
+  return field.min_m[axis] + std::round(faces_from_corner(field, axis, value_m)) * field.cell_size_m[axis];
+}
 
 OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   const SceneCloud& cloud = *scene.cloud;
@@ -167,9 +181,10 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
     opened.figures.effective_radius_um = {*cloud.effective_radius_um, *cloud.effective_radius_um};
   }
   if (scene.broadband && !is_water && cloud.droplets != nullptr) {
-    throw InputError(fmt::format("{}: extinction has no spectrum of its own (found an extinction grid with radii by voxel, "
-                                 "allowed liquid_water_content, or one effective_radius_um)",
-                                 scene.where("cloud.quantity")));
+    throw InputError(
+        fmt::format("{}: extinction has no spectrum of its own (found an extinction grid with radii by voxel, "
+                    "allowed liquid_water_content, or one effective_radius_um)",
+                    scene.where("cloud.quantity")));
   }
   if (!is_water && cloud.relative_extinction) {
     files.note(fmt::format("{}: the extinction is taken to be that at {} um", scene.where("cloud.file"),

@@ -21,6 +21,15 @@ struct OpenedCloud {
   VoxelTemperatures temperature_k;  ///< empty: that of the air
 };
 
+/// Corners of the domain this close to a voxel face are taken to lie on it, in voxels.
+inline constexpr double face_tolerance = 1e-3;
+
+/// Whether a coordinate [m] lies on a voxel face, in the cloud's box or beyond.
+bool lies_on_face(const CloudField& field, int axis, double value_m);
+
+/// The coordinate of the face that it lies on; itself if it lies on none.
+double onto_face(const CloudField& field, int axis, double value_m);
+
 /// @throws InputError if the files cannot be read, contradict the scene, or lack data.
 OpenedCloud open_cloud(const Scene& scene, CloudFiles& files);
 

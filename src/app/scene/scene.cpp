@@ -189,6 +189,8 @@ void SceneReader::read_sun(const ConfigReader& reader) {
                       root_.place_of("sun"), scene_.broadband->file));
     }
     if (!irradiance) reader.fail_missing("irradiance_w_m2", "the total solar irradiance in W m-2, such as 1361");
+    if (*irradiance == 0)
+      reader.fail("irradiance_w_m2", "no light", "0", "> 0, the total solar irradiance in W m-2, such as 1361");
     sun.irradiance_w_m2 = *irradiance * model.solar_share(scene_.gas_point);
     if (sun.irradiance_w_m2 >= least_light) scene_.sun = sun;
     return;

@@ -134,7 +134,7 @@ void SceneReader::check_broadband() const {
                     root_.place_of("spectrum")));
   }
   const bool solar = broadband.model->light() == GasModel::Light::solar;
-  if (solar == root_.has("sun") || (!solar && scene_.thermal)) return;
+  if (solar ? root_.has("sun") : scene_.thermal.has_value()) return;
   throw InputError(fmt::format("{}: {}: missing (found {}, a gas model of {}, allowed [{}] beside it)",
                                scene_.path.string(), solar ? "sun" : "thermal", broadband.file,
                                solar ? "sunlight" : "longwave light", solar ? "sun" : "thermal"));

@@ -61,6 +61,7 @@ void SceneReader::read_atmosphere_table(const ConfigReader& reader) {
         fmt::format("one of file, standard = \"{}\", or height_m with pressure_pa and temperature_k", us_1976));
   }
   read_gases(reader, scene_.atmosphere->air);
+  remember(root_, "atmosphere");
 }
 
 void SceneReader::read_gases(const ConfigReader& reader, Atmosphere& air) const {

@@ -1,0 +1,117 @@
+// Sums over the g-points of a small gas model. Truth: single solves of all g-points, added here.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "app/planning/broadband.hpp"
+#include "broadband_tools.hpp"
+#include "cloudbow/results/energy_fluxes.hpp"
+
+namespace cloudbow {
+namespace {
+
+using namespace broadband_tools;
+using testing::Each;
+using testing::ElementsAre;
+
+class BroadbandTest : public testing::TestWithParam<GasModel::Light> {
+ protected:
+  std::vector<Scene> scenes(const std::string& spectrum) {
+    const bool is_solar = GetParam() == GasModel::Light::solar;
+    return read_scenes(
+        files_.write(gas_scene::cloud + settings + (is_solar ? gas_scene::solar : gas_scene::longwave) + spectrum));
+  }
+
+  gas_scene::Files files_;
+};
+
+template <class Value>
+void add_to(std::vector<Value>& sum, const std::vector<Value>& of) {
+  sum.resize(of.size());
+  std::transform(sum.begin(), sum.end(), of.begin(), sum.begin(), std::plus<>());
+}
+
+TEST_P(BroadbandTest, AllIsTheSumOfSingleSolves) {
+  const std::vector<Scene> all = scenes("method = \"all\"\n");
+  const BroadbandRun found = run(all);
+  Solution sum;
+  double power = 0, absorbed = 0;
+  for (const Solution& one : single_solves(all)) {
+    add_to(sum.upwelling_flux, one.upwelling_flux);
+    add_to(sum.downwelling_diffuse_flux, one.downwelling_diffuse_flux);
+    add_to(sum.direct_flux, one.direct_flux);
+    add_to(sum.absorbed_power, one.absorbed_power);
+    add_to(sum.profile_upwelling_flux, one.profile_upwelling_flux);
+    power += one.ledger.power;
+    absorbed += energy_fluxes(one.ledger).absorbed;
+  }
+  ASSERT_EQ(found.solved.solutions.size(), 1U);
+  const Solution& solution = found.solved.solutions[0];
+  EXPECT_EQ(solution.upwelling_flux, sum.upwelling_flux);
+  EXPECT_EQ(solution.downwelling_diffuse_flux, sum.downwelling_diffuse_flux);
+  EXPECT_EQ(solution.direct_flux, sum.direct_flux);
+  EXPECT_EQ(solution.absorbed_power, sum.absorbed_power);
+  EXPECT_EQ(solution.profile_upwelling_flux, sum.profile_upwelling_flux);
+  EXPECT_EQ(solution.ledger.power, power);
+  EXPECT_NEAR(energy_fluxes(solution.ledger).absorbed, absorbed, 1e-12 * power);
+  EXPECT_LT(std::abs(solution.ledger.residual), 1e-3) << "energy_tolerance, as of any solve";
+  EXPECT_EQ(found.info.method, "all");
+  EXPECT_EQ(found.info.points, static_cast<int>(gas_scene::points));
+  EXPECT_EQ(found.info.light, GetParam() == GasModel::Light::solar ? "solar" : "longwave");
+  EXPECT_THAT(found.info.solved, ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(found.info.weight, Each(1.));
+  EXPECT_EQ(found.info.residual, 0);
+}
+
+TEST_P(BroadbandTest, FewWithAllPointsIsAll) {
+  const BroadbandRun all = run(scenes("method = \"all\"\n"));
+  const BroadbandRun few = run(scenes("few_tolerance = 1e-6\nfew_points = 4\n"));
+  EXPECT_EQ(few.info.method, "few");
+  ASSERT_THAT(few.info.solved, ElementsAre(0, 1, 2, 3));
+  constexpr double rounding = 1e-6;  // of float, where weights are not quite 1
+  EXPECT_THAT(few.info.weight, Each(testing::DoubleNear(1, rounding)));
+  const auto expect_near = [&](const std::vector<float>& a, const std::vector<float>& b) {
+    const float largest = *std::max_element(b.begin(), b.end());
+    for (std::size_t n = 0; n < b.size(); ++n) EXPECT_NEAR(a[n], b[n], rounding * largest);
+  };
+  expect_near(few.solved.solutions[0].upwelling_flux, all.solved.solutions[0].upwelling_flux);
+  expect_near(few.solved.solutions[0].downwelling_diffuse_flux, all.solved.solutions[0].downwelling_diffuse_flux);
+}
+
+// The choice keeps the sum of weights, which counts power, to about the square of its residual.
+TEST_P(BroadbandTest, FewKeepsPowerAndItsResidual) {
+  const std::vector<Scene> given = scenes("few_tolerance = 0.1\nfew_points = 2\n");
+  const BroadbandRun few = run(given), all = run(scenes("method = \"all\"\n"));
+  EXPECT_LE(few.info.solved.size(), 2U);
+  EXPECT_GT(few.info.residual, 0);
+  const double power = all.solved.solutions[0].ledger.power;
+  EXPECT_NEAR(few.solved.solutions[0].ledger.power / power, 1, 1e-2);
+  const auto mean_up = [](const BroadbandRun& of) { return of.solved.solutions[0].profile_upwelling_flux.back(); };
+  EXPECT_NEAR(mean_up(few) / mean_up(all), 1, 2 * few.info.residual);
+}
+
+TEST_P(BroadbandTest, ThreadsLeaveTheBits) {
+  const std::vector<Scene> given = scenes("few_tolerance = 0.01\nfew_points = 3\n");
+  const BroadbandRun one = run(given, 1), two = run(given, 2);
+  EXPECT_EQ(one.info.solved, two.info.solved);
+  EXPECT_EQ(one.info.weight, two.info.weight);
+  EXPECT_EQ(one.info.residual, two.info.residual);
+  expect_same_bits(one.solved.solutions[0], two.solved.solutions[0]);
+}
+
+TEST_P(BroadbandTest, ColumnsAreIndependentColumnsOfAll) {
+  const BroadbandRun columns = run(scenes("method = \"columns\"\n"));
+  std::vector<Scene> by_mode = scenes("method = \"all\"\n");
+  for (Scene& scene : by_mode) scene.solver.mode = SolveMode::independent_columns;
+  expect_same_bits(columns.solved.solutions[0], run(by_mode).solved.solutions[0]);
+  EXPECT_EQ(columns.info.method, "columns");
+  EXPECT_EQ(columns.solved.solutions[0].report.mode, "independent-columns");
+}
+
+INSTANTIATE_TEST_SUITE_P(Light, BroadbandTest, testing::Values(GasModel::Light::solar, GasModel::Light::longwave),
+                         [](const auto& of) { return of.param == GasModel::Light::solar ? "solar" : "longwave"; });
+
+}  // namespace
+}  // namespace cloudbow
