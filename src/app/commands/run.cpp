@@ -52,16 +52,15 @@ void check_comparable(const Scene& scene) {
 
 /// Sums over g-points are solved in one way.
 void check_broadband_options(const RunOptions& options, const Scene& scene) {
-  const char* const found = options.compare               ? "--compare"
-                            : options.target              ? "--target-error or --budget"
-                            : !options.checkpoint.empty() ? "--checkpoint"
-                            : !options.resume.empty()     ? "--resume"
-                                                          : nullptr;
-  if (found == nullptr) return;
-  throw InputError(
-      fmt::format("{}: spectrum.gas_model: excludes {} (found both, allowed one of the two) spectrum.method = "
-                  "\"columns\" solves independent columns",
-                  scene.path.string(), found));
+  const auto refuse = [&scene](const char* option, const char* way_out) {
+    throw InputError(fmt::format("{}: excludes {} (found both, allowed one of the two) {}",
+                                 scene.where("spectrum.gas_model"), option, way_out));
+  };
+  if (options.compare)
+    refuse("--compare", "a second run with --set spectrum.method=columns solves independent columns");
+  if (options.target) refuse("--target-error and --budget", "choose the level by solver.accuracy");
+  if (!options.checkpoint.empty()) refuse("--checkpoint", "g-points are short runs, which keep no state");
+  if (!options.resume.empty()) refuse("--resume", "g-points are short runs, which keep no state");
 }
 
 void check_memory(const Scene& scene, const CostEstimate& cost, std::uint64_t available) {
