@@ -125,7 +125,7 @@ def broadband_scenes():
     yield "missing gas model", lit.replace("sun.nc", "none.nc"), ["scene.toml:26: spectrum.gas_model", "no such file", "none.nc"]
     yield "a longwave model with a sun", lit.replace("sun.nc", "long.nc"), ["scene.toml:12: sun", "longwave", "long.nc", "no [sun]"]
     yield "a model of sunlight with emission", lit + "[thermal]\n", ["scene.toml:27: thermal", "sunlight", "sun.nc", "no [thermal]"]
-    yield "a model of sunlight without sun", replaced(sun, "") + air + model, ["scene.toml:18: sun", "missing", "sun.nc", "[sun]"]
+    yield "a model of sunlight without sun", replaced(sun, "") + air + model, ["scene.toml:21: sun", "missing", "sun.nc", "[sun]"]
     yield "sunlight without a total", lit.replace("irradiance_w_m2 = 1361.0\n", ""), ["scene.toml:12: sun.irradiance_w_m2", "missing", "1361"]
     yield "a gas that is missing", lit.replace("h2o = 1e-3\n", ""), ["scene.toml:21: atmosphere", "h2o", "found o3", "allowed all of h2o, o3"]
     yield "a gas model without air", lit.replace(air, ""), ["scene.toml:21: atmosphere", "missing", "h2o, o3"]

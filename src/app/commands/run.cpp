@@ -81,8 +81,9 @@ std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
   const SceneThermal& thermal = *scene.thermal;
   const BoxGrid& box = assembled.problem.grid.box;
   const Atmosphere& air = scene.atmosphere->air;
-  std::string text = thermal.wavelength_um ? fmt::format("{} um", *thermal.wavelength_um)
-                                           : fmt::format("{} to {} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
+  std::string text = thermal.wavelength_um
+                         ? fmt::format("{} um", *thermal.wavelength_um)
+                         : fmt::format("{:.6g} to {:.6g} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
   text += scene.surface_temperature_k ? fmt::format("; ground {:.5g} K", *scene.surface_temperature_k)
                                       : fmt::format("; ground {}", scene.temperature_map.filename().string());
   text += fmt::format("; air {:.5g} K at the bottom, {:.5g} K at the top", air.temperature_at(box.z_edge_m.front()),
