@@ -53,16 +53,15 @@ void check_comparable(const Scene& scene) {
 
 /// Sums over g-points are solved in one way.
 void check_broadband_options(const RunOptions& options, const Scene& scene) {
-  const char* const found = options.compare               ? "--compare"
-                            : options.target              ? "--target-error or --budget"
-                            : !options.checkpoint.empty() ? "--checkpoint"
-                            : !options.resume.empty()     ? "--resume"
-                                                          : nullptr;
-  if (found == nullptr) return;
-  throw InputError(
-      fmt::format("{}: spectrum.gas_model: excludes {} (found both, allowed one of the two) spectrum.method = "
-                  "\"columns\" solves independent columns",
-                  scene.path.string(), found));
+  const auto refuse = [&scene](const char* option, const char* way_out) {
+    throw InputError(fmt::format("{}: excludes {} (found both, allowed one of the two) {}",
+                                 scene.where("spectrum.gas_model"), option, way_out));
+  };
+  if (options.compare)
+    refuse("--compare", "a second run with --set spectrum.method=columns solves independent columns");
+  if (options.target) refuse("--target-error and --budget", "choose the level by solver.accuracy");
+  if (!options.checkpoint.empty()) refuse("--checkpoint", "g-points are short runs, which keep no state");
+  if (!options.resume.empty()) refuse("--resume", "g-points are short runs, which keep no state");
 }
 
 void check_memory(const Scene& scene, const CostEstimate& cost, std::uint64_t available) {
@@ -86,8 +85,9 @@ std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
   const SceneThermal& thermal = *scene.thermal;
   const BoxGrid& box = assembled.problem.grid.box;
   const Atmosphere& air = scene.atmosphere->air;
-  std::string text = thermal.wavelength_um ? fmt::format("{} um", *thermal.wavelength_um)
-                                           : fmt::format("{} to {} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
+  std::string text = thermal.wavelength_um
+                         ? fmt::format("{} um", *thermal.wavelength_um)
+                         : fmt::format("{:.6g} to {:.6g} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
   text += scene.surface_temperature_k ? fmt::format("; ground {:.5g} K", *scene.surface_temperature_k)
                                       : fmt::format("; ground {}", scene.temperature_map.filename().string());
   text += fmt::format("; air {:.5g} K at the bottom, {:.5g} K at the top", air.temperature_at(box.z_edge_m.front()),
