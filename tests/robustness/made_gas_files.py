@@ -1,4 +1,4 @@
-"""Small gas models in the layout of ecCKD, and a table of bulk optics in that of ecRad, all made up: files for checks of what scenes say and results hold."""
+"""Small gas models in the layout of ecCKD, and a table of bulk optics in that of ecRad, all made up."""
 import netCDF4
 import numpy as np
 
