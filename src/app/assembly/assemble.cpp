@@ -273,11 +273,15 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   }
   LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
   levels.layer_cells = scene.domain.vertical_cells;
+  levels.air = scene.solver.air;
   if (scene.broadband) {
     // The layers of air are thin, and their levels the same at all g-points, whatever the optics.
     constexpr double any_depth = 1e30;
     levels.edge_optical_depth = levels.max_optical_depth = any_depth;
     levels.min_levels = 1;
+    // Narrow blocks rather than cells: g-points of short waves, whose air scatters much, have a small share of the
+    // light.
+    if (levels.air == AirCells::automatic) levels.air = AirCells::in_blocks;
   }
   levels.edges_m = scene.output.heights_m;
   const std::array<double, 2> z_m{domain.min_m[2], domain.max_m[2]};
@@ -288,7 +292,6 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   }
   levels.levels_m = levels_m;
   levels.memory_limit_bytes = memory_limit_bytes;
-  levels.air = scene.solver.air;
   // Layers without a cloud are the same everywhere: they have no sides.
   const bool periodic = scene.domain.periodic || field == nullptr;
   try {
