@@ -187,8 +187,7 @@ void SceneReader::read_sun(const ConfigReader& reader) {
     if (model.light() != GasModel::Light::solar) {
       throw InputError(
           fmt::format("{}: sun: stands beside a gas model of longwave light (found {}, allowed a model of "
-                      "sunlight, or no [sun]) sunlight and emission are two scenes, whose fluxes and heating rates add "
-                      "up",
+                      "sunlight, or no [sun]) their sum needs two scenes",
                       root_.place_of("sun"), scene_.broadband->file));
     }
     if (!irradiance) reader.fail_missing("irradiance_w_m2", "the total solar irradiance in W m-2, such as 1361");

@@ -40,7 +40,7 @@ void SceneReader::read_thermal_of_point(const ConfigReader& reader) {
   if (model.light() != GasModel::Light::longwave) {
     throw InputError(fmt::format(
         "{}: thermal: stands beside a gas model of sunlight (found {}, allowed a longwave model, or no [thermal]) "
-        "sunlight and emission are two scenes, whose fluxes and heating rates add up",
+        "their sum needs two scenes",
         root_.place_of("thermal"), scene_.broadband->file));
   }
   SceneThermal thermal;
