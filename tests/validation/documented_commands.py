@@ -60,8 +60,8 @@ class Page:
     files: dict = field(default_factory=dict)        # that the page takes for given: name, text
     before: list = field(default_factory=list)       # commands that make such files
     completions: list = field(default_factory=list)  # of the blocks `toml` without a name, in their order: what the page leaves out
-    shows: tuple = ()                                 # blocks `text` that are no output of a command here, by a word in them
-    references: dict = field(default_factory=dict)   # files of others that the page names: name, path below CLOUDBOW_REFERENCE_DIR; a page is left out without
+    shows: tuple = ()                                 # blocks `text` that no command printed, by a word in them
+    references: dict = field(default_factory=dict)   # name, path below CLOUDBOW_REFERENCE_DIR
 
 
 PAGES = {
