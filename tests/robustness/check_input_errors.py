@@ -123,8 +123,8 @@ def broadband_scenes():
     for name, file, words in (("a result", "gas.h5", ["netCDF", "upwelling_flux"]), ("a cloud", "cloud.vdb", ["neither netCDF nor HDF5"]), ("bulk optics", "bulk.nc", ["mass_extinction_coefficient"])):
         yield f"{name} as gas model", lit.replace("sun.nc", file), ["scene.toml:26: spectrum.gas_model", file, "no gas model", "ecCKD", *words]
     yield "missing gas model", lit.replace("sun.nc", "none.nc"), ["scene.toml:26: spectrum.gas_model", "no such file", "none.nc"]
-    yield "a longwave model with a sun", lit.replace("sun.nc", "long.nc"), ["scene.toml:12: sun", "longwave", "long.nc", "no [sun]"]
-    yield "a model of sunlight with emission", lit + "[thermal]\n", ["scene.toml:27: thermal", "sunlight", "sun.nc", "no [thermal]"]
+    yield "a longwave model with a sun", lit.replace("sun.nc", "long.nc"), ["scene.toml:12: sun", "longwave", "long.nc", "without [sun]"]
+    yield "a model of sunlight with emission", lit + "[thermal]\n", ["scene.toml:27: thermal", "sunlight", "sun.nc", "without [thermal]"]
     yield "a model of sunlight without sun", replaced(sun, "") + air + model, ["scene.toml:21: sun", "missing", "sun.nc", "[sun]"]
     yield "sunlight without a total", lit.replace("irradiance_w_m2 = 1361.0\n", ""), ["scene.toml:12: sun.irradiance_w_m2", "missing", "1361"]
     yield "a gas that is missing", lit.replace("h2o = 1e-3\n", ""), ["scene.toml:21: atmosphere", "h2o", "found o3", "allowed all of h2o, o3"]

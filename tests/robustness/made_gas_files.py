@@ -1,4 +1,4 @@
-"""Small gas models in the layout of ecCKD, and a table of bulk optics in that of ecRad, all made up."""
+"""Made-up files for tests: small gas models in the layout of ecCKD, and a table of bulk optics in that of ecRad."""
 import netCDF4
 import numpy as np
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """docs/result-reference.md names every variable and every attribute of a group that results hold, and no others.
 
-Truth: results of a scene with all that it can ask for, at one and at two wavelengths, of scenes that emit, and of one with a gas model (made up).
+Truth: results of a scene with all that it can ask for, at one and at two wavelengths, of scenes that emit, and of one with a gas model.
 
 usage: check_result_reference.py CLOUDBOW DOCS/RESULT-REFERENCE.MD
 """

@@ -21,6 +21,8 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import support
+
 ROOT = Path(__file__).resolve().parents[2]
 
 # Not run, by how they begin; the reason.
@@ -58,7 +60,8 @@ class Page:
     files: dict = field(default_factory=dict)        # that the page takes for given: name, text
     before: list = field(default_factory=list)       # commands that make such files
     completions: list = field(default_factory=list)  # of the blocks `toml` without a name, in their order: what the page leaves out
-    shows: tuple = ()                                 # blocks `text` that are no output of a command here, by a word in them
+    shows: tuple = ()                                 # blocks `text` that no command printed, by a word in them
+    references: dict = field(default_factory=dict)   # name, path below CLOUDBOW_REFERENCE_DIR
 
 
 PAGES = {
@@ -69,6 +72,8 @@ PAGES = {
     "docs/radiance-fields.md": Page(shows=("sin(zenith)",)),
     "docs/pictures.md": Page(completions=[SUN + CUMULUS + "effective_radius_um = 10.0\n", SUN + CUMULUS + '[phase_function.droplets]\ntype = "isotropic"\n']),
     "docs/howto-thermal.md": Page(completions=["", THERMAL]),
+    "docs/howto-heating-rates.md": Page(references={"gas_solar.nc": "gas/ecckd-1.4_sw_climate_rgb-32b_ckd-definition.nc", "gas_longwave.nc": "gas/ecckd-1.0_lw_climate_fsck-32b_ckd-definition.nc",
+                                                           "droplets.nc": "gas/mie_droplet_scattering.nc"}),
     "docs/accuracy-and-speed.md": Page(),
     "docs/error-estimates.md": Page(files={"scene.toml": STEP_CLOUD}, shows=("flux errors, about", "can't be promised")),
     "docs/checkpoints.md": Page(files={"scene.toml": STEP_CLOUD}),
@@ -176,7 +181,7 @@ class Runner:
         words = re.sub(r"[\[\]|]", " ", re.sub(r"^[A-Z_]+=\S+ ", "", command)).split()
         if words[0] != "cloudbow":
             return
-        path = tuple(words[1:3]) if words[1] == "cloud" else tuple(words[1:2])
+        path = tuple(words[1:3]) if words[1] in ("cloud", "gas") else tuple(words[1:2])
         text = self.help_of(path)
         if text is None:
             return self.fault(f"{command}: no such command")
@@ -214,6 +219,12 @@ class Runner:
     def run(self, page):
         self.page, plan = page, PAGES[page]
         print(f"\n{page}", flush=True)
+        reference = support.reference_folder()
+        missing = [path for path in plan.references.values() if reference is None or not (reference / path).exists()]
+        if missing:
+            self.left_out.append(f"{page}: all of it (no {', '.join(missing)} in the folder that CLOUDBOW_REFERENCE_DIR names)")
+            print("left out: needs the reference data of others", flush=True)
+            return
         self.place = self.folder / "pages" / page.replace("/", "_")
         (self.place / "build/release/src").mkdir(parents=True)
         (self.place / "build/release/src/cloudbow").symlink_to(self.cloudbow)
@@ -222,6 +233,8 @@ class Runner:
         self.printed, self.ran_any, self.completions = [], False, list(plan.completions)
         for name, text in plan.files.items():
             (self.place / name).write_text(text)
+        for name, path in plan.references.items():
+            (self.place / name).symlink_to(reference / path)
         for command in plan.before:
             self.call(["bash", "-c", command], command)
         text = (ROOT / page).read_text()
