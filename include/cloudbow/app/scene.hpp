@@ -76,8 +76,8 @@ struct SceneAtmosphere {
 
 /// Emission of matter and ground, in one spectral interval. One of wavelength_um and band_um is there.
 struct SceneThermal {
-  std::function<double(double)> planck;         ///< Planck radiance at a temperature [K]
-  std::optional<PlanckFunction> black_body{};   ///< the same with its inverse; none at a g-point
+  std::function<double(double)> planck;        ///< Planck radiance at a temperature [K]
+  std::optional<PlanckFunction> black_body{};  ///< the same with its inverse; none at a g-point
   std::optional<double> wavelength_um;
   std::optional<std::array<double, 2>> band_um;
 
@@ -99,8 +99,8 @@ struct SceneBroadband {
   std::shared_ptr<const GasModel> model;
   std::string file;  ///< name of the model's
   Method method = Method::few;
-  double few_tolerance = 1.5e-3;  ///< largest residual of the choice
-  int few_points = 0;             ///< at most so many are chosen; 0: as many as the tolerance needs
+  double few_tolerance = 1.5e-3;     ///< largest residual of the choice
+  int few_points = 0;                ///< at most so many are chosen; 0: as many as the tolerance needs
   int molecules_phase_function = 0;  ///< index into Scene::phase_functions
 };
 
@@ -178,8 +178,8 @@ struct Scene {
   std::string where(const std::string& key) const;
 };
 
-/// The scene at each of its wavelengths, in the order of `spectrum.wavelengths_um`, or at each g-point of its gas model;
-/// without a spectrum one scene.
+/// The scene at each of its wavelengths, in the order of `spectrum.wavelengths_um`, or at each g-point of its gas
+/// model. Without a spectrum it is one scene.
 /// @param overrides "KEY=VALUE" as in read_config().
 /// @throws InputError with file, line, key, what was found and what is allowed.
 std::vector<Scene> read_scenes(const std::filesystem::path& path, std::span<const std::string> overrides = {});

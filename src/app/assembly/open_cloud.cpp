@@ -182,7 +182,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   }
   if (scene.broadband && !is_water && cloud.droplets != nullptr) {
     throw InputError(
-        fmt::format("{}: extinction has no spectrum of its own (found an extinction grid with radii by voxel, "
+        fmt::format("{}: no spectrum of its own (found extinction and radii by voxel, "
                     "allowed liquid_water_content, or one effective_radius_um)",
                     scene.where("cloud.quantity")));
   }

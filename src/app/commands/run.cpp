@@ -166,7 +166,7 @@ std::filesystem::path output_file(const RunOptions& options, const Scene& scene)
   return scene.path.stem().string() + ".h5";
 }
 
-/// What clouds change, and heating in K per day.
+/// Effect of clouds, and heating in K per day.
 void print_effects(const Solution& solution, const ResultInfo& info, std::size_t n, const std::string& flux_units) {
   if (!info.clear_sky.empty()) {
     const EnergyFluxes here = energy_fluxes(solution.ledger), clear = energy_fluxes(info.clear_sky[n].ledger);

@@ -37,8 +37,8 @@ void check_clear_sky(const Scene& scene) {
                                                                        : nullptr;
   if (found == nullptr) return;
   throw InputError(
-      fmt::format("{}: --clear-sky: there is no such sky (found {}, allowed a scene with a cloud, with [[layer]] or "
-                  "spectrum.gas_model, over ground without maps)",
+      fmt::format("{}: --clear-sky: no such sky (found {}, allowed a cloud with [[layer]] or spectrum.gas_model, over "
+                  "ground without maps)",
                   scene.path.string(), found));
 }
 

@@ -70,7 +70,7 @@ TEST_P(BroadbandTest, FewWithAllPointsIsAll) {
   const BroadbandRun few = run(scenes("few_tolerance = 1e-6\nfew_points = 4\n"));
   EXPECT_EQ(few.info.method, "few");
   ASSERT_THAT(few.info.solved, ElementsAre(0, 1, 2, 3));
-  constexpr double rounding = 1e-6;  // of float, where weights are not quite 1
+  constexpr double rounding = 1e-6;  // of float; weights are not quite 1
   EXPECT_THAT(few.info.weight, Each(testing::DoubleNear(1, rounding)));
   const auto expect_near = [&](const std::vector<float>& a, const std::vector<float>& b) {
     const float largest = *std::max_element(b.begin(), b.end());

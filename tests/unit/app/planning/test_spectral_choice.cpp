@@ -44,7 +44,7 @@ std::vector<double> rest(const std::vector<std::vector<double>>& columns, const 
   return r;
 }
 
-// x >= 0; A^T (b - A x) is 0 where x > 0, and not positive elsewhere.
+// x >= 0; A^T (b - A x) is 0 if x > 0, and not positive elsewhere.
 void expect_optimal(const std::vector<std::vector<double>>& columns, const std::vector<double>& b,
                     const std::vector<double>& x, const std::string& name) {
   ASSERT_EQ(x.size(), columns.size());

@@ -115,7 +115,7 @@ TEST(ThermalScene, InlineAtmospheresAndWhatFillsThem) {
               HasSubstr("atmosphere"));
   EXPECT_THAT(message_of(layer + thermal + surface + "[atmosphere]\n"), HasSubstr("atmosphere.standard: missing"));
   EXPECT_THAT(message_of(layer + thermal + surface + air + "h2o = [0.01, 0.001]\n"),
-              HasSubstr("atmosphere.h2o: not available in this version"));
+              HasSubstr("atmosphere.h2o: not one number for each of height_m"));
   EXPECT_THAT(message_of(layer + thermal + surface + air + "file = \"afglms.dat\"\n"),
               HasSubstr("stands beside `file`"));
 }
