@@ -175,11 +175,11 @@ def write_wrf(path, form):
         file.DX, file.DY = np.float32(100), np.float32(100)
 
 
-def write_checkpoint(path, libver):
+def write_checkpoint(path, libver, checkpoint_format):
     """The arrays of fuzz_checkpoint.cpp. Those of the oldest format have no checksums, which stop nearly every mutant."""
     with h5py.File(path, "w", libver=libver) as file:
         file.attrs["source"] = np.bytes_("cloudbow")
-        file.attrs["checkpoint_format"] = np.int32(1)
+        file.attrs["checkpoint_format"] = checkpoint_format
         file.attrs["layout"] = np.int64(1)
         file.attrs["problem"] = np.int64(2)
         checked = libver != "earliest"
@@ -308,8 +308,10 @@ def main():
     scene.write_text(TINY_RUN.replace("CLOUD", str((clouds / "float.vdb").resolve())))
     checkpoints = folder("checkpoint")
     cloudbow("run", scene, "--quiet", "-o", results / "result.h5", "--checkpoint", checkpoints / "own.h5")
-    for libver in ("earliest", "latest"):
-        write_checkpoint(checkpoints / f"{libver}.h5", libver)
+    with h5py.File(checkpoints / "own.h5") as file:
+        checkpoint_format = file.attrs["checkpoint_format"]  # any other is refused before its values are read
+    for name, libver in (("earliest", "earliest"), ("v108", ("v108", "v108")), ("latest", "latest")):
+        write_checkpoint(checkpoints / f"{name}.h5", libver, checkpoint_format)
     scene.unlink()
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import h5py
 
+from made_gas_files import write_bulk_table, write_gas_model
 from sound_scene import SCENE
 
 # One VDB file each, made by faulty_vdb, and words of the message.
@@ -106,10 +107,54 @@ def scenes():
     yield "missing atmosphere file", emitting.replace('standard = "us-1976"', 'file = "none.dat"') + thermal, ["atmosphere.file", "none.dat"]
     yield "a cloud as atmosphere", emitting.replace('standard = "us-1976"', 'file = "cloud.vdb"') + thermal, ["atmosphere.file", "cloud.vdb"]
     yield "brightness temperature of sunlight", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 0.0\nquantity = "brightness_temperature"\n', ["radiance.0.quantity", "[thermal]"]
+    yield from broadband_scenes()
     for fault, words in VDB_FAULTS.items():
         yield f"VDB file: {fault}", replaced("cloud.vdb", f"{fault}.vdb"), [f"{fault}.vdb", *words]
     for cut in (50, 90, 99):
         yield f"VDB file cut at {cut} %", replaced("cloud.vdb", f"cut_{cut}.vdb"), [f"cut_{cut}.vdb"]
+
+
+def broadband_scenes():
+    """Of scenes with a gas model; the files are made up."""
+    air, model, sun = '[atmosphere]\nstandard = "us-1976"\nh2o = 1e-3\no3 = 1e-7\n', '[spectrum]\ngas_model = "sun.nc"\n', "[sun]\nzenith_deg = 60.0\nazimuth_deg = 0.0\n"
+    lit = replaced("azimuth_deg = 0.0", "azimuth_deg = 0.0\nirradiance_w_m2 = 1361.0") + air + model
+    longwave = replaced(sun, "").replace("albedo = 0.05", "albedo = 0.05\ntemperature_k = 288.0") + air + model.replace("sun.nc", "long.nc")
+    bulk = (lit.replace("single_scattering_albedo = 0.99", "effective_radius_um = 10.0").replace('type = "henyey-greenstein"\nasymmetry_parameter = 0.85', 'type = "bulk"\nfile = "bulk.nc"'))
+    for name, file, words in (("a result", "gas.h5", ["netCDF", "upwelling_flux"]), ("a cloud", "cloud.vdb", ["neither netCDF nor HDF5"]), ("bulk optics", "bulk.nc", ["mass_extinction_coefficient"])):
+        yield f"{name} as gas model", lit.replace("sun.nc", file), ["scene.toml:26: spectrum.gas_model", file, "no gas model", "ecCKD", *words]
+    yield "missing gas model", lit.replace("sun.nc", "none.nc"), ["scene.toml:26: spectrum.gas_model", "no such file", "none.nc"]
+    yield "a longwave model with a sun", lit.replace("sun.nc", "long.nc"), ["scene.toml:12: sun", "longwave", "long.nc", "no [sun]"]
+    yield "a model of sunlight with emission", lit + "[thermal]\n", ["scene.toml:27: thermal", "sunlight", "sun.nc", "no [thermal]"]
+    yield "a model of sunlight without sun", replaced(sun, "") + air + model, ["scene.toml:21: sun", "missing", "sun.nc", "[sun]"]
+    yield "sunlight without a total", lit.replace("irradiance_w_m2 = 1361.0\n", ""), ["scene.toml:12: sun.irradiance_w_m2", "missing", "1361"]
+    yield "a gas that is missing", lit.replace("h2o = 1e-3\n", ""), ["scene.toml:21: atmosphere", "h2o", "found o3", "allowed all of h2o, o3"]
+    yield "a gas model without air", lit.replace(air, ""), ["scene.toml:21: atmosphere", "missing", "h2o, o3"]
+    yield "water vapour in g/kg", lit.replace("1e-3", "7.0"), ["scene.toml:23: atmosphere.h2o", "7", "mole fraction, 0 to 1"]
+    yield "a list of water vapour without heights", lit.replace("1e-3", "[1e-3, 1e-4]"), ["scene.toml:23: atmosphere.h2o", "2 numbers", "height_m"]
+    yield "carbon dioxide twice", lit.replace("o3 = 1e-7", "o3 = 1e-7\nco2 = 4e-4\nco2_ppm = 400.0"), ["scene.toml:26: atmosphere.co2_ppm", "co2"]
+    yield "bulk without gas model", bulk.replace(model, ""), ["scene.toml:10: phase_function.droplets.type", "spectrum.gas_model", "mie"]
+    yield "bulk of a radius outside its table", bulk.replace("= 10.0", "= 50.0"), ["scene.toml:7: cloud.effective_radius_um", "bulk.nc", "50", "4 to 20 um"]
+    yield "bulk without radius", bulk.replace("effective_radius_um = 10.0\n", ""), ["cloud.effective_radius_um", "missing", "phase_function.droplets.effective_radius_um"]
+    yield "a gas model as bulk optics", bulk.replace("bulk.nc", "sun.nc"), ["scene.toml:11: phase_function.droplets.file", "sun.nc", "not a table of bulk optics", "mass_extinction_coefficient"]
+    yield "bulk of file and substance", bulk.replace('"bulk.nc"', '"bulk.nc"\nsubstance = "water"'), ["scene.toml:12: phase_function.droplets.substance", "file", "both"]
+    yield "bulk of nothing", bulk.replace('file = "bulk.nc"\n', ""), ["phase_function.droplets.file", "missing", "substance"]
+    yield "bulk of another substance", bulk.replace('file = "bulk.nc"', 'substance = "honey"'), ["scene.toml:11: phase_function.droplets.substance", "honey", "water, ice"]
+    for key, value in (("few_points", "3"), ("few_tolerance", "0.01")):
+        for method in ("all", "columns"):
+            yield f"{key} of method {method}", lit + f'method = "{method}"\n{key} = {value}\n', [f"scene.toml:28: spectrum.{key}", method, '"few"']
+        yield f"{key} without a model", SCENE + f"[spectrum]\nwavelengths_um = [0.5]\n{key} = {value}\n", [f"scene.toml:22: spectrum.{key}", "wavelengths alone", "gas_model"]
+    yield "more points than there are", lit + "few_points = 30\n", ["scene.toml:27: spectrum.few_points", "30", "1 to 2"]
+    yield "a method that there is not", lit + 'method = "some"\n', ["scene.toml:27: spectrum.method", "some", "few, all, columns"]
+    yield "wavelengths beside a gas model", lit + "wavelengths_um = [0.5]\n", ["spectrum.gas_model", "wavelengths_um", "both"]
+    yield "albedo twice", lit.replace("albedo = 0.05", 'albedo = 0.05\nspectral_albedo = "albedo.txt"'), ["scene.toml:19: surface.spectral_albedo", "albedo", "both"]
+    spectral = lit.replace("albedo = 0.05", 'spectral_albedo = "albedo.txt"')
+    yield "albedo of too few wavelengths", spectral, ["scene.toml:18: surface.spectral_albedo", "albedo.txt", "0.8 to 0.9", "repeat the last albedo"]
+    yield "a table of optics as albedo", spectral.replace("albedo.txt", "bulk.nc"), ["scene.toml:18: surface.spectral_albedo", "bulk.nc:1", "two columns"]
+    yield "spectral albedo without gas model", spectral.replace(model, ""), ["scene.toml:18: surface.spectral_albedo", "spectrum.gas_model"]
+    yield "wavelength of emission beside a gas model", longwave + "[thermal]\nwavelength_um = 10.8\n", ["scene.toml:25: thermal.wavelength_um", "spectrum.gas_model"]
+    yield "broadband brightness temperature", longwave + '[thermal]\n[[radiance]]\nname = "a"\nzenith_deg = 0.0\nquantity = "brightness_temperature"\n', ["scene.toml:28: radiance.0.quantity", "one spectral interval", "radiance with spectrum.gas_model"]
+    yield "broadband emission without a temperature of the ground", longwave.replace("temperature_k = 288.0\n", "") + "[thermal]\n", ["surface.temperature_k", "missing"]
+    yield "a sky of no spectrum", lit + "[sky]\nradiance_w_m2_sr = 1.0\n", ["scene.toml:28: sky.radiance_w_m2_sr", "no spectrum"]
 
 
 def phase_commands(folder):
@@ -238,12 +283,16 @@ def main():
         (folder / "les.nc").write_bytes(b"CDF\x01" + bytes(100))
         with h5py.File(folder / "bright.h5", "w") as file:
             file["albedo"] = [[0.5, 1.5]]
+        for light, name in (("solar", "sun.nc"), ("longwave", "long.nc")):
+            write_gas_model(folder / name, light)
+        write_bulk_table(folder / "bulk.nc")
+        (folder / "albedo.txt").write_text("# wavelength(um) albedo\n0.8 0.1\n0.9 0.3\n")
 
         scene, output = folder / "scene.toml", folder / "output.h5"
         scene.write_text(SCENE)
         run = ["run", scene, "--quiet", "-o", output]
         subprocess.run([options.cloudbow, *map(str, run)], check=True, stdout=subprocess.DEVNULL)
-        output.unlink()
+        output.rename(folder / "gas.h5")
 
         checker = Checker(options.cloudbow, folder)
         for name, text, words in scenes():
@@ -261,6 +310,10 @@ def main():
         checker.expect_error("unknown option", [*run, "--thread", "1"], ["--thread", "--checkpoint", "did you mean --threads?"], output)
         checker.expect_error("unknown key set", [*run, "--set", "sun.zenit_deg=3"], ["sun.zenit_deg"], output)
         checker.expect_error("value set out of range", [*run, "--set", "sun.zenith_deg=95"], ["sun.zenith_deg", "95"], output)
+        broadband = ["--set", "spectrum.gas_model=sun.nc", "--set", "atmosphere.standard=us-1976", "--set", "atmosphere.h2o=1e-3", "--set", "atmosphere.o3=1e-7", "--set", "sun.irradiance_w_m2=1361"]
+        for option in (["--compare"], ["--checkpoint", folder / "state.h5"], ["--resume", folder / "state.h5"], ["--target-error", "1%"], ["--budget", "10s"]):
+            checker.expect_error(f"broadband with {option[0]}", [*run, *broadband, *option], ["spectrum.gas_model", option[0], "both", "one of the two"], output)
+        checker.expect_error("clear sky of a cloud alone", [*run, "--clear-sky"], ["--clear-sky", "a cloud alone", "spectrum.gas_model"], output)
         checker.expect_error("azimuths of columns that have none", [*run, "--set", "solver.mode=independent-diffuse", "--set", 'output.fields=["radiance_field"]'],
                              ["solver.mode", "independent-diffuse", "radiance_field"], output)
         checker.expect_error("storage that there is not", [*run, "--set", "solver.radiance_storage=float8"], ["solver.radiance_storage", "float8", "float16"], output)

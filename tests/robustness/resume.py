@@ -9,6 +9,7 @@ usage: resume.py --cloudbow PROGRAM [--kills N] [--seed S]
 import argparse
 import random
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -42,6 +43,40 @@ def differences(path, truth):
 
 def told(done):
     return "; ".join(line for line in done.stderr.splitlines() if line.startswith("cloudbow: "))
+
+
+def with_spoiled_records(whole, path):
+    """Checkpoints with a spoiled list of the chunks of the radiance: (name, bytes). No checksum covers this list, and HDF5 crashes on some of them.
+
+    HDF5 1.8 lists chunks in nodes "TREE" (its file format specification, III.A.1). A record is size, filters left out, first indices and address.
+    """
+    with h5py.File(path) as file:
+        chunks = file["radiance"].id
+        stored = [chunks.get_chunk_info(n) for n in range(chunks.get_num_chunks())]
+    assert len(stored) >= 6
+    layout = "<IIQQQQ"
+    places = []
+    for chunk in stored:
+        record = struct.pack(layout, chunk.size, chunk.filter_mask, *chunk.chunk_offset, 0, chunk.byte_offset)
+        assert whole.count(record) == 1
+        places.append(whole.index(record))
+    size_at, filters_at, address_at = 0, 4, 32
+
+    def spoiled(*changes):
+        content = bytearray(whole)
+        for record, at, form, value in changes:
+            struct.pack_into(form, content, places[record] + at, value)
+        return bytes(content)
+
+    small, large, filters, fletcher32, address = 1, 0xb03e4d87, 0x5770, 1, 0xabae_0000_0000_2633
+    yield "a chunk of one byte", spoiled((1, size_at, "<I", small))
+    yield "a chunk of no bytes", spoiled((1, size_at, "<I", 0))
+    yield "a chunk smaller than its checksum", spoiled((1, size_at, "<I", 3))
+    yield "a chunk of 3 GB", spoiled((2, size_at, "<I", large))
+    yield "a chunk of 3 GB without its filter", spoiled((2, size_at, "<I", large), (2, filters_at, "<I", filters | fletcher32))
+    yield "a chunk beyond the file's end", spoiled((3, address_at, "<Q", address))
+    yield "a chunk at the file's end", spoiled((3, address_at, "<Q", len(whole) - 8))
+    yield "several spoiled records", spoiled((1, size_at, "<I", small), (3, address_at, "<Q", address), (4, size_at, "<I", large), (4, filters_at, "<I", filters))
 
 
 class Checker:
@@ -144,6 +179,10 @@ def main():
                    ("a time without checkpoint", ["--checkpoint-every", 1], ["--checkpoint"]),
                    ("a negative time", ["--checkpoint", checker.checkpoint, "--checkpoint-every", -1], ["--checkpoint-every", ">= 0"]),
                    ("checkpoints of a wanted error", ["--checkpoint", checker.checkpoint, "--target-error", "1%"], ["--checkpoint", "--target-error"])]
+        for number, (name, content) in enumerate(with_spoiled_records(whole, checker.checkpoint)):
+            spoiled = folder / f"spoiled_{number}.h5"
+            spoiled.write_bytes(content)
+            refused.append((f"a checkpoint with {name}", ["--resume", spoiled], [spoiled.name]))
         checker.run()
         checker.output.rename(folder / "result.h5")
         for name, more, words in refused:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """docs/result-reference.md names every variable and every attribute of a group that results hold, and no others.
 
-Truth: results of a scene with all that it can ask for, at one and at two wavelengths, and of scenes that emit.
+Truth: results of a scene with all that it can ask for, at one and at two wavelengths, of scenes that emit, and of one with a gas model (made up).
 
 usage: check_result_reference.py CLOUDBOW DOCS/RESULT-REFERENCE.MD
 """
@@ -14,6 +14,9 @@ from pathlib import Path
 import h5py
 import netCDF4
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "robustness"))
+from made_gas_files import write_bulk_table, write_gas_model
 
 CELLS = "# nx,ny,nz=2,2,3 dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.3\nix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n1,1,2,20,1,2\n"
 FUNCTIONS = "0 1 1\n1 0.5 0.4\n2 0.3 0.2\n"
@@ -71,6 +74,29 @@ fields = ["fluxes", "absorption", "heating_rate"]
 """
 GROUND, GROUND_MAP = "temperature_k = 288.0\n", 'temperature_map = "ground.nc"\n'
 WAVELENGTH, BAND = "[thermal]\nwavelength_um = 10.8\n", "[thermal]\nband_um = [8.0, 12.0]\n"
+BROADBAND = """\
+[cloud]
+file = "cloud.vdb"
+effective_radius_um = 10.0
+phase_function = "water"
+[phase_function.water]
+type = "bulk"
+file = "bulk.nc"
+[atmosphere]
+standard = "us-1976"
+h2o = 1e-3
+o3 = 1e-7
+[spectrum]
+gas_model = "model.nc"
+[sun]
+zenith_deg = 30.0
+azimuth_deg = 0.0
+irradiance_w_m2 = 1361.0
+[solver]
+accuracy = "draft"
+[output]
+fields = ["fluxes", "heating_rate"]
+"""
 SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
 
 
@@ -135,10 +161,12 @@ def main():
         (Path(folder) / "functions.csv").write_text(FUNCTIONS)
         cloudbow("cloud", "import", "cells.csv", "--phase-functions", "functions.csv", "-o", "cloud.vdb", "--quiet")
         write_thermal_files(Path(folder))
+        write_gas_model(Path(folder) / "model.nc", "solar")
+        write_bulk_table(Path(folder) / "bulk.nc")
         cloudbow("cloud", "import", "les.nc", "--temperature-grid", "-o", "les.vdb", "--quiet")
         for name, text, options in (("one", SCENE, ["--compare"]), ("spectrum", SCENE + SPECTRUM, ["--compare"]),
                                     ("goal", SCENE, ["--target-error", "90%", "--of", "columns", "--budget", "1000s"]),
-                                    ("thermal", THERMAL + GROUND + WAVELENGTH, ["--compare"]), ("thermal_band", THERMAL + GROUND_MAP + BAND, [])):
+                                    ("thermal", THERMAL + GROUND + WAVELENGTH, ["--compare"]), ("thermal_band", THERMAL + GROUND_MAP + BAND, []), ("broadband", BROADBAND, ["--clear-sky"])):
             (Path(folder) / f"{name}.toml").write_text(text)
             cloudbow("run", f"{name}.toml", "--quiet", *options, "-o", f"{name}.h5")
             for all_names, names in zip(found, written(Path(folder) / f"{name}.h5")):

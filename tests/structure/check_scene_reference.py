@@ -11,6 +11,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "robustness"))
+from made_gas_files import write_gas_model
+
 UNKNOWN = "nobody_knows_this_key"
 
 
@@ -26,8 +29,8 @@ def documented(text):
         elif heading:
             kind = re.match(r'`type = "([a-z-]+)"`', heading.group(2)).group(1)
             found[table, kind] = list(found[table, None])
-        elif row := re.match(r"\| `([a-z0-9_]+)` \|", line):
-            found[table, kind].append(row.group(1))
+        elif row := re.match(r"\| ((?:`[a-z0-9_]+` )+)\|", line):
+            found[table, kind] += re.findall(r"`(\w+)`", row.group(1))
     typed = {table for table, kind in found if kind}
     return {place: keys for place, keys in found.items() if place[1] or place[0] not in typed}
 
@@ -35,6 +38,7 @@ def documented(text):
 class Program:
     def __init__(self, path, folder):
         self.path, self.scene = path, Path(folder) / "scene.toml"
+        write_gas_model(Path(folder) / "model.nc", "solar")
 
     def message(self, text):
         self.scene.write_text(text)
@@ -46,6 +50,8 @@ class Program:
     def allowed(self, table, kind):
         """The keys, by the message on an unknown one."""
         lines = [table.replace("NAME", "x"), *([f'type = "{kind}"'] if kind else []), f"{UNKNOWN} = 1"]
+        if kind == "bulk":
+            lines += ["[spectrum]", 'gas_model = "model.nc"']
         words = re.search(rf"{UNKNOWN}: unknown key \(found {UNKNOWN}, allowed ([^;)]*)", self.message("\n".join(lines) + "\n"))
         return words.group(1).split(", ") if words else []
 

@@ -99,7 +99,7 @@ struct SceneBroadband {
   std::shared_ptr<const GasModel> model;
   std::string file;  ///< name of the model's
   Method method = Method::few;
-  double few_tolerance = 1.5e-3;     ///< largest residual of the choice
+  double few_tolerance = 1e-3;       ///< largest residual of the choice
   int few_points = 0;                ///< at most so many are chosen; 0: as many as the tolerance needs
   int molecules_phase_function = 0;  ///< index into Scene::phase_functions
 };

@@ -181,10 +181,9 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
     opened.figures.effective_radius_um = {*cloud.effective_radius_um, *cloud.effective_radius_um};
   }
   if (scene.broadband && !is_water && cloud.droplets != nullptr) {
-    throw InputError(
-        fmt::format("{}: no spectrum of its own (found extinction and radii by voxel, "
-                    "allowed liquid_water_content, or one effective_radius_um)",
-                    scene.where("cloud.quantity")));
+    throw InputError(fmt::format(
+        "{}: extinction has no spectrum (found radii by voxel beside it, allowed liquid_water_content, or one radius)",
+        scene.where("cloud.quantity")));
   }
   if (!is_water && cloud.relative_extinction) {
     files.note(fmt::format("{}: the extinction is taken to be that at {} um", scene.where("cloud.file"),

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
@@ -52,25 +53,27 @@ void check_comparable(const Scene& scene) {
 
 /// Sums over g-points are solved in one way.
 void check_broadband_options(const RunOptions& options, const Scene& scene) {
-  const char* const found = options.compare               ? "--compare"
-                            : options.target              ? "--target-error or --budget"
-                            : !options.checkpoint.empty() ? "--checkpoint"
-                            : !options.resume.empty()     ? "--resume"
-                                                          : nullptr;
-  if (found == nullptr) return;
-  throw InputError(
-      fmt::format("{}: spectrum.gas_model: excludes {} (found both, allowed one of the two) spectrum.method = "
-                  "\"columns\" solves independent columns",
-                  scene.path.string(), found));
+  const auto refuse = [&scene](const char* option, const char* way_out) {
+    throw InputError(fmt::format("{}: excludes {} (found both, allowed one of the two) {}",
+                                 scene.where("spectrum.gas_model"), option, way_out));
+  };
+  if (options.compare)
+    refuse("--compare", "a second run with --set spectrum.method=columns solves independent columns");
+  if (options.target) refuse("--target-error and --budget", "choose the level by solver.accuracy");
+  if (!options.checkpoint.empty()) refuse("--checkpoint", "g-points are short runs, which keep no state");
+  if (!options.resume.empty()) refuse("--resume", "g-points are short runs, which keep no state");
 }
 
 void check_memory(const Scene& scene, const CostEstimate& cost, std::uint64_t available) {
   if (cost.memory <= available) return;
+  constexpr double megabyte = 1e6;
+  // Rounded away from each other, so that close numbers are seen to differ.
+  const double needed = std::ceil(static_cast<double>(cost.memory) / megabyte);
+  const double allowed = std::floor(static_cast<double>(available) / megabyte);
   throw InputError(
-      fmt::format("{}: needs more memory than this machine has (found {:.1f} GB needed, allowed {:.1f} "
-                  "GB); a smaller domain, fewer solver.control_points or a lower solver.accuracy need "
-                  "less",
-                  scene.path.string(), static_cast<double>(cost.memory) / 1e9, static_cast<double>(available) / 1e9));
+      fmt::format("{}: needs more memory than is available (found {:.0f} MB needed, allowed {:.0f} MB); a smaller "
+                  "domain, fewer solver.control_points or a lower solver.accuracy need less",
+                  scene.path.string(), needed, allowed));
 }
 
 std::string figures_text(const ColumnFigures& figures, double columns, const char* unit) {
@@ -82,8 +85,9 @@ std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
   const SceneThermal& thermal = *scene.thermal;
   const BoxGrid& box = assembled.problem.grid.box;
   const Atmosphere& air = scene.atmosphere->air;
-  std::string text = thermal.wavelength_um ? fmt::format("{} um", *thermal.wavelength_um)
-                                           : fmt::format("{} to {} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
+  std::string text = thermal.wavelength_um
+                         ? fmt::format("{} um", *thermal.wavelength_um)
+                         : fmt::format("{:.6g} to {:.6g} um", (*thermal.band_um)[0], (*thermal.band_um)[1]);
   text += scene.surface_temperature_k ? fmt::format("; ground {:.5g} K", *scene.surface_temperature_k)
                                       : fmt::format("; ground {}", scene.temperature_map.filename().string());
   text += fmt::format("; air {:.5g} K at the bottom, {:.5g} K at the top", air.temperature_at(box.z_edge_m.front()),
@@ -166,7 +170,7 @@ std::filesystem::path output_file(const RunOptions& options, const Scene& scene)
   return scene.path.stem().string() + ".h5";
 }
 
-/// Effect of clouds, and heating in K per day.
+/// Effect of the clouds on the fluxes, and heating in K per day.
 void print_effects(const Solution& solution, const ResultInfo& info, std::size_t n, const std::string& flux_units) {
   if (!info.clear_sky.empty()) {
     const EnergyFluxes here = energy_fluxes(solution.ledger), clear = energy_fluxes(info.clear_sky[n].ledger);

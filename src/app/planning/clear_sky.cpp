@@ -36,10 +36,9 @@ void check_clear_sky(const Scene& scene) {
                             : !scene.temperature_map.empty()           ? "surface.temperature_map"
                                                                        : nullptr;
   if (found == nullptr) return;
-  throw InputError(
-      fmt::format("{}: --clear-sky: no such sky (found {}, allowed a cloud with [[layer]] or spectrum.gas_model, over "
-                  "ground without maps)",
-                  scene.path.string(), found));
+  throw InputError(fmt::format(
+      "{}: --clear-sky: there is no such sky (found {}, allowed a cloud with layers or a gas model, no maps)",
+      scene.path.string(), found));
 }
 
 std::vector<Solution> solve_clear_sky(const std::vector<Scene>& scenes, const RunOptions& options,

@@ -54,14 +54,25 @@ ColumnAnswers column_answers(const Problem& problem, const SolverOptions& option
     answers.up.push_back(per_power(solution.upwelling_flux[n + c]));
     answers.down.push_back(per_power(solution.downwelling_diffuse_flux[c]) + per_power(solution.direct_flux[c]));
   }
-  for (int k = 0; k < row.grid.box.nz(); ++k) {
+  const BoxGrid& box = row.grid.box;
+  const double cloud_top =
+      box.cloud.count > 0 ? box.cloud.bottom_m + box.cloud.count * box.cloud.height_m : box.z_edge_m.back();
+  LevelMeans& means = answers.means;
+  for (int k = 0; k < box.nz(); ++k) {
+    const bool below_top = .5 * (box.z_edge_m[k] + box.z_edge_m[k + 1]) < cloud_top;
     double mean = 0;
     for (std::size_t c = 0; c < n; ++c) {
       const double absorbed = per_power(solution.absorbed_power[static_cast<std::size_t>(k) * n + c]);
-      answers.absorbed[c] += absorbed * row.grid.box.thickness_m(k);
+      if (below_top) answers.absorbed[c] += absorbed * box.thickness_m(k);
       mean += absorbed / static_cast<double>(n);
     }
-    answers.heating.push_back(mean);
+    if (below_top) answers.heating.push_back(mean);
+    means.absorbed.push_back(mean);
+  }
+  for (int k = 0; k <= box.nz(); ++k) {
+    means.up.push_back(solution.profile_upwelling_flux[k] / answers.power);
+    means.down_diffuse.push_back(solution.profile_downwelling_diffuse_flux[k] / answers.power);
+    means.direct.push_back(solution.profile_direct_flux[k] / answers.power);
   }
   return answers;
 }

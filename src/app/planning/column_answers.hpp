@@ -10,15 +10,15 @@
 
 namespace cloudbow {
 
-/// Enough for the choice of g-points: with four times as many the errors of the fields hardly change.
+/// Of a field, for the choice of g-points.
 constexpr std::size_t columns_of_choice = 128;
 
 /// Solves some columns of a problem independently, by polar streams. Ground with a BRDF counts as Lambertian of the
 /// same bihemispherical albedo.
 ///
 /// The power is EnergyLedger::power of these columns: light of sun and sky through the top, and emission. A field per
-/// power is the field of the problem over this number, also in three dimensions. So of the fields F_g of all g-points,
-/// as solved with their own irradiance or Planck radiance, the sum is nearly sum of weight/power F_g of the chosen.
+/// power is the field of the problem over this number, also in three dimensions: not over the ledger's power of that
+/// solve. So a field of all g-points is nearly the sum of weight/power times the fields of the chosen.
 /// @param columns indices j*nx + i of the field, the same for all g-points, such as representative_columns() returns.
 ColumnAnswers column_answers(const Problem& problem, const SolverOptions& options,
                              std::span<const std::size_t> columns);

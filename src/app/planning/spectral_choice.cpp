@@ -110,11 +110,13 @@ double unit_of(const std::vector<double>& truth) {
   return std::max(std::abs(mean), .5 * std::sqrt(dot(truth, truth) / static_cast<double>(truth.size())));
 }
 
-// Unit of heating rates: the largest.
+// Unit of heating rates: the largest, over their weight. With less weight fluxes gain nothing, with more they lose.
+constexpr double weight_of_heating = .3;
+
 double unit_of_heating(const std::vector<double>& truth) {
   double most = 0;
   for (const double value : truth) most = std::max(most, std::abs(value));
-  return most;
+  return most / weight_of_heating;
 }
 
 // Sum of the weights, relative: so strong that it is kept to about the residual over its square.
@@ -205,6 +207,26 @@ bool Rows::improve(std::vector<int>& points, std::size_t place, const std::vecto
   return chosen != before;
 }
 
+using Means = std::vector<double> LevelMeans::*;
+
+// The truth of the columns less the sum of the chosen.
+LevelMeans missing_means(std::span<const ColumnAnswers> of_points, const SpectralChoice& choice) {
+  LevelMeans missing;
+  for (const Means means : {&LevelMeans::up, &LevelMeans::down_diffuse, &LevelMeans::direct, &LevelMeans::absorbed}) {
+    const auto add = [&](double factor, const ColumnAnswers& point) {
+      const std::vector<double>& from = point.means.*means;
+      (missing.*means).resize(from.size());
+      for (std::size_t i = 0; i < from.size(); ++i) (missing.*means)[i] += factor * from[i];
+    };
+    for (std::size_t g = 0; g < of_points.size(); ++g) {
+      const auto place = std::find(choice.point.begin(), choice.point.end(), static_cast<int>(g));
+      const double weight = place == choice.point.end() ? 0 : choice.weight[place - choice.point.begin()];
+      if (of_points[g].power > 0) add(of_points[g].power - weight, of_points[g]);
+    }
+  }
+  return missing;
+}
+
 // Exchanges until none is better, at most that often: each makes the residual smaller.
 constexpr int most_passes = 5;
 
@@ -242,6 +264,7 @@ SpectralChoice choose_points(std::span<const ColumnAnswers> of_points, double to
     if (chosen.size() + 1 == candidates.size()) {  // all: nothing is left to choose
       for (const int g : candidates) choice.weight.push_back(of_points[g].power);
       choice.point = candidates;
+      choice.missing = missing_means(of_points, choice);
       return choice;
     }
     const auto is_new = [&](int g) { return std::find(chosen.begin(), chosen.end(), g) == chosen.end(); };
@@ -266,6 +289,7 @@ SpectralChoice choose_points(std::span<const ColumnAnswers> of_points, double to
     choice.weight.push_back(weight);
   }
   choice.residual = best.residual;
+  choice.missing = missing_means(of_points, choice);
   return choice;
 }
 

@@ -7,21 +7,31 @@
 
 namespace cloudbow {
 
+/// Means over columns by height, W m-2 and W m-3.
+struct LevelMeans {
+  std::vector<double> up;            ///< [levels + 1]
+  std::vector<double> down_diffuse;  ///< [levels + 1]
+  std::vector<double> direct;        ///< [levels + 1]
+  std::vector<double> absorbed;      ///< [levels] net
+};
+
 /// One g-point's answer for sampled columns, as independent columns have it.
 struct ColumnAnswers {
   double power = 1;              ///< of the g-point, W m-2; the unit of all that follows; 0: the g-point has no light
   std::vector<double> up;        ///< [columns] at the top, per power
   std::vector<double> down;      ///< [columns] at the ground, per power, direct and diffuse
-  std::vector<double> absorbed;  ///< [columns] in the column, net, per power
-  /// [levels] absorbed per volume or mass, net, per power, mean over the columns; any unit. Empty: heating rates do not
-  /// count in the choice.
-  std::vector<double> heating;
+  std::vector<double> absorbed;  ///< [columns] below the cloud's top, net, per power
+  std::vector<double> heating;   ///< [levels below the cloud's top] absorbed per volume, net, per power, mean; or empty
+  LevelMeans means;              ///< per power; or empty
 };
 
 struct SpectralChoice {
   std::vector<int> point;      ///< chosen, ascending
   std::vector<double> weight;  ///< > 0; a field of all is sum of weight times the field per power of the chosen
   double residual = 0;         ///< of the sampled columns, relative: foretells the error of fields in three dimensions
+  /// Means of all less those of the chosen, W m-2 and W m-3. It is to be added to the fields of the chosen. Domain
+  /// means then err by three-dimensional effects alone. Empty without ColumnAnswers::means.
+  LevelMeans missing;
 };
 
 /// Non-negative least squares: the x >= 0 that minimises |A x - b| (Lawson and Hanson 1974, chapter 23).

@@ -61,7 +61,9 @@ SceneSpectrum read_spectrum(const ConfigReader& root, const std::filesystem::pat
     return points;
   }
   for (const char* key : {"method", "few_tolerance", "few_points"}) {
-    if (spectrum->has(key)) spectrum->fail(key, "needs gas_model", "wavelengths alone", "no such key, or gas_model");
+    if (!spectrum->has(key)) continue;
+    spectrum->fail(key, "a setting of gas_model",
+                   spectrum->has("wavelengths_um") ? "wavelengths alone" : "no gas_model", "no such key, or gas_model");
   }
   const auto wavelengths = spectrum->find_numbers("wavelengths_um", positive);
   if (!wavelengths) spectrum->fail_missing("wavelengths_um", "a list of wavelengths > 0, or gas_model");
@@ -185,7 +187,8 @@ void SceneReader::read_sun(const ConfigReader& reader) {
     if (model.light() != GasModel::Light::solar) {
       throw InputError(
           fmt::format("{}: sun: stands beside a gas model of longwave light (found {}, allowed a model of "
-                      "sunlight, or no [sun])",
+                      "sunlight, or no [sun]) sunlight and emission are two scenes, whose fluxes and heating rates add "
+                      "up",
                       root_.place_of("sun"), scene_.broadband->file));
     }
     if (!irradiance) reader.fail_missing("irradiance_w_m2", "the total solar irradiance in W m-2, such as 1361");
@@ -274,7 +277,9 @@ void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
 
 void SceneReader::check_whole() {
   if (scene_.broadband) {
+    remember(*root_.find_table("spectrum"), "gas_model");
     check_broadband();
+    remember(root_, "atmosphere");
     scene_.broadband->molecules_phase_function = add_phase_function("rayleigh", PhaseFunction::rayleigh(), false);
   }
   if (!scene_.cloud && scene_.layers.empty() && !scene_.broadband) {

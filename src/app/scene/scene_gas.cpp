@@ -1,5 +1,6 @@
 // Scenes at the g-points of a gas model.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +39,8 @@ void SceneReader::read_thermal_of_point(const ConfigReader& reader) {
   }
   if (model.light() != GasModel::Light::longwave) {
     throw InputError(fmt::format(
-        "{}: thermal: stands beside a gas model of sunlight (found {}, allowed a longwave model, or no [thermal])",
+        "{}: thermal: stands beside a gas model of sunlight (found {}, allowed a longwave model, or no [thermal]) "
+        "sunlight and emission are two scenes, whose fluxes and heating rates add up",
         root_.place_of("thermal"), scene_.broadband->file));
   }
   SceneThermal thermal;
@@ -85,11 +87,12 @@ const BulkTable& SceneReader::bulk_table_by_mie(const ConfigReader& reader) {
 SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& reader) {
   reader.check_keys({"type", "file", "substance", "effective_radius_um"});
   if (!scene_.broadband)
-    reader.fail("type", "needs spectrum.gas_model, whose g-points it is averaged over", "bulk", "mie at wavelengths");
-  if (reader.has("file") == reader.has("substance")) {
-    reader.fail(reader.has("file") ? "substance" : "file", "file and substance exclude each other",
-                reader.has("file") ? "both" : "neither", "one of the two");
-  }
+    reader.fail("type", "needs spectrum.gas_model, whose g-points it is averaged over", "bulk",
+                "spectrum.gas_model beside it, or type = \"mie\" at wavelengths");
+  if (reader.has("file") && reader.has("substance"))
+    reader.fail("substance", "stands beside `file`", "both", "one of the two");
+  if (!reader.has("file") && !reader.has("substance"))
+    reader.fail_missing("file", "file = \"TABLE.nc\", or substance = \"water\" or \"ice\" for spheres by Mie theory");
   DefinedPhaseFunction defined;
   defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
   const BulkTable& table = reader.has("file") ? bulk_table_of_file(reader) : bulk_table_by_mie(reader);
@@ -130,13 +133,13 @@ void SceneReader::check_broadband() const {
   if (!scene_.atmosphere) {
     throw InputError(
         fmt::format("{}: atmosphere: missing (found spectrum.gas_model without it, allowed [atmosphere] with "
-                    "the gases of the model)",
-                    root_.place_of("spectrum")));
+                    "the gases of the model: {})",
+                    root_.place_of("spectrum"), fmt::join(broadband.model->gases(), ", ")));
   }
   const bool solar = broadband.model->light() == GasModel::Light::solar;
   if (solar ? root_.has("sun") : scene_.thermal.has_value()) return;
   throw InputError(fmt::format("{}: {}: missing (found {}, a gas model of {}, allowed [{}] beside it)",
-                               scene_.path.string(), solar ? "sun" : "thermal", broadband.file,
+                               root_.place_of("spectrum"), solar ? "sun" : "thermal", broadband.file,
                                solar ? "sunlight" : "longwave light", solar ? "sun" : "thermal"));
 }
 

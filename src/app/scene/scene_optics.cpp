@@ -213,7 +213,7 @@ void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {
     return;
   }
   if (!defined.effective_radius_um) {
-    reader.fail("phase_function", "a mie table without effective radius", fmt::format("\"{}\"", name),
+    reader.fail("phase_function", "a table of droplets without effective radius", fmt::format("\"{}\"", name),
                 fmt::format("one with phase_function.{}.effective_radius_um", name));
   }
   const DropletOptics optics = droplet_optics(*defined.droplets, *defined.effective_radius_um);

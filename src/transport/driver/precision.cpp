@@ -38,10 +38,13 @@ bool too_thick_for_float(const OpticalGrid& grid) {
     const double thickness = box.thickness_m(k);
     const double edge = std::min({thickness, box.nx > 1 ? box.dx_m : thickness, box.ny > 1 ? box.dy_m : thickness});
     const double extinction = grid.extinction(c);
-    thickest = std::max(thickest, extinction * edge);
-    if (grid.emits()) most_emitting = std::max(most_emitting, static_cast<double>(grid.absorption[c]) * edge);
     optical_depth += extinction * thickness;
     absorbing += static_cast<double>(grid.absorption[c]) * thickness;
+    // Blocks of air are wider than a voxel, and their light is soon that of their own level.
+    const AirBlocks air = grid.air_of(k);
+    if (air.count() > 0 && c >= air.first_cell) return;
+    thickest = std::max(thickest, extinction * edge);
+    if (grid.emits()) most_emitting = std::max(most_emitting, static_cast<double>(grid.absorption[c]) * edge);
   });
   if (thickest > thickest_cell_in_float || most_emitting > most_emitting_in_float) return true;
   // Light comes no deeper than the diffusion length, here with isotropic scattering, which is short.

@@ -80,7 +80,7 @@ inline std::filesystem::path make_model(const std::filesystem::path& path, GasMo
   return file.close();
 }
 
-/// Linear in wavenumber, so the mean over an interval is that of its middle.
+/// k, k ssa and k ssa g are linear in wavenumber: a g-point has those of the middle of its interval.
 inline double bulk_extinction(double wavenumber_cm1) { return .05 + 1e-5 * wavenumber_cm1; }
 
 /// Droplets of 8 and 12 um radius with the same optics. They scatter .9 of what they take, with the asymmetry .8.

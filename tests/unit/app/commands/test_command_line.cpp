@@ -100,7 +100,7 @@ TEST(CommandLine, UsageErrors) {
            {"mie", "--wavelength-um", "1", "1:2:0.5", "--effective-radius-um", "5", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "9:5:1", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "5:9", "-o", "x.h5"},
-           {"mie", "--wavelength-um", "100", "--effective-radius-um", "5", "-o", "x.h5"},
+           {"mie", "--wavelength-um", "2000", "--effective-radius-um", "5", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "5", "--variance", "0.6", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "5", "--refractive-index", "1.3", "-o", "x.h5"},
            {"mie", "--wavelength-um", "1", "--effective-radius-um", "5", "--substance", "milk", "-o", "x.h5"},

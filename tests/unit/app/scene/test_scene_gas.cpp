@@ -63,7 +63,7 @@ TEST_F(GasScene, ThereIsOneForEachPoint) {
 TEST_F(GasScene, KeysOfTheSpectrum) {
   const SceneBroadband usual = *read(solar)[0].broadband;
   EXPECT_EQ(usual.method, SceneBroadband::Method::few);
-  EXPECT_EQ(usual.few_tolerance, 1.5e-3);
+  EXPECT_EQ(usual.few_tolerance, 1e-3);
   EXPECT_EQ(usual.few_points, 0);
   EXPECT_EQ(usual.file, "solar.nc");
   EXPECT_EQ(read(solar + "method = \"all\"\n")[3].broadband->method, SceneBroadband::Method::all);
