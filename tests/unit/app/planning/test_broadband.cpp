@@ -92,6 +92,34 @@ TEST_P(BroadbandTest, FewKeepsPowerAndItsResidual) {
   EXPECT_NEAR(mean_up(few) / mean_up(all), 1, 2 * few.info.residual);
 }
 
+// All twelve columns are sampled, by the same solver as the fields: so domain means are those of all g-points.
+TEST_P(BroadbandTest, MeansOfIndependentColumnsAreThoseOfAll) {
+  const auto by_columns = [&](const std::string& spectrum) {
+    std::vector<Scene> given = scenes(spectrum);
+    for (Scene& scene : given) scene.solver.mode = SolveMode::independent_columns;
+    return run(given);
+  };
+  const BroadbandRun few = by_columns("few_tolerance = 0.1\nfew_points = 2\n"), all = by_columns("method = \"all\"\n");
+  ASSERT_LE(few.info.solved.size(), 2U);
+  const Solution &found = few.solved.solutions[0], &expected = all.solved.solutions[0];
+  constexpr double rounding = 1e-6;  // of float, and of the largest flux
+  const double power = expected.ledger.power;
+  for (const auto profile : {&Solution::profile_upwelling_flux, &Solution::profile_downwelling_diffuse_flux,
+                             &Solution::profile_direct_flux}) {
+    ASSERT_EQ((found.*profile).size(), (expected.*profile).size());
+    for (std::size_t level = 0; level < (expected.*profile).size(); ++level)
+      EXPECT_NEAR((found.*profile)[level], (expected.*profile)[level], rounding * power) << level;
+  }
+  const EnergyFluxes of_few = energy_fluxes(found.ledger), of_all = energy_fluxes(expected.ledger);
+  EXPECT_NEAR(of_few.upwelling_top, of_all.upwelling_top, rounding * power);
+  EXPECT_NEAR(of_few.downwelling_bottom, of_all.downwelling_bottom, rounding * power);
+  EXPECT_NEAR(of_few.direct_bottom, of_all.direct_bottom, rounding * power);
+  EXPECT_NEAR(of_few.absorbed, of_all.absorbed, rounding * power);
+  EXPECT_NEAR(of_few.surface_absorbed, of_all.surface_absorbed, rounding * power);
+  EXPECT_NEAR(of_few.surface_emitted, of_all.surface_emitted, rounding * power);
+  EXPECT_NEAR(of_few.incident, of_all.incident, rounding * power);
+}
+
 TEST_P(BroadbandTest, ThreadsLeaveTheBits) {
   const std::vector<Scene> given = scenes("few_tolerance = 0.01\nfew_points = 3\n");
   const BroadbandRun one = run(given, 1), two = run(given, 2);
