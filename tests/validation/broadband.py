@@ -10,7 +10,7 @@ profile below 15 km, RMS over its largest. The residual of the choice foretells 
 
 The models are files of others. CLOUDBOW_REFERENCE_DIR names a folder with gas/, atmospheres/afglms.txt and fields/rico32.vdb; skipped without.
 
-usage: CLOUDBOW_REFERENCE_DIR=... broadband.py --cloudbow PROGRAM [--accuracy LEVEL] [--cases PATTERN,...] [--limits]
+usage: CLOUDBOW_REFERENCE_DIR=... broadband.py --cloudbow PROGRAM [--accuracy LEVEL] [--cases PATTERN,...] [--estimates] [--limits]
 """
 import fnmatch
 import sys
@@ -25,12 +25,19 @@ GASES = {"co2_ppm": 415.0, "ch4": 1.9e-6, "n2o": 3.3e-7}
 LONGWAVE_GASES = GASES | {"cfc11": 2.3e-10, "cfc12": 5.2e-10}
 TOP_M = 60000.0
 HEATING_BELOW_M = 15000
-STRATOCUMULUS = ("stratocumulus", "--cells", 32, 32, 50, "--voxel-size-m", 50, 50, 20, "--base-m", 600, "--cover", 0.8, "--seed", 2027)
+STRATOCUMULUS = ("stratocumulus", "--cells", 32, 32, 25, "--voxel-size-m", 50, 50, 40, "--base-m", 600, "--cover", 0.8, "--seed", 2027)
 EXTENT_M = {"rico": (640.0, 740.0), "stratocumulus": (1600.0, 1600.0)}
 KINDS = {"solar 35": 35.0, "solar 70": 70.0, "longwave": None}
 
 # Of each case: up and down (solar %, longwave W m-2), absorption (%), heating (%). Measured at draft and a tenth more.
-LIMITS = {}
+LIMITS = {
+    "rico solar 35": {"up": 0.058, "down": 0.034, "absorption": 0.085, "heating": 0.28},
+    # The beam crosses columns: columns by themselves foresee its light on the ground less well.
+    "rico solar 70": {"up": 0.013, "down": 0.22, "absorption": 0.053, "heating": 0.21},
+    "rico longwave": {"up": 0.019, "down": 0.011, "absorption": 0.037, "heating": 0.25},
+    "stratocumulus solar 35": {"up": 0.032, "down": 0.061, "absorption": 0.067, "heating": 0.21},
+    "stratocumulus solar 70": {"up": 0.072, "down": 0.091, "absorption": 0.116, "heating": 0.20},
+}
 
 
 def scene(folder, cloud, kind, cloud_file, accuracy):
@@ -90,6 +97,7 @@ def main():
     parser = support.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("--accuracy", default="draft")
     parser.add_argument("--cases", default="*", help="patterns, such as 'rico solar*' (default: all)")
+    parser.add_argument("--estimates", action="store_true", help="estimate errors too, whose spectral parts are compared; takes about twice as long")
     parser.add_argument("--limits", action="store_true", help="fail if a difference is above the limits of this driver")
     options = parser.parse_args()
     folder = support.reference_folder()
@@ -115,12 +123,13 @@ def main():
                 runs = {}
                 for method in ("few", "all"):
                     output = work / f"{stem}_{method}.h5"
-                    result = cloudbow.run(path, output, "--set", f"spectrum.method={method}", error_estimate=method == "few")
+                    result = cloudbow.run(path, output, "--set", f"spectrum.method={method}", error_estimate=options.estimates and method == "few")
                     runs[method] = Broadband(output, result.exit_code, result.cpu_seconds, result.peak_memory_bytes)
                 figures, relative = compare(runs["few"], runs["all"], zenith is not None)
                 spectral, estimate = runs["few"].spectral, runs["few"].error_estimate
-                foretold = {"residual": float(spectral["residual"]),
-                            "estimate": min(estimate["columns_up_spectral"], estimate["columns_down_spectral"])}
+                foretold = {"residual": float(spectral["residual"])}
+                if options.estimates:
+                    foretold["estimate"] = min(estimate["columns_up_spectral"], estimate["columns_down_spectral"])
                 rows.append([case, len(spectral["solved"]), *(f"{value:.3f}" for value in figures.values()), f"{100 * relative:.3f}",
                              *(f"{100 * value:.3f}{'' if value >= relative else ' (too small)'}" for value in foretold.values()),
                              f"{runs['few'].wall_seconds:.1f}", f"{runs['all'].wall_seconds:.1f}"])
@@ -128,10 +137,8 @@ def main():
                 for name, limit in LIMITS.get(case, {}).items() if options.limits else ():
                     if not figures[name] <= limit:
                         bad.append(f"{case}: {name} differs by {figures[name]:.3f}, limit {limit}")
-                if options.limits and not foretold["estimate"] >= relative:
-                    bad.append(f"{case}: columns differ by {100 * relative:.3f} %, more than the estimate of {100 * foretold['estimate']:.3f} %")
     header = ["case", "g-points", "up [% or W m-2]", "down [% or W m-2]", "absorption [%]", "heating [%]", "worst of up, down [%]",
-              "residual [%]", "estimate, spectral [%]", "few [s]", "all [s]"]
+              "residual [%]", *(["estimate, spectral [%]"] if options.estimates else []), "few [s]", "all [s]"]
     print(support.markdown_table(header, rows))
     print("\n".join(bad))
     return 1 if bad else 0

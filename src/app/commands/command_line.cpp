@@ -73,10 +73,10 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
       ->check(whole_number(1, 4096));
   run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
-  auto* compare = run_app->add_flag("--compare", options->compare,
-                                    "Solve as independent columns too; write the difference of the column fluxes");
   run_app->add_flag("--clear-sky", options->clear_sky,
                     "Solve the scene without its clouds too; write its fluxes and print what the clouds change");
+  auto* compare = run_app->add_flag("--compare", options->compare,
+                                    "Solve as independent columns too; write the difference of the column fluxes");
   auto* dry_run = run_app->add_flag("--dry-run", options->dry_run,
                                     "Validate, print domain and optical depth, predict memory and time, write nothing");
   auto* checkpoint =

@@ -106,12 +106,18 @@ void add_missing(const LevelMeans& missing, Solution& sum) {
     for (std::size_t c = k * columns; c < (k + 1) * columns; ++c) sum.absorbed_power[c] += more;
   }
   EnergyLedger& ledger = sum.ledger;
-  const double down = missing.down_diffuse.front() + missing.direct.front();
-  ledger.reflectance += missing.up.back() / ledger.power;
-  ledger.transmittance += down / ledger.power;
-  ledger.transmittance_direct += missing.direct.front() / ledger.power;
-  ledger.absorptance += absorbed / ledger.power;
-  ledger.surface_absorptance += (down - missing.up.front()) / ledger.power;
+  const double down = missing.down_diffuse.front() + missing.direct.front(), emitted = missing.light[2];
+  const double before = ledger.power;
+  ledger.power += missing.light[0];
+  const auto add_power = [&](double more, double& term) { term = (before * term + more) / ledger.power; };
+  add_power(missing.light[1], ledger.incident);
+  add_power(emitted, ledger.surface_emission);
+  add_power(missing.up.back(), ledger.reflectance);
+  add_power(down, ledger.transmittance);
+  add_power(missing.direct.front(), ledger.transmittance_direct);
+  add_power(absorbed, ledger.absorptance);
+  add_power(down - missing.up.front() + emitted, ledger.surface_absorptance);
+  for (double* const term : {&ledger.side_gain, &ledger.side_loss, &ledger.residual}) add_power(0, *term);
 }
 
 /// Mean flux of the columns, of which the estimate's relative error is.

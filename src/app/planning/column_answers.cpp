@@ -58,6 +58,7 @@ ColumnAnswers column_answers(const Problem& problem, const SolverOptions& option
   const double cloud_top =
       box.cloud.count > 0 ? box.cloud.bottom_m + box.cloud.count * box.cloud.height_m : box.z_edge_m.back();
   LevelMeans& means = answers.means;
+  means.light = {1, solution.ledger.incident, solution.ledger.surface_emission};
   for (int k = 0; k < box.nz(); ++k) {
     const bool below_top = .5 * (box.z_edge_m[k] + box.z_edge_m[k + 1]) < cloud_top;
     double mean = 0;

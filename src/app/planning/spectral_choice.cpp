@@ -212,7 +212,8 @@ using Means = std::vector<double> LevelMeans::*;
 // The truth of the columns less the sum of the chosen.
 LevelMeans missing_means(std::span<const ColumnAnswers> of_points, const SpectralChoice& choice) {
   LevelMeans missing;
-  for (const Means means : {&LevelMeans::up, &LevelMeans::down_diffuse, &LevelMeans::direct, &LevelMeans::absorbed}) {
+  for (const Means means :
+       {&LevelMeans::up, &LevelMeans::down_diffuse, &LevelMeans::direct, &LevelMeans::absorbed, &LevelMeans::light}) {
     const auto add = [&](double factor, const ColumnAnswers& point) {
       const std::vector<double>& from = point.means.*means;
       (missing.*means).resize(from.size());

@@ -13,6 +13,7 @@ struct LevelMeans {
   std::vector<double> down_diffuse;  ///< [levels + 1]
   std::vector<double> direct;        ///< [levels + 1]
   std::vector<double> absorbed;      ///< [levels] net
+  std::vector<double> light{};       ///< [3] EnergyLedger::power, of it incident, and emitted by the ground
 };
 
 /// One g-point's answer for sampled columns, as independent columns have it.

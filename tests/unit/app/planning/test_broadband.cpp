@@ -70,7 +70,7 @@ TEST_P(BroadbandTest, FewWithAllPointsIsAll) {
   const BroadbandRun few = run(scenes("few_tolerance = 1e-6\nfew_points = 4\n"));
   EXPECT_EQ(few.info.method, "few");
   ASSERT_THAT(few.info.solved, ElementsAre(0, 1, 2, 3));
-  constexpr double rounding = 1e-6;  // of float, where weights are not quite 1
+  constexpr double rounding = 1e-6;  // of float; weights are not quite 1
   EXPECT_THAT(few.info.weight, Each(testing::DoubleNear(1, rounding)));
   const auto expect_near = [&](const std::vector<float>& a, const std::vector<float>& b) {
     const float largest = *std::max_element(b.begin(), b.end());
@@ -90,6 +90,34 @@ TEST_P(BroadbandTest, FewKeepsPowerAndItsResidual) {
   EXPECT_NEAR(few.solved.solutions[0].ledger.power / power, 1, 1e-2);
   const auto mean_up = [](const BroadbandRun& of) { return of.solved.solutions[0].profile_upwelling_flux.back(); };
   EXPECT_NEAR(mean_up(few) / mean_up(all), 1, 2 * few.info.residual);
+}
+
+// All twelve columns are sampled, by the same solver as the fields: so domain means are those of all g-points.
+TEST_P(BroadbandTest, MeansOfIndependentColumnsAreThoseOfAll) {
+  const auto by_columns = [&](const std::string& spectrum) {
+    std::vector<Scene> given = scenes(spectrum);
+    for (Scene& scene : given) scene.solver.mode = SolveMode::independent_columns;
+    return run(given);
+  };
+  const BroadbandRun few = by_columns("few_tolerance = 0.1\nfew_points = 2\n"), all = by_columns("method = \"all\"\n");
+  ASSERT_LE(few.info.solved.size(), 2U);
+  const Solution &found = few.solved.solutions[0], &expected = all.solved.solutions[0];
+  constexpr double rounding = 1e-6;  // of float, and of the largest flux
+  const double power = expected.ledger.power;
+  for (const auto profile : {&Solution::profile_upwelling_flux, &Solution::profile_downwelling_diffuse_flux,
+                             &Solution::profile_direct_flux}) {
+    ASSERT_EQ((found.*profile).size(), (expected.*profile).size());
+    for (std::size_t level = 0; level < (expected.*profile).size(); ++level)
+      EXPECT_NEAR((found.*profile)[level], (expected.*profile)[level], rounding * power) << level;
+  }
+  const EnergyFluxes of_few = energy_fluxes(found.ledger), of_all = energy_fluxes(expected.ledger);
+  EXPECT_NEAR(of_few.upwelling_top, of_all.upwelling_top, rounding * power);
+  EXPECT_NEAR(of_few.downwelling_bottom, of_all.downwelling_bottom, rounding * power);
+  EXPECT_NEAR(of_few.direct_bottom, of_all.direct_bottom, rounding * power);
+  EXPECT_NEAR(of_few.absorbed, of_all.absorbed, rounding * power);
+  EXPECT_NEAR(of_few.surface_absorbed, of_all.surface_absorbed, rounding * power);
+  EXPECT_NEAR(of_few.surface_emitted, of_all.surface_emitted, rounding * power);
+  EXPECT_NEAR(of_few.incident, of_all.incident, rounding * power);
 }
 
 TEST_P(BroadbandTest, ThreadsLeaveTheBits) {

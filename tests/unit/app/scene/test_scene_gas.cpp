@@ -167,7 +167,7 @@ TEST_F(GasScene, WrongKeysOfTheSpectrum) {
   expect_refused(air + sun + "[spectrum]\ngas_model = \"none.nc\"\n", "spectrum.gas_model", "none.nc");
   expect_refused(air + sun + "[spectrum]\ngas_model = \"cloud.vdb\"\n", "spectrum.gas_model", "no gas model");
   expect_refused(air + sun + "[spectrum]\nwavelengths_um = [0.5]\nmethod = \"all\"\n", "spectrum.method",
-                 "needs gas_model");
+                 "a setting of gas_model");
 }
 
 TEST_F(GasScene, LightAndAirMustFitTheModel) {
@@ -212,7 +212,7 @@ TEST_F(GasScene, WrongBulkOptics) {
            "[phase_function.drops]\ntype = \"bulk\"\n" +
            drops;
   };
-  expect_refused(cloud("") + solar, "phase_function.drops.file", "neither");
+  expect_refused(cloud("") + solar, "phase_function.drops.file", "missing");
   expect_refused(cloud("file = \"bulk.nc\"\nsubstance = \"water\"\n") + solar, "phase_function.drops", "both");
   expect_refused(cloud("file = \"no.nc\"\n") + solar, "phase_function.drops.file", "no.nc");
   expect_refused(cloud("file = \"bulk.nc\"\neffective_radius_um = 9\n") + solar, "effective_radius_um", "10");
