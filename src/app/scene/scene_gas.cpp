@@ -75,10 +75,13 @@ const BulkTable& SceneReader::bulk_table_by_mie(const ConfigReader& reader) {
     reader.with_place(radius ? "effective_radius_um" : "substance", [&] {
       const auto [shortest, longest] = wavelengths_of(*scene_.broadband->model);
       const MieBulkRecipe recipe{substance == "water" ? Substance::water : Substance::ice, DistributionKind::gamma, .1};
-      found = bulk_tables_
-                  ->emplace(key, make_mie_bulk_table(recipe, mie_wavelengths(shortest, longest), radii,
-                                                     {0, cache_directory()}))
-                  .first;
+      std::vector<double> wavelengths = mie_wavelengths(shortest, longest);
+      // An extinction grid is relative to visible light, which longwave models do not reach.
+      constexpr double beside_visible_um = .01;
+      for (const double um : {SceneCloud::visible_um + beside_visible_um, SceneCloud::visible_um - beside_visible_um}) {
+        if (um < wavelengths.front()) wavelengths.insert(wavelengths.begin(), um);
+      }
+      found = bulk_tables_->emplace(key, make_mie_bulk_table(recipe, wavelengths, radii, {0, cache_directory()})).first;
     });
   }
   return found->second;
