@@ -367,7 +367,7 @@ class AirCrossing {
   void enter(std::size_t cell) {
     cell_ = cell;
     n_ = 0;
-    in_ = typename Pack<Real>::Value{};
+    in_ = 0;
     entry_ = exit_ = source_[cell];
     if constexpr (Kind::linear) {
       const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
@@ -381,20 +381,26 @@ class AirCrossing {
     using Rays = Pack<Real>;
     Real* const from = rays_ + ray;
     n_ += n;
-    for (int first = 0; first < n; first += lanes) {
-      const int count = std::min(lanes, n - first);
-      const auto active = Rays::first(count);
-      for (int i = first; i < first + Rays::steps(count); ++i) {
-        const auto in = Rays::load(from + i);
-        in_ += Rays::masked(active, in);
-        Rays::store(active, in + (emission_ - absorbed_ * in), from + i);
+    // Sums of thousands of rays would lose digits in float.
+    for (int begin = 0; begin < n; begin += rays_summed) {
+      const int end = std::min(n, begin + rays_summed);
+      typename Rays::Value sum{};
+      for (int first = begin; first < end; first += lanes) {
+        const int count = std::min(lanes, end - first);
+        const auto active = Rays::first(count);
+        for (int i = first; i < first + Rays::steps(count); ++i) {
+          const auto in = Rays::load(from + i);
+          sum += Rays::masked(active, in);
+          Rays::store(active, in + (emission_ - absorbed_ * in), from + i);
+        }
       }
+      in_ += static_cast<double>(Rays::sum(sum));
     }
   }
 
   void leave() {
     if constexpr (Kind::keep_mean) {
-      const Real in = Pack<Real>::sum(in_) / static_cast<Real>(n_);
+      const Real in = static_cast<Real>(in_ / n_);
       const Real share = g_.share * static_cast<Real>(n_) * cells_.share_of_place[cell_];
       const Real held = share * crossing_.mean(in, entry_, exit_);
       sums_.mean[cell_] += held;
@@ -408,6 +414,8 @@ class AirCrossing {
   }
 
  private:
+  static constexpr int rays_summed = 16 * lanes;
+
   SegmentGeometry<Real> g_;
   Crossing<Real> crossing_;
   Real absorbed_;
@@ -418,7 +426,7 @@ class AirCrossing {
   std::size_t cell_ = 0;
   int n_ = 0;
   Real entry_ = 0, exit_ = 0, emission_ = 0;
-  typename Pack<Real>::Value in_ = {};  // sum of the radiances that enter the block
+  double in_ = 0;  // sum of the radiances that enter the block
 };
 
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
