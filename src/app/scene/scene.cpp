@@ -185,11 +185,9 @@ void SceneReader::read_sun(const ConfigReader& reader) {
   if (scene_.broadband) {
     const GasModel& model = *scene_.broadband->model;
     if (model.light() != GasModel::Light::solar) {
-      throw InputError(
-          fmt::format("{}: sun: stands beside a gas model of longwave light (found {}, allowed a model of "
-                      "sunlight, or no [sun]) sunlight and emission are two scenes, whose fluxes and heating rates add "
-                      "up",
-                      root_.place_of("sun"), scene_.broadband->file));
+      throw InputError(fmt::format(
+          "{}: sun: stands beside a longwave model (found {}, allowed a solar one, or no [sun]) two scenes add up",
+          root_.place_of("sun"), scene_.broadband->file));
     }
     if (!irradiance) reader.fail_missing("irradiance_w_m2", "the total solar irradiance in W m-2, such as 1361");
     if (*irradiance == 0)
