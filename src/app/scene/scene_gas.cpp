@@ -38,10 +38,10 @@ void SceneReader::read_thermal_of_point(const ConfigReader& reader) {
                   "[thermal] without keys: the model has its own bands");
   }
   if (model.light() != GasModel::Light::longwave) {
-    throw InputError(
-        fmt::format("{}: thermal: stands beside a solar model (found {}, allowed a longwave one, or no [thermal]) two "
-                    "scenes add up",
-                    root_.place_of("thermal"), scene_.broadband->file));
+    throw InputError(fmt::format(
+        "{}: thermal: stands beside a model of sunlight (found {}, allowed a longwave one, or no [thermal]) two "
+        "scenes add up",
+        root_.place_of("thermal"), scene_.broadband->file));
   }
   SceneThermal thermal;
   thermal.planck = [model = scene_.broadband->model, point = scene_.gas_point](double temperature) {
