@@ -37,7 +37,7 @@ void check_clear_sky(const Scene& scene) {
                                                                        : nullptr;
   if (found == nullptr) return;
   throw InputError(fmt::format(
-      "{}: --clear-sky: there is no such sky (found {}, allowed a cloud with layers or a gas model, no maps)",
+      "{}: --clear-sky: there is no such sky (found {}, allowed a cloud with [[layer]] or spectrum.gas_model, no maps)",
       scene.path.string(), found));
 }
 

@@ -83,7 +83,7 @@ TEST_F(ClearSky, OutputsOfTheCloudySceneAreLeftOut) {
 TEST_F(ClearSky, SaysWhereThereIsNone) {
   const auto refused = [&](const std::string& text, const std::string& found) {
     EXPECT_THAT(message(text), AllOf(HasSubstr("scene.toml: --clear-sky"), HasSubstr("found " + found),
-                                     HasSubstr("allowed a cloud with layers")));
+                                     HasSubstr("allowed a cloud with [[layer]]")));
   };
   refused(layer_ + gas_scene::sun, "no [cloud]");
   refused(gas_scene::solar, "no [cloud]");

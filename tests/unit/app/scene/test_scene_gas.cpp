@@ -177,7 +177,7 @@ TEST_F(GasScene, LightAndAirMustFitTheModel) {
   expect_refused(air + longwave_spectrum, "thermal", "missing");
   expect_refused(longwave + sun, "sun", "longwave");
   expect_refused(air + sun + longwave_spectrum, "sun", "longwave");
-  expect_refused(solar + "[thermal]\n", "thermal", "gas model of sunlight");
+  expect_refused(solar + "[thermal]\n", "thermal", "model of sunlight");
   expect_refused(air + "[thermal]\nband_um = [8, 12]\n[surface]\ntemperature_k = 300\n" + longwave_spectrum,
                  "thermal.band_um", "stands beside spectrum.gas_model");
   expect_refused(air + "[thermal]\nwavelength_um = 10\n[surface]\ntemperature_k = 300\n" + longwave_spectrum,
