@@ -94,10 +94,7 @@ void add_gas_layers(const CloudField* field, Scene& scene) {
   try {
     optics = gas_optics(model, air, edges);
   } catch (const InputError& error) {
-    // Its message begins with the name of the table.
-    const auto place = scene.place.find("atmosphere");
-    throw InputError(
-        fmt::format("{}: {}", place == scene.place.end() ? scene.path.string() : place->second, error.what()));
+    throw InputError(fmt::format("{}: {}", scene.where("atmosphere"), error.what()));
   }
   const auto point = static_cast<std::size_t>(scene.gas_point);
   // Layers without any optical depth too, so that all g-points have the same domain.
