@@ -55,8 +55,8 @@ std::vector<double> emission_levels(const Scene& scene, const OpenedCloud& cloud
     levels.insert(levels.end(), of_layer.begin(), of_layer.end());
   }
   if (scene.cloud) {
-    const auto [bottom_m, top_m] = heights_of_voxels(cloud.field);
-    std::erase_if(levels, [&](double z) { return z > bottom_m && z < top_m; });
+    const std::array<double, 2> voxels = heights_of_voxels(cloud.field);
+    std::erase_if(levels, [&voxels](double z) { return z > voxels[0] && z < voxels[1]; });
   }
   return levels;
 }
