@@ -18,7 +18,8 @@ std::size_t solution_bytes(const Scene& read, const AssembledScene& scene) {
   const BoxGrid& box = scene.problem.grid.box;
   const SolverOptions& options = scene.options;
   const std::size_t levels = flux_levels(box, options).size();
-  const auto of_cells = static_cast<std::size_t>(cell_field_count(options) + (read.output.heating_rate ? 1 : 0));
+  const std::size_t of_cells =
+      static_cast<std::size_t>(cell_field_count(options)) + (read.output.heating_rate ? 1U : 0U);
   std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
   for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);
   for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
