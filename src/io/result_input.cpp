@@ -171,7 +171,7 @@ RadianceFieldInput::RadianceFieldInput(const ResultInput& result)
 
 Stencil RadianceFieldInput::stencil(const Direction& unit) const {
   // The triangle of which no side lies to the left: on a side, the one that comes nearest to it.
-  const std::array<std::int32_t, 3>* holder = nullptr;
+  const std::array<std::int32_t, 3>* holder = &triangle_.front();
   double inside = -std::numeric_limits<double>::infinity();
   for (const auto& corner : triangle_) {
     const Direction &a = direction_[corner[0]], &b = direction_[corner[1]], &c = direction_[corner[2]];

@@ -98,7 +98,8 @@ std::string tradeoff_table(const TradeoffReport& report) {
   }
   for (const std::string& note : report.notes) table += note + "\n";
   return table +
-         "\ndomain: the larger of |dR| and |dT|, % of incident and emitted; up (at the top), down (direct and diffuse, at the "
+         "\ndomain: the larger of |dR| and |dT|, % of incident and emitted; up (at the top), down (direct and diffuse, "
+         "at the "
          "bottom): RMS over columns / mean\n"
          "* on the Pareto front: no other level has less of this error in as little CPU time\n";
 }
