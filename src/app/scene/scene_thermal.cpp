@@ -82,7 +82,12 @@ void SceneReader::read_gases(const ConfigReader& reader, Atmosphere& air) const 
   }
   if (!reader.has("co2_ppm")) return;
   if (reader.has("co2")) reader.fail("co2_ppm", "stands beside `co2`", "both", "one of the two");
-  air.mole_fraction["co2"].assign(air.height_m.size(), 1e-6 * reader.number("co2_ppm", {"0 to 1e5", 0, 1e5}));
+  const double ppm = reader.number("co2_ppm", {"0, or 1 to 1e5", 0, 1e5});
+  if (ppm > 0 && ppm < 1) {
+    reader.fail("co2_ppm", "reads like a mole fraction, not like parts per million", fmt::format("{:g}", ppm),
+                fmt::format("0, or 1 to 1e5; for a mole fraction of {0:g} write co2 = {0:g}", ppm));
+  }
+  air.mole_fraction["co2"].assign(air.height_m.size(), 1e-6 * ppm);
 }
 
 void SceneReader::read_thermal(const ConfigReader& reader) {

@@ -201,7 +201,8 @@ TEST_F(GasScene, WrongGases) {
   refused("h2o = [0.1]\n", "atmosphere.h2o", "1 numbers");
   refused("h2o = [0.1, -1]\n", "atmosphere.h2o", "0 to 1");
   refused("h2o = 0\nco2 = 1e-4\nco2_ppm = 400\n", "atmosphere.co2_ppm", "stands beside `co2`");
-  refused("h2o = 0\nco2_ppm = 1e9\n", "atmosphere.co2_ppm", "0 to 1e5");
+  refused("h2o = 0\nco2_ppm = 1e9\n", "atmosphere.co2_ppm", "0, or 1 to 1e5");
+  refused("h2o = 0\nco2_ppm = 4e-4\n", "atmosphere.co2_ppm", "write co2 = 0.0004");
   expect_refused("[atmosphere]\nstandard = \"us-1976\"\nh2o = [0.1, 0.2]\n" + sun + solar_spectrum, "atmosphere.h2o",
                  "2 numbers");
 }
@@ -219,6 +220,9 @@ TEST_F(GasScene, WrongBulkOptics) {
   expect_refused(cloud("substance = \"sand\"\n") + solar, "phase_function.drops.substance", "sand");
   expect_refused(cloud("file = \"bulk.nc\"\n") + "[sun]\nzenith_deg = 0\nazimuth_deg = 0\n",
                  "phase_function.drops.type", "needs spectrum.gas_model");
+  std::string droplets = cloud("file = \"bulk.nc\"\n");
+  droplets.replace(droplets.find("bulk\""), 5, "mie\"");
+  expect_refused(droplets + solar, "phase_function.drops.wavelength_um", "type = \"bulk\"");
   std::string large = gas_scene::cloud;
   large.replace(large.find("= 10"), 4, "= 20");
   expect_refused(large + solar, "cloud.effective_radius_um", "12");
