@@ -99,9 +99,7 @@ SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& read
   if (!wavelength) wavelength = scene_.wavelength_um;
   // Extinction and absorption of one wavelength are wrong at most g-points: nobody gets them without asking.
   if (!wavelength && scene_.broadband)
-    reader.fail_missing("wavelength_um",
-                        "type = \"bulk\", which has the optics of each g-point, or the wavelength of the table whose "
-                        "optics hold at all g-points");
+    reader.fail_missing("wavelength_um", "type = \"bulk\", or the wavelength of the table that holds for all g-points");
   DefinedPhaseFunction defined;
   defined.measured = true;
   defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
