@@ -118,10 +118,11 @@ ByWavenumber by_wavenumber(const SpectralAlbedo& given) {
   };
   for (std::size_t n = given.albedo.size() - 1; n > 0; --n) {
     const double shorter = given.wavelength_um[n - 1], longer = given.wavelength_um[n];
-    const double pieces =
-        given.albedo[n] == given.albedo[n - 1] ? 1 : std::ceil(std::log(longer / shorter) / std::log(largest_ratio));
-    for (double piece = 0; piece < pieces; ++piece) {
-      const double wavelength = longer * std::pow(shorter / longer, piece / pieces);
+    const int pieces = given.albedo[n] == given.albedo[n - 1]
+                           ? 1
+                           : static_cast<int>(std::ceil(std::log(longer / shorter) / std::log(largest_ratio)));
+    for (int piece = 0; piece < pieces; ++piece) {
+      const double wavelength = longer * std::pow(shorter / longer, static_cast<double>(piece) / pieces);
       const double t = (longer - wavelength) / (longer - shorter);
       add(wavelength, (1 - t) * given.albedo[n] + t * given.albedo[n - 1]);
     }

@@ -93,7 +93,7 @@ bool is_auxiliary(const std::string& quantity) {
 
 /// Optical depth of a grid of liquid water, by the radii of another grid.
 void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, VdbGridInfo& water) {
-  CloudField field = read_cloud_vdb(path, {.grid = water.name});
+  VdbCloud field = read_cloud_vdb(path, {.grid = water.name});
   const std::vector<float> radius =
       read_auxiliary_vdb(path, field, {.grid = radius_grid}, smallest_effective_radius_um, largest_effective_radius_um);
   water_to_extinction_by_radius(field, radius);

@@ -99,8 +99,9 @@ std::vector<double> mie_wavelengths(double shortest_um, double longest_um) {
     const double end = n + 1 < spacings.size() ? std::min(last, spacings[n + 1].from_um) : last;
     if (!(end > begin)) continue;
     // Rounding must not add a step to a whole number of them.
-    const double steps = std::ceil(spacings[n].per_decade * std::log10(end / begin) - 1e-9);
-    for (double step = 0; step < steps; ++step) wavelengths.push_back(begin * std::pow(end / begin, step / steps));
+    const int steps = static_cast<int>(std::ceil(spacings[n].per_decade * std::log10(end / begin) - 1e-9));
+    for (int step = 0; step < steps; ++step)
+      wavelengths.push_back(begin * std::pow(end / begin, static_cast<double>(step) / steps));
   }
   wavelengths.push_back(last);
   return wavelengths;

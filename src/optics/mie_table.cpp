@@ -112,8 +112,8 @@ Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe) {
   block.first = first;
   block.count = std::min(sizes_per_block, static_cast<int>(sizes.radius_um.size()) - first);
   block.terms = mie_term_count(sizes.radius_um[first + block.count - 1] * wave_number);
-  block.sum = Matrix::Zero(2 * block.count, block.terms);
-  block.difference = Matrix::Zero(2 * block.count, block.terms);
+  block.sum = Matrix::Zero(Eigen::Index{2} * block.count, block.terms);
+  block.difference = Matrix::Zero(Eigen::Index{2} * block.count, block.terms);
   ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic)
   for (int i = 0; i < block.count; ++i) {
@@ -122,11 +122,11 @@ Block make_block(const Sizes& sizes, int first, const DropletRecipe& recipe) {
           mie_coefficients(sizes.radius_um[first + i] * wave_number, recipe.refractive_index);
       for (std::size_t n = 0; n < sphere.a.size(); ++n) {
         const std::complex<double> sum = sphere.a[n] + sphere.b[n], difference = sphere.a[n] - sphere.b[n];
-        const auto column = static_cast<Eigen::Index>(n);
-        block.sum(2 * i, column) = sum.real();
-        block.sum(2 * i + 1, column) = sum.imag();
-        block.difference(2 * i, column) = difference.real();
-        block.difference(2 * i + 1, column) = difference.imag();
+        const auto column = static_cast<Eigen::Index>(n), row = Eigen::Index{2} * i;
+        block.sum(row, column) = sum.real();
+        block.sum(row + 1, column) = sum.imag();
+        block.difference(row, column) = difference.real();
+        block.difference(row + 1, column) = difference.imag();
       }
     });
   }
@@ -148,7 +148,7 @@ void add_intensity(const Block& block, const Sizes& sizes, std::span<const doubl
   const Matrix sum = block.sum * plus;
   const Matrix difference = block.difference * minus;
   Matrix sphere(block.count, angles);
-  for (int i = 0; i < block.count; ++i) {
+  for (Eigen::Index i = 0; i < block.count; ++i) {
     sphere.row(i) = (sum.row(2 * i).array().square() + sum.row(2 * i + 1).array().square() +
                      difference.row(2 * i).array().square() + difference.row(2 * i + 1).array().square()) /
                     4;

@@ -54,20 +54,20 @@ class ColumnSolver {
   ColumnSolver(const Problem& problem, const SolverOptions& options, const PolarStreams& streams,
                const ColumnCells& cells, const std::optional<SlantedBeam>& beam, const DistinctColumns& distinct,
                Solution& solution)
-      : problem_(problem),
+      : basis_(streams, problem.sun.has_value()),
+        problem_(problem),
         grid_(problem.grid),
         options_(options),
         streams_(streams),
-        n_(streams.size()),
-        emits_(problem.emits()),
         cells_(cells),
         beam_(beam),
         distinct_(distinct),
         solution_(solution),
-        basis_(streams, problem.sun.has_value()),
-        isotropic_(static_cast<Real>(basis_.isotropic)),
         columns_(problem.grid.box.columns()),
-        place_of_level_(problem.grid.box.nz() + 1, -1) {
+        place_of_level_(problem.grid.box.nz() + 1, -1),
+        n_(streams.size()),
+        isotropic_(static_cast<Real>(basis_.isotropic)),
+        emits_(problem.emits()) {
     for (std::size_t f = 0; f < solution.flux_level.size(); ++f)
       place_of_level_[solution.flux_level[f]] = static_cast<int>(f);
   }
@@ -110,21 +110,21 @@ class ColumnSolver {
   void make_layer(const Cells& cell, columns::Layer<Real>& layer) const;
   void write_column(std::size_t column, int lane, const std::vector<Faces>& faces, const Faces& top, Sums& sums) const;
 
+  // In its basis are s, d and all of columns::.
+  columns::IsotropicBasis<Real> basis_;
   const Problem& problem_;
   const OpticalGrid& grid_;
   const SolverOptions& options_;
   const PolarStreams& streams_;
-  int n_;
-  bool emits_;
   const ColumnCells& cells_;
   const std::optional<SlantedBeam>& beam_;
   const DistinctColumns& distinct_;
   Solution& solution_;
-  // In its basis are s, d and all of columns::.
-  columns::IsotropicBasis<Real> basis_;
-  Real isotropic_;  // length of the vector of isotropic light
   std::size_t columns_;
   std::vector<int> place_of_level_;
+  int n_;
+  Real isotropic_;  // length of the vector of isotropic light
+  bool emits_;
 };
 
 // Optical path of a cell without the fraction f of the scattering by each phase function.

@@ -78,9 +78,9 @@ struct IsotropicBasis {
     for (const auto& phase : streams.phase) shapes.push_back(shape_of(streams, turn, phase, with_sun));
   }
 
-  double isotropic = 0;                 ///< radiance 1 in s: its first component, the others are 0
   Vector<Real> flux;                    ///< of s and d
   Vector<Real> mean;                    ///< 4 pi mean radiance of s
+  double isotropic = 0;                 ///< radiance 1 in s: its first component, the others are 0
   std::vector<Real> loss_of_isotropic;  ///< [n] first row of B without scattering
   std::vector<Real> inverse_cosine;     ///< triangle of M^-1
   std::vector<Real> root;               ///< [n][n] M^1/2, rows in the streams' own basis
