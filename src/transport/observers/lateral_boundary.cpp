@@ -14,9 +14,10 @@ SolverOptions as_one_column(SolverOptions options) {
   return options;
 }
 
-IterationOptions in_full_precision(IterationOptions options) {
-  options.half_precision_radiance = false;
-  return options;
+IterationOptions in_full_precision(const IterationOptions& options) {
+  IterationOptions full = options;
+  full.half_precision_radiance = false;
+  return full;
 }
 
 double mean_of(const std::vector<float>& map, double otherwise) {

@@ -47,12 +47,11 @@ void source_gradient(const Cells<Real>& cells, const CellEmission<Real>& emissio
   }
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
-  template void source_gradient<Real>(const Cells<Real>&, std::size_t, std::size_t, const Real*, Real*, Real*, Real*); \
-  template void source_gradient<Real>(const Cells<Real>&, const CellEmission<Real>&, std::size_t, std::size_t,         \
-                                      const Real*, const Real*, Real*, Real*, Real*)
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template void source_gradient(const Cells<float>&, std::size_t, std::size_t, const float*, float*, float*, float*);
+template void source_gradient(const Cells<float>&, const CellEmission<float>&, std::size_t, std::size_t, const float*,
+                              const float*, float*, float*, float*);
+template void source_gradient(const Cells<double>&, std::size_t, std::size_t, const double*, double*, double*, double*);
+template void source_gradient(const Cells<double>&, const CellEmission<double>&, std::size_t, std::size_t,
+                              const double*, const double*, double*, double*, double*);
 
 }  // namespace cloudbow
