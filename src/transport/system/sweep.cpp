@@ -165,11 +165,11 @@ void gradient_of_ordinate(const TransportSystem<Real>& system, const Real* sourc
   Real* const x = work.gradient.axis[0].data();
   Real* const y = work.gradient.axis[1].data();
   Real* const z = work.gradient.axis[2].data();
-  if (!system.thermal) {
+  const CellEmission<Real> emission = system.thermal_emission();
+  if (emission.source == nullptr) {
     source_gradient(*system.cells, 0, n, source, x, y, z);
     return;
   }
-  const CellEmission<Real> emission = system.thermal_emission();
   work.rest.resize(n);
   for (std::size_t c = 0; c < n; ++c) work.rest[c] = source[c] - emission.source[c];
   source_gradient(*system.cells, emission, 0, n, source, work.rest.data(), x, y, z);

@@ -217,20 +217,25 @@ void set_first_order_beside_peak(const Problem& problem, const Discretisation& d
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
   template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,             \
                                             const SolverOptions&, bool, bool);                                         \
-  template TransportSystem<Real> make_system<Real>(const Problem&, const Discretisation&, const SolverOptions&,        \
-                                                   std::vector<std::vector<Real>>);                                    \
   template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,             \
                                       const DirectBeam<Real>*, DirectionalSource<Real>&);                              \
   template std::vector<Real> scaled_extinction<Real>(const OpticalGrid&, const std::vector<double>&);                  \
   template void set_first_order_beside_peak<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&, \
                                                   DirectionalSource<Real>&);                                           \
   template DirectionalSource<Real> scattered_source<Real>(const Discretisation&, const TransportSystem<Real>&,         \
-                                                          AngularField<Real>);                                         \
-  template void add_single_scattering<Real>(std::vector<SingleScattering<Real>>&,                                      \
-                                            const std::function<double(double)>&, std::span<const float>, double,      \
-                                            std::span<const Real>, std::span<const Real>)
+                                                          AngularField<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE
+template TransportSystem<float> make_system<float>(const Problem&, const Discretisation&, const SolverOptions&,
+                                                   std::vector<std::vector<float>>);
+template void add_single_scattering<float>(std::vector<SingleScattering<float>>&, const std::function<double(double)>&,
+                                           std::span<const float>, double, std::span<const float>,
+                                           std::span<const float>);
+template TransportSystem<double> make_system<double>(const Problem&, const Discretisation&, const SolverOptions&,
+                                                     std::vector<std::vector<double>>);
+template void add_single_scattering<double>(std::vector<SingleScattering<double>>&,
+                                            const std::function<double(double)>&, std::span<const float>, double,
+                                            std::span<const double>, std::span<const double>);
 
 }  // namespace cloudbow
