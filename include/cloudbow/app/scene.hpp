@@ -89,7 +89,7 @@ struct SceneThermal {
   std::string flux_units() const { return wavelength_um ? "W m-2 um-1" : "W m-2"; }
 };
 
-/// Light of all g-points of a gas model; each has a scene of its own.
+/// Light of all g-points of a gas model; there is one scene per g-point.
 struct SceneBroadband {
   enum class Method {
     few,     ///< a few g-points, chosen by columns, stand for all

@@ -67,7 +67,7 @@ struct ResultInfo {
   std::vector<ErrorEstimate> error_estimates{};  ///< of each solution, or none
   std::optional<RunPlan> plan{};
   std::optional<SpectralInfo> spectral{};
-  std::vector<Solution> clear_sky{};   ///< of each solution the same without clouds, on levels of its own, or none
+  std::vector<Solution> clear_sky{};   ///< of each solution the same without clouds, on other levels, or none
   std::vector<ThermalInfo> thermal{};  ///< of each solution, or none; all of one spectral unit
   std::vector<std::string> brightness_temperatures{};  ///< names of views and cameras; needs `thermal`
   std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none

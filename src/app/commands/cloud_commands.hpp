@@ -6,7 +6,7 @@
 
 namespace cloudbow {
 
-/// Adds the subcommand; if the user named one of its own subcommands, `action` becomes the work of that.
+/// Adds the subcommand. If the user names one of its subcommands, `action` becomes what that one does.
 void add_cloud(CLI::App& app, std::function<int()>& action);
 
 }  // namespace cloudbow

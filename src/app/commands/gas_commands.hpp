@@ -7,7 +7,7 @@
 
 namespace cloudbow {
 
-/// Adds the subcommand; if the user named one of its own subcommands, `action` becomes the work of that.
+/// Adds the subcommand. If the user names one of its subcommands, `action` becomes what that one does.
 /// @param command as the user typed it, for the history of the file it writes
 void add_gas(CLI::App& app, std::function<int()>& action, const std::string& command);
 

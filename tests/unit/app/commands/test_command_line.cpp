@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "app/planning/tradeoff.hpp"
+#include "call_cloudbow.hpp"
 #include "cloudbow/app/command_line.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/io/droplet_table_file.hpp"
@@ -35,23 +36,6 @@ azimuth_deg = 0
 [solver]
 accuracy = "draft"
 )";
-
-struct Outcome {
-  int exit_code;
-  std::string output;
-  std::string errors;
-};
-
-Outcome cloudbow(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "cloudbow");
-  std::vector<const char*> argv;
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  std::fflush(stdout);
-  return {exit_code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
-}
 
 TEST(CommandLine, HelpAndVersion) {
   EXPECT_THAT(cloudbow({"--help"}).output,

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "cloudbow/app/command_line.hpp"
+#include "call_cloudbow.hpp"
 #include "cloudbow/medium/gas_model.hpp"
 #include "ecckd_example.hpp"
 #include "io/hdf5_handle.hpp"
@@ -17,23 +17,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-struct Outcome {
-  int exit_code;
-  std::string output;
-  std::string errors;
-};
-
-Outcome cloudbow(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "cloudbow");
-  std::vector<const char*> argv;
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  std::fflush(stdout);
-  return {exit_code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
-}
 
 constexpr const char* profile =
     "# z(km) p(mb) T(K) h2o(mol/mol) o3(ppm)\n10 300 220 1e-4 0.5\n5 550 250 1e-3 0.05\n0 1000 280 1e-2 0.03\n";
