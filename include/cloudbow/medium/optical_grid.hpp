@@ -1,6 +1,7 @@
 // Absorption and scattering coefficients of the active cells of a box with uniform columns and any levels.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -109,22 +110,48 @@ struct OpticalGrid {
       if (i < box.nx) use(j, i, box.nx - i);
     }
   }
-  /// Calls use(k, column, cell) for every voxel with matter, level by level; column = j*nx + i.
+  /// Calls use(column, cell) for every voxel of level k with matter; column = j*nx + i.
+  template <class Use>
+  void for_each_place_of(int k, const Use& use) const {
+    for (int j = 0; j < box.ny; ++j) {
+      for (const RowSpan& span : row(k, j)) {
+        const std::size_t column = static_cast<std::size_t>(j) * box.nx + span.i;
+        for (std::size_t n = 0; n < static_cast<std::size_t>(span.n); ++n) use(column + n, span.offset + n);
+      }
+    }
+    const AirBlocks of_level = air_of(k);
+    if (of_level.count() == 0) return;
+    for_each_gap(k, [&](int j, int first, int n) {
+      for (int i = first; i < first + n; ++i)
+        use(static_cast<std::size_t>(j) * box.nx + i, static_cast<std::size_t>(of_level.cell(i, j)));
+    });
+  }
+  /// Calls use(k, column, cell) for every voxel with matter, level by level.
   template <class Use>
   void for_each_place(const Use& use) const {
+    for (int k = 0; k < box.nz(); ++k)
+      for_each_place_of(k, [&](std::size_t column, std::size_t cell) { use(k, column, cell); });
+  }
+  /// Calls use(k, cell, n) for every cell, level by level, with the number of its voxels.
+  template <class Use>
+  void for_each_cell(const Use& use) const {
+    std::vector<std::uint32_t> voxels;
     for (int k = 0; k < box.nz(); ++k) {
       for (int j = 0; j < box.ny; ++j) {
-        for (const RowSpan& span : row(k, j)) {
-          const std::size_t column = static_cast<std::size_t>(j) * box.nx + span.i;
-          for (std::size_t n = 0; n < static_cast<std::size_t>(span.n); ++n) use(k, column + n, span.offset + n);
-        }
+        for (const RowSpan& span : row(k, j))
+          for (std::size_t n = 0; n < static_cast<std::size_t>(span.n); ++n) use(k, span.offset + n, 1U);
       }
       const AirBlocks of_level = air_of(k);
       if (of_level.count() == 0) continue;
+      voxels.assign(static_cast<std::size_t>(of_level.count()), 0);
       for_each_gap(k, [&](int j, int first, int n) {
-        for (int i = first; i < first + n; ++i)
-          use(k, static_cast<std::size_t>(j) * box.nx + i, static_cast<std::size_t>(of_level.cell(i, j)));
+        for (int i = first, run = 0; i < first + n; i += run) {
+          run = std::min(first + n - i, of_level.width_x - i % of_level.width_x);
+          voxels[of_level.cell(i, j) - of_level.first_cell] += static_cast<std::uint32_t>(run);
+        }
       });
+      for (std::size_t b = 0; b < voxels.size(); ++b)
+        if (voxels[b] > 0) use(k, of_level.first_cell + b, voxels[b]);
     }
   }
   /// The active cells of level k are [first_cell(k), first_cell(k + 1)), those of single voxels first; k <= nz.

@@ -6,8 +6,8 @@
 namespace cloudbow {
 namespace {
 
-// Largest transport optical depth of a coarse cell, mean over the cells by their extinction. Beyond it, light that
-// stays within the cell would not be corrected.
+// Largest optical depth for transport scattering of a coarse cell, mean over the cells by their extinction. Beyond it,
+// light that stays within the cell would not be corrected.
 constexpr double thickest = 1.5;
 
 // Levels in pairs if both have the same thickness: the coarse level of each.
@@ -114,9 +114,11 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
     const int k = static_cast<int>(dense[c] / box.columns());
     place[c] = static_cast<std::uint32_t>((static_cast<std::size_t>(level[k]) * to.ny + j) * to.nx + i);
     volume[c] = box.thickness_m(k) / to.thickness_m(level[k]) / (by_x * by_y);
-    double transport = static_cast<double>(cells.extinction[c]);
-    for (std::size_t p = 0; p < cells.scattered.size(); ++p)
-      transport -= static_cast<double>(cells.scattered[p][c] * cells.extinction[c]) * system.truncated_asymmetry[p];
+    double transport = 0;
+    for (std::size_t p = 0; p < cells.scattered.size(); ++p) {
+      transport +=
+          static_cast<double>(cells.scattered[p][c] * cells.extinction[c]) * (1 - system.truncated_asymmetry[p]);
+    }
     const double extinction = static_cast<double>(cells.extinction[c]);
     depth += extinction * transport * std::max({to.dx_m, to.dy_m, to.thickness_m(level[k])});
     extinction_sum += extinction;

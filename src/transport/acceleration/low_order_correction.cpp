@@ -188,14 +188,15 @@ double transport_scattering(const TransportSystem<Real>& system, std::size_t cel
   return share * static_cast<double>(system.cells->extinction[cell]);
 }
 
-// Mean over the columns, each weighted with its own: clear columns do not count, nor columns of thin air alone.
+// Of scattering alone: absorption leaves few orders of scattering. Mean over the columns, each weighted with its own:
+// clear columns do not count, nor columns of thin air alone.
 template <class Real>
 double transport_depth(const TransportSystem<Real>& system) {
   const std::size_t columns = system.box.columns();
   std::vector<double> depth(columns, 0.);
   for_each_place(system.cells->rows, [&](std::uint32_t c, std::size_t place) {
-    depth[place % columns] += (system.absorption[c] + transport_scattering(system, c)) *
-                              system.box.thickness_m(static_cast<int>(place / columns));
+    depth[place % columns] +=
+        transport_scattering(system, c) * system.box.thickness_m(static_cast<int>(place / columns));
   });
   double sum = 0, weighted = 0;
   for (const double d : depth) {

@@ -58,7 +58,7 @@ std::optional<SlantedBeam> slanted_beam(const Problem& problem, const SolverOpti
   DirectBeam<float> scattering =
       beam_with<float>(problem, rows, fractions(streams, &PolarStreams::Scattering::beam_fraction), crossing);
   DirectBeam<float> sharp =
-      beam_with<float>(problem, rows, std::vector<double>(problem.phase.size(), 0.), crossing, false);
+      beam_with<float>(problem, rows, std::vector<double>(problem.phase.size(), 0.), crossing, {false});
   return SlantedBeam{std::move(scattering.irradiance), options.actinic,      std::move(scattering.level_flux),
                      std::move(sharp.level_flux),      scattering.side_gain, scattering.side_loss};
 }

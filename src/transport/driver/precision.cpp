@@ -34,12 +34,12 @@ bool too_thick_for_float(const OpticalGrid& grid) {
   double absorbing = 0;      // of it
   double thickest = 0;
   double most_emitting = 0;
-  grid.for_each_place([&](int k, std::size_t, std::size_t c) {
+  grid.for_each_cell([&](int k, std::size_t c, std::uint32_t voxels) {
     const double thickness = box.thickness_m(k);
     const double edge = std::min({thickness, box.nx > 1 ? box.dx_m : thickness, box.ny > 1 ? box.dy_m : thickness});
     const double extinction = grid.extinction(c);
-    optical_depth += extinction * thickness;
-    absorbing += static_cast<double>(grid.absorption[c]) * thickness;
+    optical_depth += voxels * extinction * thickness;
+    absorbing += voxels * static_cast<double>(grid.absorption[c]) * thickness;
     // Blocks of air are wider than a voxel, and their light is soon that of their own level.
     const AirBlocks air = grid.air_of(k);
     if (air.count() > 0 && c >= air.first_cell) return;

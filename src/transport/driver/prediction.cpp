@@ -53,7 +53,7 @@ double beam_seconds(const Problem& problem, const SolverOptions& options, double
 // Optical depth per metre of the domain, on average.
 double mean_extinction(const OpticalGrid& grid) {
   double sum = 0;
-  grid.for_each_place([&](int, std::size_t, std::size_t cell) { sum += grid.extinction(cell); });
+  grid.for_each_cell([&](int, std::size_t cell, std::uint32_t voxels) { sum += voxels * grid.extinction(cell); });
   return sum / (static_cast<double>(grid.box.columns()) * grid.box.nz());
 }
 
@@ -78,6 +78,7 @@ double pixel_seconds(const Problem& problem, const SolverOptions& options) {
   constexpr double seconds_a_line = .4e-6;
   constexpr double seconds_a_cell = 8e-9;
   constexpr double seconds_a_cell_with_matter = 30e-9;
+  if (options.cameras.empty() && options.views.empty()) return 0;
   const BoxGrid& box = problem.grid.box;
   const double extinction = mean_extinction(problem.grid);
   const double filled =

@@ -30,12 +30,20 @@ double henyey_greenstein_density(double cosine) {
   return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5) / (4 * std::numbers::pi);
 }
 
-// @param differs light is the difference from a reference: all matter counts.
+// Whether light comes from level k. @param differs light is the difference from a reference: all matter counts.
+template <class Real>
+bool is_bright(const Cells<Real>& cells, int k, bool differs) {
+  return differs ? cells.rows.level_cell[k + 1] > cells.rows.level_cell[k] : cells.sends_light(k);
+}
+
+// Bands next to the plane in whose levels all rays are alike become one: its light is the same everywhere.
 template <class Real>
 std::vector<Band> distance_bands(const BoxGrid& box, const Cells<Real>& cells, const PathPattern& pattern,
                                  bool differs) {
   std::vector<Band> bands;
   double distance = 0;
+  int uniform = 0;
+  while (box.periodic && uniform < pattern.levels() && cells.rows.is_uniform(pattern.level(uniform))) ++uniform;
   for (int first = 0; first < pattern.levels();) {
     const int last =
         first == 0 ? 1 : std::min(pattern.levels(), std::max(static_cast<int>(band_growth * first), first + 1));
@@ -44,9 +52,15 @@ std::vector<Band> distance_bands(const BoxGrid& box, const Cells<Real>& cells, c
     for (int step = first; step < last; ++step) {
       const int k = pattern.level(step);
       thickness += box.thickness_m(k);
-      empty = empty && !(differs ? cells.rows.level_cell[k + 1] > cells.rows.level_cell[k] : cells.sends_light(k));
+      empty = empty && !is_bright(cells, k, differs);
     }
-    bands.push_back({first, last, distance + thickness / 2, empty});
+    const bool is_uniform = last <= uniform;
+    if (is_uniform && !bands.empty()) {
+      bands.front().last_step = last;
+      bands.front().empty = bands.front().empty && empty;
+    } else {
+      bands.push_back({first, last, distance + thickness / 2, empty, is_uniform});
+    }
     distance += thickness;
     first = last;
   }
@@ -110,7 +124,8 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   const std::vector<Band> bands = distance_bands(box, scene.cells, vertical, scene.reference != 0);
 
   // Downward, a few directions near the sun's carry much of the light, so their rays start at the centre.
-  const bool filling = scene.fill_columns || (upward && !bands.empty() && !bands.front().empty);
+  const bool lit_at_plane = vertical.levels() > 0 && is_bright(scene.cells, vertical.level(0), scene.reference != 0);
+  const bool filling = scene.fill_columns || (upward && lit_at_plane);
 
   double powers = 0;
   for (const GatherDirection& direction : sorted) powers += power(direction);
@@ -145,7 +160,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
             for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
           }
           band.resize(columns);
-          blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
+          if (!bands[b].same_everywhere) blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
         });
       }
 #pragma omp single

@@ -148,17 +148,80 @@ std::size_t groups_for(const BoxGrid& box) {
   return std::clamp(static_cast<std::size_t>(most_sum_bytes / group), std::size_t{1}, most_groups);
 }
 
-// `count` <= lanes rays cross as many cells: their light is added to `sum` (docs/theory.md, Eq. 20), and every array of
-// `carried` is attenuated.
-template <bool linear, class Real>
+// Light of some levels in the rays of a direction.
+template <class Real>
+struct Slot {
+  std::vector<Real> rays;       // [columns + lane_padding], as `how` says
+  bool same_everywhere = true;  // all rays have how.offset, and `rays` nothing
+  StoredRays how{0, 0};
+
+  void set(double radiance) {
+    same_everywhere = true;
+    how = {0, radiance};
+  }
+  // True too if what varied has faded.
+  bool is_same_everywhere() const {
+    constexpr double faded = 1e-20;
+    return same_everywhere || how.scale < faded;
+  }
+  // Makes the values of `rays` the radiances.
+  void write(std::size_t columns) {
+    if (is_same_everywhere()) {
+      std::fill_n(rays.begin(), columns, static_cast<Real>(how.offset));
+      same_everywhere = false;
+      how = {};
+    } else {
+      how.write(rays.data(), columns);
+    }
+  }
+  // Adds the light of another slot, whose rays may be taken.
+  void add(Slot& other, std::size_t columns) {
+    if (!other.is_same_everywhere()) {
+      if (is_same_everywhere()) {
+        rays.swap(other.rays);
+        same_everywhere = false;
+        how.scale = other.how.scale;
+      } else {
+        const Real by = static_cast<Real>(other.how.scale / how.scale);
+        const Real* __restrict const more = other.rays.data();
+        Real* __restrict const sum = rays.data();
+        for (std::size_t m = 0; m < columns; ++m) sum[m] += by * more[m];
+      }
+    }
+    how.offset += other.how.offset;
+  }
+};
+
+// A slot's rays in one segment: how they are stored before and after it.
+template <class Real>
+struct CarriedRays {
+  Real* rays;
+  Real scale = 1, offset = 0;
+  Real inverse_after = 1, offset_after = 0;
+
+  explicit CarriedRays(Real* stored) : rays(stored) {}
+  CarriedRays(Slot<Real>& slot, const StoredRays& after)
+      : rays(slot.rays.data()),
+        scale(static_cast<Real>(slot.how.scale)),
+        offset(static_cast<Real>(slot.how.offset)),
+        inverse_after(static_cast<Real>(1 / after.scale)),
+        offset_after(static_cast<Real>(after.offset)) {}
+};
+
+// `count` <= lanes rays cross as many cells: their light is added to `fresh` (docs/theory.md, Eq. 20), and every array
+// of `carried` is attenuated.
+// @tparam in_air air changes how rays are stored, else they are as they are.
+template <bool linear, bool in_air, class Real>
 [[gnu::always_inline]] inline void cross_sums(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
                                               std::size_t cell, const Real* __restrict sent, std::size_t ray,
-                                              Real* __restrict sum, std::span<Real* const> carried) {
+                                              const CarriedRays<Real>& fresh,
+                                              std::span<const CarriedRays<Real>> carried) {
   const Real* __restrict const sigma = cells.extinction + cell;
   const std::size_t first = linear ? cell : 0;
   const Real* __restrict const x = cells.gradient[0] + first;
   const Real* __restrict const y = cells.gradient[1] + first;
   const Real* __restrict const z = cells.gradient[2] + first;
+  Real* __restrict const sum = fresh.rays + ray;
   std::array<Real, lanes> faded;
   for_lanes<Real>(
       count, [ =, &faded ](int i, bool active) __attribute__((always_inline)) {
@@ -167,13 +230,24 @@ template <bool linear, class Real>
         Real emitted = crossing.phi.phi1;
         if constexpr (linear) emitted = crossing.emitted(g.at_entry(x[i], y[i], z[i]), g.at_exit(x[i], y[i], z[i]));
         faded[i] = crossing.absorbed();
-        sum[i] = crossing.leaving(sum[i], sent[i] * emitted);
+        if constexpr (in_air) {
+          const Real light = crossing.leaving(fresh.scale * sum[i] + fresh.offset, sent[i] * emitted);
+          sum[i] = active ? fresh.inverse_after * (light - fresh.offset_after) : sum[i];
+        } else {
+          sum[i] = crossing.leaving(sum[i], sent[i] * emitted);
+        }
       });
-  for (Real* const slot : carried) {
-    Real* __restrict const light = slot + ray;
+  for (const CarriedRays<Real>& slot : carried) {
+    Real* __restrict const light = slot.rays + ray;
     for_lanes<Real>(
-        count, [&, light ](int i, bool active)
-                   __attribute__((always_inline)) { light[i] -= active ? faded[i] * light[i] : Real(0); });
+        count, [&, light ](int i, bool active) __attribute__((always_inline)) {
+          if constexpr (in_air) {
+            const Real here = slot.scale * light[i] + slot.offset;
+            light[i] = active ? slot.inverse_after * (here - faded[i] * here - slot.offset_after) : light[i];
+          } else {
+            light[i] -= active ? faded[i] * light[i] : Real(0);
+          }
+        });
   }
 }
 
@@ -182,7 +256,7 @@ template <bool linear, class Real>
 class AirSums {
  public:
   // @param sum null: no block emits.
-  AirSums(const AirSource<linear, Real>& source, Real* sum, std::span<Real* const> carried)
+  AirSums(const AirSource<linear, Real>& source, Real* sum, std::span<const CarriedRays<Real>> carried)
       : source_(source), sum_(sum), carried_(carried) {}
 
   void enter(std::size_t cell) { emission_ = source_.emission(cell, false); }
@@ -191,13 +265,15 @@ class AirSums {
     const Real absorbed = source_.absorbed();
     if (sum_ != nullptr) {
       Real* __restrict const sum = sum_ + ray;
-#pragma omp simd
-      for (int i = 0; i < n; ++i) sum[i] += emission - absorbed * sum[i];
+      for_rays<Real>(
+          n, [=](int i, bool active)
+                 __attribute__((always_inline)) { sum[i] += active ? emission - absorbed * sum[i] : Real(0); });
     }
-    for (Real* const slot : carried_) {
-      Real* __restrict const light = slot + ray;
-#pragma omp simd
-      for (int i = 0; i < n; ++i) light[i] -= absorbed * light[i];
+    for (const CarriedRays<Real>& slot : carried_) {
+      Real* __restrict const light = slot.rays + ray;
+      for_rays<Real>(
+          n, [=](int i, bool active)
+                 __attribute__((always_inline)) { light[i] -= active ? absorbed * light[i] : Real(0); });
     }
   }
   void leave() const {}
@@ -205,28 +281,32 @@ class AirSums {
  private:
   AirSource<linear, Real> source_;
   Real* sum_;
-  std::span<Real* const> carried_;
+  std::span<const CarriedRays<Real>> carried_;
   Real emission_ = 0;
 };
 
 // Work arrays of one group of directions, and its sums.
 template <class Real>
 struct Workspace {
-  std::vector<std::vector<Real>> rays;  // [slots][columns + lane_padding]
-  std::vector<Real*> carried;           // slots whose light crosses a level
+  std::vector<Slot<Real>> slots;
+  std::vector<Slot<Real>*> crossing;       // slots whose light crosses a level
+  std::vector<CarriedRays<Real>> carried;  // their rays
   struct Entry {
     const Real* rays;
+    Real scale;
     Real* plane;
   };
   std::vector<Entry> entries;  // of sums at an interface
   std::vector<Real> sent, ground, dark;
   LinearSource<Real> own;
-  std::vector<Real> sums;  // [planes][columns]
+  std::vector<Real> sums;               // [planes][columns]
+  std::vector<double> same_everywhere;  // [planes] light of all columns beside them
 
-  void prepare(int slots, std::size_t columns, std::size_t cells, std::size_t size) {
-    rays.assign(static_cast<std::size_t>(slots), std::vector<Real>(columns + lane_padding));
+  void prepare(int count, std::size_t columns, std::size_t cells, std::size_t planes) {
+    slots.assign(static_cast<std::size_t>(count), Slot<Real>{std::vector<Real>(columns + lane_padding)});
     sent.resize(cells + lane_padding);
-    sums.assign(size, Real(0));
+    sums.assign(planes * columns, Real(0));
+    same_everywhere.assign(planes, 0.);
   }
 };
 
@@ -245,7 +325,6 @@ class LevelGather {
   std::vector<float> flux(std::vector<GatherDirection> directions) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
     const SumPlanes planes(plan_, box_, levels_, classes);
-    const std::size_t size = planes.size() * columns_;
     const std::size_t groups = groups_for(box_);
     std::vector<Workspace<Real>> work(groups);
     for (const SpreadClass& alike : classes) {
@@ -253,7 +332,7 @@ class LevelGather {
 #pragma omp parallel for schedule(dynamic, 1)
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
-          if (alike.first == 0) work[g].prepare(plan_.slots, columns_, rows_.largest_level(), size);
+          if (alike.first == 0) work[g].prepare(plan_.slots, columns_, rows_.largest_level(), planes.size());
           for (std::size_t q = alike.first + g; q < alike.last; q += groups)
             march(directions[q], q, alike.spread, planes, work[g]);
         });
@@ -295,7 +374,9 @@ class LevelGather {
     for (std::size_t p = 0; p < planes.size(); ++p) {
       const Real* __restrict const sum = work[0].sums.data() + p * columns_;
       float* __restrict const to = flux.data() + static_cast<std::size_t>(planes.level(p)) * columns_;
-      for (std::size_t c = 0; c < columns_; ++c) to[c] += static_cast<float>(sum[c]);
+      double more = 0;
+      for (const Workspace<Real>& group : work) more += group.same_everywhere[p];
+      for (std::size_t c = 0; c < columns_; ++c) to[c] += static_cast<float>(static_cast<double>(sum[c]) + more);
     }
     return flux;
   }
@@ -315,92 +396,156 @@ class LevelGather {
     if (!box_.periodic && scene_.side_radiance) side = scene_.side_radiance(travel);
     const Real reference = weight * static_cast<Real>(scene_.reference);
     const bool lit_from_beyond = enter_box(travel, weight, work) || !side.empty();
+    if (!box_.periodic) work.slots[boundary_slot].write(columns_);
     for (int step = 0; step < count; ++step) {
       const LevelPlan& plan = plan_.steps[step];
       const int level = pattern.level(step);
-      work.carried.clear();
+      work.crossing.clear();
       for (const int slot : plan.carried) {
-        if (slot != boundary_slot || lit_from_beyond) work.carried.push_back(work.rays[slot].data());
+        if (slot != boundary_slot || lit_from_beyond) work.crossing.push_back(&work.slots[slot]);
       }
-      Real* fresh = nullptr;
+      const std::size_t first_cell = rows_.level_cell[level];
       if (plan.fresh >= 0) {
-        std::fill(work.rays[plan.fresh].begin(), work.rays[plan.fresh].end(), reference);
-        fresh = work.rays[plan.fresh].data();
-        const std::size_t first = rows_.level_cell[level];
-        source.fill(first, rows_.level_cell[level + 1] - first, work.sent.data());
-      } else if (rows_.has_voxels(level)) {
-        // They only absorb: the kernel adds zeros.
-        work.dark.assign(columns_ + lane_padding, Real(0));
-        fresh = work.dark.data();
-        std::fill(work.sent.begin(), work.sent.end(), Real(0));
+        work.slots[plan.fresh].set(reference);
+        source.fill(first_cell, rows_.level_cell[level + 1] - first_cell, work.sent.data());
+      } else {  // its cells only absorb: the kernel adds zeros
+        std::fill_n(work.sent.begin(), rows_.level_cell[level + 1] - first_cell + lane_padding, Real(0));
       }
-      const auto outside = [&](double at) {
-        if (side.empty()) return -reference;
-        const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
-        return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]) - reference;
-      };
-      cross(pattern, step, cells, work.sent.data(), work.carried, fresh, work.rays[boundary_slot].data(), reference,
-            outside);
-      if (plan.fresh >= 0 && reference != 0) {
-        for (std::size_t m = 0; m < columns_; ++m) fresh[m] -= reference;
+      if (box_.periodic && (rows_.is_uniform(level) || crosses_in_air(pattern, step, rows_, cells))) {
+        for_source_of(cells, [&](auto linear) { cross_in_air<linear>(pattern, step, cells, plan.fresh, work); });
+      } else {
+        const auto outside = [&](double at) {
+          if (side.empty()) return -reference;
+          const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
+          return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]) - reference;
+        };
+        cross(pattern, step, cells, plan.fresh, reference, work, outside);
       }
-      for (const auto& [from, into] : plan.merges) {
-        const Real* __restrict const more = work.rays[from].data();
-        Real* __restrict const sum = work.rays[into].data();
-        for (std::size_t m = 0; m < columns_; ++m) sum[m] += more[m];
-      }
+      if (plan.fresh >= 0) work.slots[plan.fresh].how.offset -= static_cast<double>(reference);
+      for (const auto& [from, into] : plan.merges) work.slots[into].add(work.slots[from], columns_);
       if (plan.level < 0) continue;
       work.entries.clear();
-      const auto plane_at = [&](int plane) { return work.sums.data() + static_cast<std::size_t>(plane) * columns_; };
-      if (lit_from_beyond) work.entries.push_back({work.rays[boundary_slot].data(), plane_at(plan.level)});
-      for (const auto& booking : plan.bookings) {
-        work.entries.push_back(
-            {work.rays[booking.slot].data(), plane_at(planes.plane(plan.level, spread, booking.distance_m))});
-      }
+      const auto enter = [&](const Slot<Real>& slot, int plane) {
+        const auto at = static_cast<std::size_t>(plane);
+        work.same_everywhere[at] += slot.how.offset;
+        if (!slot.is_same_everywhere())
+          work.entries.push_back(
+              {slot.rays.data(), static_cast<Real>(slot.how.scale), work.sums.data() + at * columns_});
+      };
+      if (lit_from_beyond) enter(work.slots[boundary_slot], plan.level);
+      for (const auto& booking : plan.bookings)
+        enter(work.slots[booking.slot], planes.plane(plan.level, spread, booking.distance_m));
       book(pattern, step, work.entries);
     }
   }
 
   // Whether any light enters.
   bool enter_box(const Direction& travel, Real weight, Workspace<Real>& work) const {
-    std::vector<Real>& rays = work.rays[boundary_slot];
+    Slot<Real>& slot = work.slots[boundary_slot];
     const Real reference = static_cast<Real>(scene_.reference);
-    if (upward_) {
-      const Real* const leaving = scene_.ground->along(travel, work.ground);
-      for (std::size_t c = 0; c < columns_; ++c) rays[c] = weight * (leaving[c] - reference);
-    } else {
-      std::fill(rays.begin(), rays.end(), weight * (static_cast<Real>(scene_.sky_radiance) - reference));
+    if (!upward_) {
+      slot.set(static_cast<double>(weight * (static_cast<Real>(scene_.sky_radiance) - reference)));
+      return slot.how.offset != 0;
     }
-    return std::any_of(rays.begin(), rays.end(), [](Real radiance) { return radiance != 0; });
+    slot.set(0);
+    slot.write(columns_);
+    const Real* const leaving = scene_.ground->along(travel, work.ground);
+    for (std::size_t c = 0; c < columns_; ++c) slot.rays[c] = weight * (leaving[c] - reference);
+    return std::any_of(slot.rays.begin(), slot.rays.begin() + static_cast<std::ptrdiff_t>(columns_),
+                       [](Real radiance) { return radiance != 0; });
+  }
+
+  // All rays cross a uniform level, or one with one block of air.
+  template <bool linear>
+  void cross_in_air(const PathPattern& pattern, int step, const CellView<Real>& cells, int fresh,
+                    Workspace<Real>& work) const {
+    const int level = pattern.level(step);
+    const std::size_t first_cell = rows_.level_cell[level];
+    if (first_cell == rows_.level_cell[level + 1]) return;
+    const std::size_t block = rows_.level_cell[level + 1] - 1;
+    const Real* const sent = work.sent.data();
+    const std::span<const Chunk> chunks = rows_.levels.of(level);
+    Slot<Real> none;
+    Slot<Real>& own = fresh >= 0 ? work.slots[fresh] : none;
+    if (!chunks.empty()) {
+      constexpr double least_scale = 1e-3;
+      for (Slot<Real>* const slot : work.crossing)
+        if (slot->is_same_everywhere() || slot->how.scale < least_scale) slot->write(columns_);
+      if (fresh >= 0) {
+        own.write(columns_);
+      } else {
+        none.rays.assign(columns_ + lane_padding, Real(0));
+        none.same_everywhere = false;
+        none.how = {};
+      }
+    }
+    for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+      const Segment& segment = pattern.segments[s];
+      if (segment.fraction <= 0) continue;
+      const SegmentGeometry<Real> g(segment, pattern.chord_m[step]);
+      const AirSource<linear, Real> air(g, cells.extinction[block], cells, sent, first_cell);
+      const double absorbed = static_cast<double>(air.absorbed());
+      const auto after_air = [absorbed](const Slot<Real>& slot, double emission) {
+        StoredRays after = slot.how;
+        after.cross_air(absorbed, emission);
+        return after;
+      };
+      const StoredRays own_after = after_air(own, static_cast<double>(air.emission(block, false)));
+      if (!chunks.empty()) {
+        work.carried.clear();
+        for (Slot<Real>* const slot : work.crossing) work.carried.emplace_back(*slot, after_air(*slot, 0));
+        cross_chunks(chunks, wrapped(segment.shift_x, box_.nx), wrapped(segment.shift_y, box_.ny), box_.nx, box_.ny,
+                     [&, into = CarriedRays<Real>(own, own_after)](std::size_t ray, std::size_t cell, int count) {
+                       cross_sums<linear, true>(g, count, cells, cell, sent + (cell - first_cell), ray, into,
+                                                std::span<const CarriedRays<Real>>(work.carried));
+                     });
+      }
+      own.how = own_after;
+      for (Slot<Real>* const slot : work.crossing) slot->how = after_air(*slot, 0);
+    }
   }
 
   // All rays cross one level: their light is attenuated by exp(-t) = 1 - t phi1. The light of the cells
-  // (docs/theory.md, "March along a ray") is added to `fresh`.
+  // (docs/theory.md, "March along a ray") is added to the slot `fresh`; -1: they send none.
   template <class Outside>
-  void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, const Real* sent,
-             std::span<Real* const> carried, Real* fresh, Real* from_beyond, Real reference,
-             const Outside& outside) const {
+  void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, int fresh, Real reference,
+             Workspace<Real>& work, const Outside& outside) const {
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     const double chord = pattern.chord_m[step];
+    const Real* const sent = work.sent.data();
+    work.carried.clear();
+    for (Slot<Real>* const slot : work.crossing) {
+      slot->write(columns_);
+      work.carried.emplace_back(slot->rays.data());
+    }
+    Real* sum = nullptr;
+    if (fresh >= 0) {
+      work.slots[fresh].write(columns_);
+      sum = work.slots[fresh].rays.data();
+    } else if (rows_.has_voxels(level)) {
+      work.dark.assign(columns_ + lane_padding, Real(0));
+      sum = work.dark.data();
+    }
     const auto enter = [&](const Segment& segment, double at) {
       if (box_.periodic) return;
       for_rays_through_side(segment, box_.nx, box_.ny, [&](std::size_t ray) {
-        for (Real* const slot : carried) slot[ray] = 0;
-        if (fresh != nullptr) fresh[ray] = reference;
-        from_beyond[ray] = outside(at);
+        for (const CarriedRays<Real>& slot : work.carried) slot.rays[ray] = 0;
+        if (sum != nullptr) sum[ray] = reference;
+        work.slots[boundary_slot].rays[ray] = outside(at);
       });
     };
     for_source_of(cells, [&](auto linear) {
       const auto begin = [&](const Segment& segment) {
-        return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          cross_sums<linear>(g, count, cells, cell, sent + (cell - first_cell), ray, fresh + ray, carried);
+        return [&, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
+          cross_sums<linear, false>(g, count, cells, cell, sent + (cell - first_cell), ray, CarriedRays<Real>(sum),
+                                    std::span<const CarriedRays<Real>>(work.carried));
         };
       };
       const auto begin_air = [&](const Segment& segment) {
         const Real extinction = cells.extinction[rows_.air[level].first_cell];
         const AirSource<linear, Real> air({segment, chord}, extinction, cells, sent, first_cell);
-        return AirSums<linear, Real>(air, fresh, carried);
+        return AirSums<linear, Real>(air, sum, work.carried);
       };
       cross_level(pattern, step, level, rows_, begin, begin_air, enter);
     });
@@ -414,7 +559,7 @@ class LevelGather {
                          Real* __restrict const to = entry.plane + column;
                          const Real* __restrict const from = entry.rays + ray;
 #pragma omp simd
-                         for (int i = 0; i < n; ++i) to[i] += from[i];
+                         for (int i = 0; i < n; ++i) to[i] += entry.scale * from[i];
                        }
                      });
   }

@@ -76,6 +76,19 @@ struct ActiveRows {
     return air.empty() ? level_cell[k + 1] : level_cell[k + 1] - static_cast<std::uint32_t>(air[k].count());
   }
   bool has_voxels(int k) const { return level_cell[k] < voxels_end(k); }
+  /// Whether all voxels of level k share one cell, or none has any. Horizontally nothing varies in it then.
+  bool is_uniform(int k) const {
+    return !has_voxels(k) &&
+           (level_cell[k] == level_cell[k + 1] ||
+            (level_cell[k] + 1 == level_cell[k + 1] &&
+             places[level_cell[k]] == static_cast<std::uint32_t>(nx) * static_cast<std::uint32_t>(ny)));
+  }
+  /// Whether level k has voxels of clouds, and one block of air that most of its voxels share.
+  bool is_mostly_air(int k) const {
+    if (air.empty() || air[k].count() != 1 || !has_voxels(k)) return false;
+    return 2 * static_cast<std::size_t>(places[air[k].first_cell]) >=
+           static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
+  }
   std::span<const Chunk> blocks_of(int k) const {
     if (air.empty()) return {};
     return {gaps_by_block.data() + first_gap[k], gaps_by_block.data() + first_gap[k + 1]};

@@ -58,12 +58,14 @@ template <class Real>
 struct Pack {
   using Value = Real;
   using Mask = bool;
+  static constexpr int size = 1;
 
   /// Steps of i += 1 in which a kernel takes `count` <= lanes cells.
   static int steps(int count) { return count; }
   static Mask first(int) { return true; }
   [[gnu::always_inline]] static Value load(const Real* from) { return *from; }
   [[gnu::always_inline]] static void store(Mask, const Value& v, Real* to) { *to = v; }
+  [[gnu::always_inline]] static void store_all(const Value& v, Real* to) { *to = v; }
   /// The values of the first cells, 0 in the others.
   [[gnu::always_inline]] static Value masked(Mask, const Value& v) { return v; }
   /// Over the cells, in their order.
@@ -73,6 +75,7 @@ template <>
 struct Pack<float> {
   using Value = Lanes<float>;
   using Mask = LaneMask;
+  static constexpr int size = lanes;
 
   static int steps(int) { return 1; }
   [[gnu::always_inline]] static Mask first(int count) { return first_lanes(count); }
@@ -83,6 +86,7 @@ struct Pack<float> {
     return v;
   }
   [[gnu::always_inline]] static void store(const Mask& mask, const Value& v, float* to) { store_masked(mask, v, to); }
+  [[gnu::always_inline]] static void store_all(const Value& v, float* to) { store_lanes<float>(v, to); }
   [[gnu::always_inline]] static Value masked(const Mask& mask, const Value& v) { return mask ? v : Value{}; }
   [[gnu::always_inline]] static float sum(const Value& v) {
     float total = 0;

@@ -61,7 +61,8 @@ RadianceField make_radiance_field(const ConvergedField<Real>& converged, Directi
   const IterationResult<Real>& solved = converged.result;
   const LateralBoundary* const lateral_boundary = converged.lateral_boundary;
   std::optional<DirectBeam<Real>> beam;
-  if (problem.sun) beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options);
+  if (problem.sun)
+    beam = beam_with<Real>(problem, system.cells->rows, discretisation.gather_fraction(), options, of_cells);
   set_first_order(problem, discretisation, system, beam ? &*beam : nullptr, source);
   const ControlPoints points(options.control_points, control_point_frame_rotation());
   RadianceField field;

@@ -45,9 +45,8 @@ class FluxFields {
     if (problem_.sun) {
       const bool peaked = !by_ordinates && std::any_of(discretisation.peak.begin(), discretisation.peak.end(),
                                                        [](const ForwardPeak& peak) { return peak.share() > 0; });
-      true_beam_ = beam_with<Real>(problem_, system_.cells->rows, std::vector<double>(problem_.phase.size(), 0.),
-                                   options_, false);
-      carried_beam_ = beam_with<Real>(problem_, system_.cells->rows, discretisation.beam_fraction(), options_, false);
+      true_beam_ = beam(std::vector<double>(problem_.phase.size(), 0.), false);
+      carried_beam_ = beam(discretisation.beam_fraction(), false);
       if (peaked) set_peak(discretisation);
     }
     if (!by_ordinates) {
@@ -91,10 +90,17 @@ class FluxFields {
     return problem_.sun->travel;
   }
 
+  // Its fluxes are those of the ground and of the requested levels.
+  DirectBeam<Real> beam(const std::vector<double>& forward_fraction, bool irradiance) const {
+    std::vector<int> levels = flux_levels(system_.box, options_);
+    levels.push_back(0);
+    return beam_with<Real>(problem_, system_.cells->rows, forward_fraction, options_, {irradiance, false, levels});
+  }
+
   // Light that the iteration's direct beam carries and the sharp one does not has been scattered within the forward
   // peak: once, as it is taken here, after which it goes as far as the iteration's beam.
   void set_peak(const Discretisation& discretisation) {
-    sharp_beam_ = beam_with<Real>(problem_, system_.cells->rows, discretisation.gather_fraction(), options_);
+    sharp_beam_ = beam(discretisation.gather_fraction(), true);
     carried_extinction_ = scaled_extinction<Real>(problem_.grid, discretisation.beam_fraction());
     carried_extinction_.resize(carried_extinction_.size() + lane_padding);
     peak_source_.emplace(DirectionalSource<Real>{discretisation.points, {}, problem_.sun->travel, {}});
@@ -277,7 +283,7 @@ class FluxFields {
     solution.profile_direct_flux.assign(levels, 0.);
     if (!problem_.sun) return;
     for (int e = 0; e < levels; ++e) {
-      const double direct = mean(slice(true_beam_->level_flux, e));
+      const double direct = true_beam_->mean_flux[e];
       solution.profile_direct_flux[e] = direct;
       solution.profile_downwelling_diffuse_flux[e] += system_.beam.profile[e] - direct;
     }

@@ -45,7 +45,8 @@ LateralBoundary::LateralBoundary(const Problem& problem, const Discretisation& d
   if (problem.emits()) from_ground_ = ground_of_iteration(system_, solved.fluxes).at_points.row(0)[0];
   std::optional<DirectBeam<double>> beam;
   if (problem_.sun)
-    beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), as_one_column(options));
+    beam = beam_with<double>(problem_, system_.cells->rows, discretisation.gather_fraction(), as_one_column(options),
+                             of_cells);
   source_.emplace(scattered_source(discretisation, system_, std::move(solved.radiance)));
   beside_peak_ = source_;
   set_first_order(problem_, discretisation, system_, beam ? &*beam : nullptr, *source_);
@@ -67,8 +68,8 @@ std::vector<double> LateralBoundary::march_in(const DirectionalSource<double>& f
   if (system_.linear_source) source.make_gradient(*system_.cells, system_.thermal_emission());
   std::vector<double> ray(1, travel.z() < 0 ? problem_.sky_radiance : from_ground_);
   march<double, false>(
-      pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), {},
-      [&](int step, const double* p) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
+      pattern, system_.cells->rows, source.view(*system_.cells), true, {}, source.value.data(), ray.data(), false, {},
+      [&](int step, const double* p, auto&) { at_edge[pattern.upward ? step : system_.box.nz() - step] = *p; });
   return at_edge;
 }
 

@@ -35,7 +35,7 @@ std::span<const Real> RadianceMarch<Real>::mean_radiance(const Problem& problem,
   if (system.linear_source) linear_.make_gradient(*system.cells, system.thermal_emission());
   radiance_.assign(source.size() + lane_padding, Real(0));
   march<Real, true>(pattern, system.cells->rows, linear_.view(*system.cells), box.periodic, side_, linear_.value.data(),
-                    rays_.data(), {radiance_.data()}, [](int, const Real*) {});
+                    rays_.data(), true, {radiance_.data()}, [](int, const Real*, auto&) {});
   return std::span<const Real>(radiance_).first(source.size());
 }
 

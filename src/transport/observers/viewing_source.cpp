@@ -22,7 +22,7 @@ std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field) 
   if (!problem.sun) return beams;
   // The light of the iteration's beam beyond unscattered light has scattered into the peak.
   const DirectBeam<Real> unscattered =
-      beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options);
+      beam_with<Real>(problem, system.cells->rows, std::vector<double>(problem.phase.size(), 0.), options, of_cells);
   std::vector<float> place(system.beam.irradiance.size());
   for (std::size_t c = 0; c < place.size(); ++c) {
     const double carried = static_cast<double>(system.beam.irradiance[c]);

@@ -27,7 +27,8 @@ struct Accumulator {
   std::array<std::vector<Real>, 3> moment;  // first moments of the irradiance about the cells' centres
   std::vector<Eigen::Vector3d> place;       // [nz] of the rays' mean places
   std::vector<Eigen::Matrix3d> spread;      // [nz] of their places' second moments
-  std::vector<double> level_flux;
+  std::vector<double> level_flux;           // [requested interfaces][columns]
+  std::vector<double> mean_flux;            // [nz+1]
   double gain = 0;
   double loss = 0;
 
@@ -57,15 +58,21 @@ class BeamInAir {
   }
   void cross(std::size_t ray, int n) {
     Real* __restrict const before = path_.data() + ray;
-    if (!sum_.irradiance.empty()) {
-      int i = 0;
-      for (; i + lanes <= n; i += lanes) {
-#pragma omp simd
-        for (int lane = 0; lane < lanes; ++lane) part_[lane] += transmission(before[i + lane]);
+    Real* __restrict const part = part_.data();
+    const Real t = t_;
+    const bool sums = !sum_.irradiance.empty();
+    for (int first = 0; first < n; first += lanes) {
+      if (sums) {
+        for_lanes<Real>(
+            std::min(lanes, n - first), [=](int i, bool active) __attribute__((always_inline)) {
+              part[i] += active ? transmission(before[first + i]) : Real(0);
+            });
       }
-      for (int lane = 0; i < n; ++i, ++lane) part_[lane] += transmission(before[i]);
+      for_lanes<Real>(
+          std::min(lanes, n - first), [=](int i, bool active) __attribute__((always_inline)) {
+            before[first + i] += active ? t : Real(0);
+          });
     }
-    for (int i = 0; i < n; ++i) before[i] += t_;
   }
   void leave() {
     if (sum_.irradiance.empty()) return;
@@ -89,6 +96,38 @@ class BeamInAir {
   std::size_t cell_ = 0;
   std::array<Real, lanes> part_{};
 };
+
+// A ray crosses the first `steps` levels, which are uniform, as all rays do. Returns its optical path after them.
+// before(step, transmitted) is called before each.
+template <class Real, class Before>
+Real cross_uniform_levels(const PathPattern& pattern, int steps, const ActiveRows& rows,
+                          const std::vector<Real>& extinction, Real irradiance_of_ray, Accumulator<Real>& sum,
+                          bool keeps_slopes, const Before& before) {
+  double path = 0;
+  for (int step = 0; step < steps; ++step) {
+    before(step, std::exp(-path));
+    if (keeps_slopes) sum.note_places(pattern, step);
+    const int level = pattern.level(step);
+    const std::size_t cell = rows.level_cell[level];
+    if (cell == rows.level_cell[level + 1]) continue;
+    for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+      const SegmentGeometry<double> g(pattern.segments[s], pattern.chord_m[step]);
+      const double t = static_cast<double>(extinction[cell]) * g.length;
+      if (!sum.irradiance.empty()) {
+        const double entering = g.share * static_cast<double>(irradiance_of_ray) * std::exp(-path);
+        const double held = entering * mean_transmission(t);
+        sum.irradiance[cell] += static_cast<Real>(held);
+        if (keeps_slopes) {
+          const auto phi = exponential_functions(std::min(t, static_cast<double>(largest_optical_path)));
+          sum.moment[2][cell] +=
+              static_cast<Real>(g.from_z * held + (g.to_z - g.from_z) * entering * (phi.phi1 - phi.phi2));
+        }
+      }
+      path += t;
+    }
+  }
+  return static_cast<Real>(path);
+}
 
 // Slopes relative to the irradiance, from the sums over all rays. Cells that the beam does not reach have none.
 template <class Real>
@@ -134,8 +173,21 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
   const int rays_y = still_y ? 1 : across;
   const int rays = rays_x * rays_y;
   const double width = 1. / across;
-  const Real irradiance_of_ray = static_cast<Real>(sun.irradiance / rays);
+  const double power_of_ray = sun.irradiance / rays;
+  const Real irradiance_of_ray = static_cast<Real>(power_of_ray);
   const std::size_t columns = box.columns();
+
+  // Place of each interface among those whose flux is requested by column; -1: not requested.
+  std::vector<int> place(box.nz() + 1, options.parts.levels && box.periodic ? -1 : 0);
+  if (options.parts.levels) {
+    for (const int edge : *options.parts.levels) place[edge] = 0;
+  }
+  int requested = 0;
+  for (int& at : place) at = at < 0 ? -1 : requested++;
+
+  // Levels from the top down to the first that is not uniform. All rays are alike there.
+  int first_step = 0;
+  while (box.periodic && first_step < box.nz() && rows.is_uniform(box.nz() - 1 - first_step)) ++first_step;
 
   // Optical path from the top down to each interface, in marching order, of the layers alone.
   std::vector<double> layer_path(box.nz() + 1, 0.);
@@ -152,11 +204,12 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
   for (std::size_t g = 0; g < sums.size(); ++g) {
     errors.run([&] {
       Accumulator<Real>& sum = sums[g];
-      sum.irradiance.assign(options.irradiance ? rows.size() + lane_padding : 0, Real(0));
-      for (auto& moment : sum.moment) moment.assign(options.slopes ? rows.size() + lane_padding : 0, Real(0));
+      sum.irradiance.assign(options.parts.irradiance ? rows.size() + lane_padding : 0, Real(0));
+      for (auto& moment : sum.moment) moment.assign(options.parts.slopes ? rows.size() + lane_padding : 0, Real(0));
       sum.place.assign(box.nz(), Eigen::Vector3d::Zero());
       sum.spread.assign(box.nz(), Eigen::Matrix3d::Zero());
-      sum.level_flux.assign(columns * (box.nz() + 1), 0.);
+      sum.level_flux.assign(columns * static_cast<std::size_t>(requested), 0.);
+      sum.mean_flux.assign(box.nz() + 1, 0.);
       // Rays carry their optical path, not their light: thousands of thin segments then add no rounding to speak of.
       std::vector<Real> path(columns + lane_padding);
       std::vector<Real> light(columns);
@@ -166,23 +219,37 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
         const PathPattern pattern =
             at_true_places(make_path_pattern(box, sun.travel, (ray % rays_x + .5) / rays_x + 1e-7,
                                              (row + .5) / rays_y + 1e-7, options.independent_columns, {0, box.nz()}));
-        std::fill(path.begin(), path.end(), Real(0));
         double landed = 0;  // at the interface recorded last
         const auto record = [&](int step) {
           landed = 0;
-          double* const flux = sum.level_flux.data() + columns * (box.nz() - step);
+          const int edge = box.nz() - step;
+          if (box.periodic)
+            sum.mean_flux[edge] += mu0 * power_of_ray * plane_sum(light.data(), columns) / static_cast<double>(columns);
+          if (place[edge] < 0) return;
+          double* const flux = sum.level_flux.data() + columns * static_cast<std::size_t>(place[edge]);
           spread_on_columns(pattern.x[step], pattern.y[step], width, box.nx, box.ny, box.periodic,
                             [&](std::size_t column, std::size_t from, int n, double weight) {
                               double* __restrict const to = flux + column;
-                              const double share = mu0 * sun.irradiance / rays * weight;
+                              const double share = mu0 * power_of_ray * weight;
                               for (int i = 0; i < n; ++i) to[i] += share * static_cast<double>(light[from + i]);
                               if (box.periodic) return;
                               for (int i = 0; i < n; ++i) landed += weight * static_cast<double>(light[from + i]);
                             });
         };
-        std::fill(light.begin(), light.end(), Real(1));
-        record(0);
-        for (int step = 0; step < box.nz(); ++step) {
+        const auto record_everywhere = [&](int step, double transmitted) {
+          const int edge = box.nz() - step;
+          const double more = mu0 * power_of_ray * transmitted;
+          sum.mean_flux[edge] += more;
+          if (place[edge] < 0) return;
+          double* const flux = sum.level_flux.data() + columns * static_cast<std::size_t>(place[edge]);
+          for (std::size_t c = 0; c < columns; ++c) flux[c] += more;
+        };
+        const Real above = cross_uniform_levels<Real>(pattern, first_step, rows, padded, irradiance_of_ray, sum,
+                                                      options.parts.slopes, record_everywhere);
+        std::fill(path.begin(), path.end(), above);
+        std::fill(light.begin(), light.end(), transmission(above));
+        record(first_step);
+        for (int step = first_step; step < box.nz(); ++step) {
           const int level = pattern.level(step);
           const Real chord = static_cast<Real>(pattern.chord_m[step]);
           const auto light_up = [&](const Segment& segment) {
@@ -249,10 +316,10 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
               path[m] = outside;
             });
           };
-          if (options.slopes) {
+          if (options.parts.slopes) {
             sum.note_places(pattern, step);
             cross_level(pattern, step, level, rows, light_up_with_moments, begin_air, enter);
-          } else if (options.irradiance) {
+          } else if (options.parts.irradiance) {
             cross_level(pattern, step, level, rows, light_up, begin_air, enter);
           } else {
             cross_level(pattern, step, level, rows, dim, begin_air, enter);
@@ -272,13 +339,25 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
   errors.rethrow();
 
   DirectBeam<Real> result;
-  result.irradiance.assign(options.irradiance ? rows.size() : 0, Real(0));
+  result.irradiance.assign(options.parts.irradiance ? rows.size() : 0, Real(0));
   result.level_flux.assign(columns * (box.nz() + 1), 0.);
+  result.mean_flux.assign(box.nz() + 1, 0.);
   for (const auto& sum : sums) {
     for (std::size_t c = 0; c < result.irradiance.size(); ++c) result.irradiance[c] += sum.irradiance[c];
-    for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sum.level_flux[c];
+    for (int edge = 0; edge <= box.nz(); ++edge) {
+      result.mean_flux[edge] += sum.mean_flux[edge];
+      if (place[edge] < 0) continue;
+      const double* const from = sum.level_flux.data() + columns * static_cast<std::size_t>(place[edge]);
+      double* const to = result.level_flux.data() + columns * static_cast<std::size_t>(edge);
+      for (std::size_t c = 0; c < columns; ++c) to[c] += from[c];
+    }
   }
-  if (options.slopes) result.slope = slopes_from<Real>(sums, rows, result.irradiance, rays, sun.irradiance);
+  if (!box.periodic) {
+    for (int edge = 0; edge <= box.nz(); ++edge)
+      result.mean_flux[edge] =
+          plane_sum(result.level_flux.data() + columns * edge, columns) / static_cast<double>(columns);
+  }
+  if (options.parts.slopes) result.slope = slopes_from<Real>(sums, rows, result.irradiance, rays, sun.irradiance);
   for (const auto& sum : sums) {
     result.side_gain += sum.gain * mu0 * sun.irradiance / rays / static_cast<double>(columns);
     result.side_loss += sum.loss * mu0 * sun.irradiance / rays / static_cast<double>(columns);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,18 +15,29 @@ namespace cloudbow {
 template <class Real>
 struct DirectBeam {
   std::vector<Real> irradiance;  ///< [n] voxel-mean irradiance on a surface facing the sun, W m-2; empty: not requested
-  std::vector<double> level_flux;  ///< [nz+1][ny*nx] through a horizontal surface, mean over the column, W m-2
+  /// [nz+1][ny*nx] through a horizontal surface, mean over the column, W m-2; 0 at interfaces that were not requested.
+  std::vector<double> level_flux;
+  std::vector<double> mean_flux;  ///< [nz+1] its domain means, of all interfaces
   /// [n + lane_padding] slope of the irradiance from face to face along x, y, z, relative to it; empty: not requested
   std::array<std::vector<Real>, 3> slope;
   double side_gain = 0;  ///< power through the sunlit open sides per area of the top, W m-2
   double side_loss = 0;
 };
 
+/// Requested parts of a beam, beside its domain means.
+struct BeamParts {
+  bool irradiance = true;  ///< of the cells
+  bool slopes = false;     ///< of the irradiance too
+  /// Interfaces whose flux is requested by column; none: all. In an open box all are.
+  std::optional<std::vector<int>> levels = {};
+};
+/// Irradiance alone.
+inline const BeamParts of_cells{true, false, std::vector<int>{}};
+
 struct BeamOptions {
   int rays = 16;                     ///< a column, a square number
   bool independent_columns = false;  ///< independent columns: the beam stays in its column
-  bool irradiance = true;            ///< else level fluxes alone, which cost a fraction
-  bool slopes = false;               ///< of the irradiance too
+  BeamParts parts = {};
 };
 
 /// @param extinction [n] 1/m of the active cells; @param layer_extinction [nz] of the layers alone, which light coming

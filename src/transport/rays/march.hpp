@@ -14,6 +14,7 @@
 #include "transport/grid/cells.hpp"
 #include "transport/rays/crossing.hpp"
 #include "transport/rays/path_pattern.hpp"
+#include "transport/rays/stored_rays.hpp"
 
 namespace cloudbow {
 
@@ -48,6 +49,18 @@ template <class Air>
   if (gap.n > before_seam) air.cross(row, gap.n - before_seam);
 }
 
+/// Calls `cross(ray, cell, n)` for the runs of chunks, with rays shifted by (ox, oy) columns modulo the box.
+/// @param ox, oy from 0 up to nx - 1 and ny - 1.
+template <class Cross>
+[[gnu::always_inline]] inline void cross_chunks(std::span<const Chunk> chunks, int ox, int oy, int nx, int ny,
+                                                const Cross& cross) {
+  for (const Chunk& chunk : chunks) {
+    int r = chunk.row - oy;
+    if (r < 0) r += ny;
+    cross_run(static_cast<std::size_t>(r) * nx, chunk, ox, nx, cross);
+  }
+}
+
 /// Calls `cross(ray, cell, n)` for every run of at most `lanes` rays from index `ray` in n cells from index `cell`.
 /// Segments are those of the level that `step` of the pattern crosses, with cross = begin(segment) for each. For blocks
 /// of air it is air = begin_air(segment). Each gets air.enter(cell), air.cross(ray, n) for its runs, and air.leave().
@@ -69,11 +82,7 @@ inline void cross_level(const PathPattern& pattern, int step, int level, const A
     const int ox = wrapped(segment.shift_x, nx);
     const int oy = wrapped(segment.shift_y, ny);
     const auto cross = begin(segment);
-    for (const Chunk& chunk : chunks) {
-      int r = chunk.row - oy;
-      if (r < 0) r += ny;
-      cross_run(static_cast<std::size_t>(r) * nx, chunk, ox, nx, cross);
-    }
+    cross_chunks(chunks, ox, oy, nx, ny, cross);
     if (gaps.empty()) continue;
     auto air = begin_air(segment);
     for (std::size_t g = 0; g < gaps.size();) {
@@ -285,6 +294,21 @@ template <class Real, class Use>
   }
 }
 
+/// The same for any number of rays.
+template <class Real, class Use>
+[[gnu::always_inline]] inline void for_rays(int count, const Use& use) {
+  if constexpr (std::is_same_v<Real, float>) {
+    const int whole = count / lanes * lanes;
+#pragma omp simd
+    for (int i = 0; i < whole; ++i) use(i, true);
+    if (whole == count) return;
+#pragma omp simd
+    for (int i = 0; i < lanes; ++i) use(whole + i, whole + i < count);
+  } else {
+    for (int i = 0; i < count; ++i) use(i, true);
+  }
+}
+
 /// Sums over rays in the cells [n + lane_padding] that they cross. Rays add to them; null: not kept.
 template <class Real>
 struct CellSums {
@@ -313,10 +337,11 @@ template <bool keep_mean, class Real, class Use>
 
 /// `count` <= lanes rays cross as many cells. In float all arrays can be read and written up to lane_padding elements
 /// beyond.
-template <class Kind, class Real>
+/// @param access how rays are stored: PlainRays or RaysInAir.
+template <class Kind, class Real, class Access>
 [[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
                                                std::size_t cell, const Real* source, Real* ray,
-                                               const CellSums<Real>& sums) {
+                                               const CellSums<Real>& sums, Access&& access) {
   using Cell = Pack<Real>;
   using Value = typename Cell::Value;
   const auto active = Cell::first(count);
@@ -324,7 +349,7 @@ template <class Kind, class Real>
     const auto add = [&](const Value& more, Real* to) { Cell::store(active, Cell::load(to) + more, to); };
     const Crossing<Value> crossing(optical_path(Cell::load(cells.extinction + cell + i), g.length));
     const Value s = Cell::load(source + cell + i);
-    const Value in = Cell::load(ray + i);
+    const Value in = access.radiance(Cell::load(ray + i));
     Value out, held;
     if constexpr (Kind::linear) {
       const Value x = Cell::load(cells.gradient[0] + cell + i);
@@ -345,7 +370,8 @@ template <class Kind, class Real>
       out = crossing.leaving_constant(in, s);
     }
     if constexpr (Kind::keep_mean) add(held, sums.mean + cell + i);
-    Cell::store(active, out, ray + i);
+    access.note(active, in, out);
+    Cell::store(active, access.stored(out), ray + i);
   }
 }
 
@@ -378,28 +404,14 @@ class AirCrossing {
   }
 
   [[gnu::always_inline]] void cross(std::size_t ray, int n) {
-    using Rays = Pack<Real>;
-    Real* const from = rays_ + ray;
     n_ += n;
-    // Sums of thousands of rays would lose digits in float.
-    for (int begin = 0; begin < n; begin += rays_summed) {
-      const int end = std::min(n, begin + rays_summed);
-      typename Rays::Value sum{};
-      for (int first = begin; first < end; first += lanes) {
-        const int count = std::min(lanes, end - first);
-        const auto active = Rays::first(count);
-        for (int i = first; i < first + Rays::steps(count); ++i) {
-          const auto in = Rays::load(from + i);
-          sum += Rays::masked(active, in);
-          Rays::store(active, in + (emission_ - absorbed_ * in), from + i);
-        }
-      }
-      in_ += static_cast<double>(Rays::sum(sum));
-    }
+    for (int begin = 0; begin < n; begin += rays_summed)
+      cross_some(rays_ + ray + begin, std::min(rays_summed, n - begin));
   }
 
   void leave() {
     if constexpr (Kind::keep_mean) {
+      finish_sum();
       const Real in = static_cast<Real>(in_ / n_);
       const Real share = g_.share * static_cast<Real>(n_) * cells_.share_of_place[cell_];
       const Real held = share * crossing_.mean(in, entry_, exit_);
@@ -414,7 +426,31 @@ class AirCrossing {
   }
 
  private:
-  static constexpr int rays_summed = 16 * lanes;
+  using Rays = Pack<Real>;
+  // Sums of more rays would lose digits in float.
+  static constexpr int rays_summed = std::is_same_v<Real, float> ? 32 * lanes : 1;
+
+  [[gnu::always_inline]] void cross_some(Real* from, int n) {
+    int i = 0;
+    for (; i + Rays::size <= n; i += Rays::size) {
+      const auto in = Rays::load(from + i);
+      sum_ += in;
+      Rays::store_all(in + (emission_ - absorbed_ * in), from + i);
+    }
+    if (i < n) {
+      const auto active = Rays::first(n - i);
+      const auto in = Rays::load(from + i);
+      sum_ += Rays::masked(active, in);
+      Rays::store(active, in + (emission_ - absorbed_ * in), from + i);
+    }
+    summed_ += n;
+    if (summed_ >= rays_summed) finish_sum();
+  }
+  void finish_sum() {
+    in_ += static_cast<double>(Rays::sum(sum_));
+    sum_ = typename Rays::Value{};
+    summed_ = 0;
+  }
 
   SegmentGeometry<Real> g_;
   Crossing<Real> crossing_;
@@ -426,7 +462,9 @@ class AirCrossing {
   std::size_t cell_ = 0;
   int n_ = 0;
   Real entry_ = 0, exit_ = 0, emission_ = 0;
-  double in_ = 0;  // sum of the radiances that enter the block
+  double in_ = 0;  // sum of the radiances that enter the block, but for
+  typename Rays::Value sum_{};
+  int summed_ = 0;
 };
 
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
@@ -451,19 +489,177 @@ struct MarchTotals {
   double left_sides = 0;
 };
 
+/// Rays of a direction in a periodic box, as levels of air need them.
+template <class Real>
+class MarchedRays {
+ public:
+  MarchedRays(Real* rays, const ActiveRows& rows)
+      : rays_(rays), count_(static_cast<std::size_t>(rows.nx) * static_cast<std::size_t>(rows.ny)) {}
+
+  const StoredRays& how() const { return how_; }
+  std::size_t count() const { return count_; }
+  double sum() {
+    if (!sum_is_known_) sum_ = plane_sum(rays_, count_);
+    sum_is_known_ = true;
+    return how_.scale * sum_ + how_.offset * static_cast<double>(count_);
+  }
+  double mean() { return sum() / static_cast<double>(count_); }
+  void cross_air(double absorbed, double emission) { how_.cross_air(absorbed, emission); }
+  /// A segment in which the rest of the rays crossed n cells. sum() was called before.
+  void cross_segment(const StoredRays& after, double n, double entered, double left) {
+    sum_ += (left - n * after.offset) / after.scale - (entered - n * how_.offset) / how_.scale;
+    how_ = after;
+  }
+  /// The stored values become the radiances.
+  void write() {
+    if (sum_is_known_) sum_ = sum();
+    how_.write(rays_, count_);
+  }
+  /// Others are about to change the rays.
+  void forget_sum() { sum_is_known_ = false; }
+
+ private:
+  Real* rays_;
+  std::size_t count_;
+  StoredRays how_;
+  double sum_ = 0;  // of the stored values
+  bool sum_is_known_ = false;
+};
+
+/// A level's air along one segment: its one source, and the mean radiance that it holds.
+template <class Kind, class Real>
+class AirInSegment {
+ public:
+  /// @param cell of the air.
+  AirInSegment(const Segment& segment, double chord, const CellView<Real>& cells, const Real* source, std::size_t cell)
+      : g_(segment, chord),
+        crossing_(optical_path(static_cast<double>(cells.extinction[cell]), g_.length)),
+        cell_(cell),
+        entry_(static_cast<double>(source[cell])),
+        exit_(entry_) {
+    if constexpr (Kind::linear) {
+      const double x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
+      entry_ *= g_.at_entry(x, y, z);
+      exit_ *= g_.at_exit(x, y, z);
+    }
+  }
+
+  double absorbed() const { return crossing_.absorbed(); }
+  double emission() const { return crossing_.t * crossing_.emitted(entry_, exit_); }
+  /// @param in mean radiance of all its rays.
+  void keep(double in, const CellSums<Real>& sums) const {
+    if constexpr (Kind::keep_mean) {
+      const double held = g_.share * crossing_.mean(in, entry_, exit_);
+      sums.mean[cell_] += static_cast<Real>(held);
+      if constexpr (Kind::keep_moments) {
+        const double along = g_.share * crossing_.first_moment(in, entry_, exit_);
+        sums.moment[0][cell_] += static_cast<Real>(g_.from_x * held + (g_.to_x - g_.from_x) * along);
+        sums.moment[1][cell_] += static_cast<Real>(g_.from_y * held + (g_.to_y - g_.from_y) * along);
+        sums.moment[2][cell_] += static_cast<Real>(g_.from_z * held + (g_.to_z - g_.from_z) * along);
+      }
+    }
+  }
+
+ private:
+  SegmentGeometry<double> g_;
+  Crossing<double> crossing_;
+  std::size_t cell_;
+  double entry_, exit_;
+};
+
+/// All rays cross a uniform level.
+template <class Kind, class Real>
+void cross_uniform_level(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells,
+                         const Real* source, const CellSums<Real>& sums, MarchedRays<Real>& rays) {
+  const int level = pattern.level(step);
+  if (rows.level_cell[level] == rows.level_cell[level + 1]) return;
+  for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+    const AirInSegment<Kind, Real> air(pattern.segments[s], pattern.chord_m[step], cells, source,
+                                       rows.level_cell[level]);
+    if constexpr (Kind::keep_mean) air.keep(rays.mean(), sums);
+    rays.cross_air(air.absorbed(), air.emission());
+  }
+}
+
+/// Rays cross the cells of a level ray by ray, and its one block of air all at once.
+template <class Kind, class Real>
+void cross_level_in_air(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells,
+                        const Real* source, const CellSums<Real>& sums, Real* stored, MarchedRays<Real>& rays) {
+  const int level = pattern.level(step);
+  const std::uint32_t block = rows.air[level].first_cell;
+  const double n = rows.voxels_end(level) - rows.level_cell[level];
+  constexpr std::size_t chunks_summed = 32;
+  const std::span<const Chunk> chunks = rows.levels.of(level);
+  for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
+    const Segment& segment = pattern.segments[s];
+    if (segment.fraction <= 0) continue;
+    const AirInSegment<Kind, Real> air(segment, pattern.chord_m[step], cells, source, block);
+    const double all = rays.sum();
+    StoredRays after = rays.how();
+    after.cross_air(air.absorbed(), air.emission());
+    RaysInAir<Real> access(rays.how(), after);
+    const SegmentGeometry<Real> geometry(segment, pattern.chord_m[step]);
+    const int ox = wrapped(segment.shift_x, rows.nx), oy = wrapped(segment.shift_y, rows.ny);
+    for (std::size_t first = 0; first < chunks.size(); first += chunks_summed) {
+      cross_chunks(chunks.subspan(first, std::min(chunks_summed, chunks.size() - first)), ox, oy, rows.nx, rows.ny,
+                   [&](std::size_t ray, std::size_t cell, int count) {
+                     cross_cells<Kind>(geometry, count, cells, cell, source, stored + ray, sums, access);
+                   });
+      access.finish_sums();
+    }
+    if constexpr (Kind::keep_mean) air.keep((all - access.entered) / (static_cast<double>(rays.count()) - n), sums);
+    rays.cross_segment(after, n, access.entered, access.left);
+  }
+}
+
+/// Whether air may change how rays are stored in this level: opaque air leaves nothing of what was stored.
+template <class Real>
+bool crosses_in_air(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells) {
+  constexpr double thickest = 1;
+  const int level = pattern.level(step);
+  return rows.is_mostly_air(level) &&
+         static_cast<double>(cells.extinction[rows.air[level].first_cell]) * pattern.chord_m[step] < thickest;
+}
+
+/// Whether what is stored has the digits of the radiances, of dim rays too.
+template <class Real>
+bool keeps_digits(MarchedRays<Real>& rays) {
+  constexpr double least_scale = .25, largest_offset = .25;
+  const StoredRays& how = rays.how();
+  return how.scale >= least_scale && std::abs(how.offset) <= largest_offset * std::abs(rays.mean());
+}
+
 /// One direction through the levels of its pattern. `source` [n] is that of the cells, `rays` [nx*ny] hold the radiance
-/// at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays) is called before
-/// the first level and after each.
+/// at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays, all) is called
+/// before the first level and after each. `rays` is null if they are not stored as they are; all.sum() is theirs.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
+/// @param joins whether `rays` may be null then.
 /// @param sums read only if keep_mean.
 template <class Real, bool keep_mean, class AtLevel>
 MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
-                  std::span<const Real> side_radiance, const Real* source, Real* rays, const CellSums<Real>& sums,
-                  const AtLevel& at_level) {
+                  std::span<const Real> side_radiance, const Real* source, Real* rays, bool joins,
+                  const CellSums<Real>& sums, const AtLevel& at_level) {
   MarchTotals totals;
-  at_level(0, rays);
+  MarchedRays<Real> all(rays, rows);
+  at_level(0, rays, all);
   for (int step = 0; step < pattern.levels(); ++step) {
+    const int level = pattern.level(step);
+    const bool is_uniform = joins && periodic && rows.is_uniform(level);
+    if (is_uniform || (joins && periodic && crosses_in_air(pattern, step, rows, cells))) {
+      if (!is_uniform && !keeps_digits(all)) all.write();
+      for_kind_of<keep_mean>(cells, sums, [&](auto kind) {
+        if (is_uniform) {
+          cross_uniform_level<decltype(kind)>(pattern, step, rows, cells, source, sums, all);
+        } else {
+          cross_level_in_air<decltype(kind)>(pattern, step, rows, cells, source, sums, rays, all);
+        }
+      });
+      at_level(step + 1, nullptr, all);
+      continue;
+    }
+    all.write();
+    all.forget_sum();
     const double chord = pattern.chord_m[step];
     const auto enter = [&](const Segment& segment, double at) {
       if (periodic) return;
@@ -479,7 +675,7 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
     for_kind_of<keep_mean>(cells, sums, [&](auto kind) {
       const auto begin = [&](const Segment& segment) {
         return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          cross_cells<decltype(kind)>(geometry, count, cells, cell, source, rays + ray, sums);
+          cross_cells<decltype(kind)>(geometry, count, cells, cell, source, rays + ray, sums, PlainRays());
         };
       };
       const auto begin_air = [&](const Segment& segment) {
@@ -489,8 +685,9 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
       };
       cross_level(pattern, step, pattern.level(step), rows, begin, begin_air, enter);
     });
-    at_level(step + 1, rays);
+    at_level(step + 1, rays, all);
   }
+  all.write();
   return totals;
 }
 

@@ -165,7 +165,7 @@ class SidewaysMarch {
           ask_for<Kind>(&chunk + ahead, cells_, source_, sums_);
           const std::size_t row = static_cast<std::size_t>(base + slope * chunk.row) * columns_;
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
-            cross_cells<Kind>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, sums_);
+            cross_cells<Kind>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, sums_, PlainRays());
           });
         }
         for (std::size_t g = 0; g < gaps.size();) {

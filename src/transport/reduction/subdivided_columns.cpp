@@ -18,9 +18,9 @@ constexpr double across_the_sun = 2;  // times the depth that parts may have alo
 // Delta-M scaled extinction, 1/m, mean over the cells by the power that the beam loses in them.
 double lit_extinction(const Problem& problem, const SolverOptions& options) {
   double power = 0, sum = 0;
-  follow_beam(problem, options, [&](int, double extinction, double lost) {
-    power += lost;
-    sum += lost * extinction;
+  follow_beam(problem, options, [&](int, double extinction, double lost, double voxels) {
+    power += voxels * lost;
+    sum += voxels * lost * extinction;
   });
   return power > 0 ? sum / power : 0;
 }

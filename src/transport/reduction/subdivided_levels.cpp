@@ -34,11 +34,12 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
   };
   std::vector<BeamInLevel> levels(box.nz());
   std::vector<Sums> sums(box.nz());
-  follow_beam(problem, options, [&](int k, double extinction, double lost) {
-    levels[k].share += lost / columns;
-    levels[k].depth += lost / columns * extinction * box.thickness_m(k) / mu0;
-    sums[k].extinction += extinction;
-    sums[k].squares += extinction * extinction;
+  follow_beam(problem, options, [&](int k, double extinction, double lost, double voxels) {
+    const double share = voxels * lost / columns;
+    levels[k].share += share;
+    levels[k].depth += share * extinction * box.thickness_m(k) / mu0;
+    sums[k].extinction += voxels * extinction;
+    sums[k].squares += voxels * extinction * extinction;
   });
   for (int k = 0; k < box.nz(); ++k) {
     BeamInLevel& level = levels[k];

@@ -16,7 +16,7 @@ constexpr double largest_optical_depth = 1e6;
 void check_cell_thickness(const Problem& problem) {
   const OpticalGrid& grid = problem.grid;
   double largest = 0;
-  grid.for_each_place([&](int k, std::size_t, std::size_t c) {
+  grid.for_each_cell([&](int k, std::size_t c, std::uint32_t) {
     const bool scatters = std::any_of(grid.scattering.begin(), grid.scattering.end(),
                                       [c](const auto& of_phase) { return of_phase[c] > 0; });
     if (scatters) largest = std::max(largest, grid.box.thickness_m(k) * grid.extinction(c));

@@ -244,15 +244,15 @@ class OrdinateMarch {
     const std::size_t columns = system_.box.columns();
     const std::span<const Real> side =
         system_.side_radiance.empty() ? std::span<const Real>{} : std::span<const Real>(system_.side_radiance[d]);
-    const auto at_level = [&](int step, const Real* p) {
+    const auto at_level = [&](int step, const Real* p, MarchedRays<Real>& all) {
       if (!record) return;
       const int edge = pattern.first_level + (pattern.upward ? step : pattern.levels() - step);
-      totals.profile[edge] = plane_sum(p, columns);
-      if (passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
+      totals.profile[edge] = p != nullptr ? plane_sum(p, columns) : all.sum();
+      if (p != nullptr && passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
     };
     const CellView<Real> cells = view_along_z(*system_.cells, gradient);
     const MarchTotals sides = march<Real, true>(pattern, system_.cells->rows, cells, system_.box.periodic, side,
-                                                source.data(), rays.data(), sums_, at_level);
+                                                source.data(), rays.data(), passing == nullptr, sums_, at_level);
     totals.sides.entered_sides += sides.entered_sides;
     totals.sides.left_sides += sides.left_sides;
     work_.plane.resize(columns + lane_padding);

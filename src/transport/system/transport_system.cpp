@@ -35,10 +35,10 @@ std::vector<Real> scaled_extinction(const OpticalGrid& grid, const std::vector<d
 
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options, bool irradiance, bool slopes) {
+                           const SolverOptions& options, const BeamParts& parts) {
   const std::vector<Real> extinction = scaled_extinction<Real>(problem.grid, forward_fraction);
   return direct_beam<Real>(problem.grid.box, rows, extinction, scaled_layer_extinction(problem.grid, forward_fraction),
-                           *problem.sun, {options.beam_rays, options.independent_columns, irradiance, slopes});
+                           *problem.sun, {options.beam_rays, options.independent_columns, parts});
 }
 
 namespace {
@@ -58,7 +58,8 @@ SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discr
   SystemBeam<Real> beam;
   if (!problem.sun) return beam;
   const std::vector<double> fraction = discretisation.beam_fraction();
-  DirectBeam<Real> direct = beam_with<Real>(problem, cells.rows, fraction, options, true, slope != nullptr);
+  DirectBeam<Real> direct =
+      beam_with<Real>(problem, cells.rows, fraction, options, {true, slope != nullptr, std::vector<int>{0}});
   if (slope != nullptr) *slope = std::move(direct.slope);
   for (std::size_t p = 0; p < discretisation.table.size(); ++p) {
     BeamSource<Real> source;
@@ -75,8 +76,7 @@ SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discr
     if (any) beam.source.push_back(std::move(source));
   }
   const auto columns = static_cast<std::ptrdiff_t>(problem.grid.box.columns());
-  for (auto level = direct.level_flux.begin(); level != direct.level_flux.end(); level += columns)
-    beam.profile.push_back(std::accumulate(level, level + columns, 0.) / static_cast<double>(columns));
+  beam.profile = std::move(direct.mean_flux);
   beam.surface_flux.assign(direct.level_flux.begin(), direct.level_flux.begin() + columns);
   beam.side_gain = direct.side_gain;
   beam.side_loss = direct.side_loss;
@@ -87,8 +87,8 @@ SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discr
 double mean_planck(const OpticalGrid& grid) {
   double sum = 0, weights = 0;
   if (!grid.emits()) return 0;
-  grid.for_each_place([&](int k, std::size_t, std::size_t c) {
-    const double weight = static_cast<double>(grid.absorption[c]) * grid.box.thickness_m(k);
+  grid.for_each_cell([&](int k, std::size_t c, std::uint32_t voxels) {
+    const double weight = voxels * static_cast<double>(grid.absorption[c]) * grid.box.thickness_m(k);
     sum += weight * static_cast<double>(grid.planck[c]);
     weights += weight;
   });
@@ -216,7 +216,7 @@ void set_first_order_beside_peak(const Problem& problem, const Discretisation& d
 
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
   template DirectBeam<Real> beam_with<Real>(const Problem&, const ActiveRows&, const std::vector<double>&,             \
-                                            const SolverOptions&, bool, bool);                                         \
+                                            const SolverOptions&, const BeamParts&);                                   \
   template void set_first_order<Real>(const Problem&, const Discretisation&, const TransportSystem<Real>&,             \
                                       const DirectBeam<Real>*, DirectionalSource<Real>&);                              \
   template std::vector<Real> scaled_extinction<Real>(const OpticalGrid&, const std::vector<double>&);                  \

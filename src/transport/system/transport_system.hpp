@@ -12,11 +12,10 @@
 
 namespace cloudbow {
 
-/// The direct beam if the fraction f_p of the scattering by phase function p counts as unscattered. @param irradiance
-/// whether it is computed too, beside the fluxes; @param slopes and its slopes.
+/// The direct beam if the fraction f_p of the scattering by phase function p counts as unscattered.
 template <class Real>
 DirectBeam<Real> beam_with(const Problem& problem, const ActiveRows& rows, const std::vector<double>& forward_fraction,
-                           const SolverOptions& options, bool irradiance = true, bool slopes = false);
+                           const SolverOptions& options, const BeamParts& parts = {});
 
 /// @param side_radiance as TransportSystem::side_radiance
 template <class Real>

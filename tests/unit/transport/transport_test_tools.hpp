@@ -95,6 +95,54 @@ inline Direction travel_along(double mu, double azimuth_deg) {
 }
 
 /// Few directions of everything, so that dozens of problems take seconds: for properties that hold at any accuracy.
+/// Layers of two kinds: absorbing and scattering, 1/m, by level.
+struct Layers {
+  std::vector<double> absorption, scattering;
+};
+
+/// Voxels of a cloud, and the layers around them in blocks of so many columns; 0: one block for each level.
+/// @param cloud extinction of the dense box; its single-scattering albedo is 1.
+inline OpticalGrid grid_in_blocks(const BoxGrid& box, const std::vector<float>& cloud, const Layers& layers,
+                                  int columns) {
+  OpticalGrid grid;
+  grid.box = box;
+  grid.layer_absorption = layers.absorption;
+  grid.layer_scattering = {std::vector<double>(layers.absorption.size(), 0.), layers.scattering};
+  grid.scattering.resize(2);
+  grid.row_begin.push_back(0);
+  const auto add_cell = [&](int k, double extinction) {
+    grid.absorption.push_back(static_cast<float>(layers.absorption[k]));
+    grid.scattering[0].push_back(static_cast<float>(extinction));
+    grid.scattering[1].push_back(static_cast<float>(layers.scattering[k]));
+  };
+  for (int k = 0; k < box.nz(); ++k) {
+    for (int j = 0; j < box.ny; ++j) {
+      for (int i = 0; i < box.nx; ++i) {
+        const double here = cloud[(static_cast<std::size_t>(k) * box.ny + j) * box.nx + i];
+        if (here <= 0) continue;
+        const bool extends =
+            grid.spans.size() > grid.row_begin.back() && grid.spans.back().i + grid.spans.back().n == i;
+        if (!extends) grid.spans.push_back({i, 0, static_cast<std::uint32_t>(grid.absorption.size())});
+        ++grid.spans.back().n;
+        add_cell(k, here);
+      }
+      grid.row_begin.push_back(static_cast<std::uint32_t>(grid.spans.size()));
+    }
+    AirBlocks air;
+    if (layers.absorption[k] + layers.scattering[k] > 0) {
+      air.first_cell = static_cast<std::uint32_t>(grid.absorption.size());
+      air.width_x = columns > 0 ? columns : box.nx;
+      air.width_y = columns > 0 ? columns : box.ny;
+      air.x = (box.nx + air.width_x - 1) / air.width_x;
+      air.y = (box.ny + air.width_y - 1) / air.width_y;
+      for (int block = 0; block < air.count(); ++block) add_cell(k, 0);
+    }
+    grid.air.push_back(air);
+  }
+  mark_uniform_levels(grid);
+  return grid;
+}
+
 inline SolverOptions coarse_options() {
   SolverOptions options;
   options.control_points = 42;

@@ -111,6 +111,8 @@ TEST(Toml, FaultsComeWithAWayOut) {
       {"zenith_deg: 60", "a line is KEY = VALUE"},
       {"zenith_deg = = 60", "a line is KEY = VALUE"},
       {"[sun", "in brackets: [sun]"},
+      {"[&]", "in brackets: [sun]"},
+      {"[[!a]]", "in brackets: [sun]"},
       {"a = 1\na = 2", "stands once"}};
   const TemporaryFolder folder;
   for (const auto& [text, way_out] : lines) {

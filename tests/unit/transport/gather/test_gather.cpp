@@ -343,5 +343,55 @@ TEST(DirectionalSource, AddsTheBeamsOwnPhaseFunctionToThePoints) {
   }
 }
 
+// Truth: the same matter and light in two blocks per level. Rays cross these one by one.
+TEST_F(GatherFlux, AirInOneBlockIsThatInTwo) {
+  BoxGrid box = make_box(8, 6, 0);
+  box.dx_m = box.dy_m = 30;
+  box.z_edge_m = {0, 10, 35, 36, 80, 120, 150, 1000};
+  std::vector<float> cloud = random_extinction(box, .1, 5);
+  for (std::size_t c = 0; c < cloud.size(); ++c) {
+    const std::size_t k = c / box.columns();
+    if (k < 2 || k > 4 || c % 5 != 0) cloud[c] = 0;
+  }
+  for (const double reference : {0., .7}) {
+    const Layers layers{{1e-3, 2e-3, 0, 1e-3, 3e-3, 1e-4, 0}, {1e-3, 1e-3, 1e-3, 0, 3e-3, 1e-2, 0}};
+    const auto fluxes = [&](int block) {
+      const OpticalGrid grid = grid_in_blocks(box, cloud, layers, block);
+      const Cells<double> cells = make_cells<double>(grid, std::vector<double>{0., 0.}, false);
+      DirectionalSource<double> source{
+          ControlPoints(12), AngularField<double>(12, cells.size()), -Direction::UnitZ(), {}};
+      for_each_place(cells.rows, [&](std::uint32_t cell, std::size_t place) {
+        const std::size_t k = place / box.columns();
+        const bool of_cloud = cells.rows.places_of(cell) == 1;
+        for (int m = 0; m < 12; ++m)
+          source.at_points.row(m)[cell] =
+              of_cloud ? 1 + .5 * std::sin(static_cast<double>(place + m)) : .2 + .1 * static_cast<double>(k);
+      });
+      GroundRadiance<double> ground{{}, AngularField<double>(1, box.columns()), {}};
+      for (std::size_t c = 0; c < box.columns(); ++c) ground.at_points.row(0)[c] = 1 + .1 * static_cast<double>(c % 7);
+      const GatherScene<double> scene{.box = grid.box,
+                                      .cells = cells,
+                                      .source = &source,
+                                      .sky_radiance = .5,
+                                      .ground = &ground,
+                                      .reference = reference,
+                                      .linear_source = false};
+      std::vector<double> all;
+      for (const bool upward : {false, true}) {
+        const auto directions = gather_directions(48, upward, std::nullopt);
+        const auto end = gather_flux(scene, upward ? box.nz() : 0, upward, directions);
+        all.insert(all.end(), end.begin(), end.end());
+        const auto inner = gather_level_fluxes(scene, std::array{1, 2, 3, 4, 5, 6}, upward, directions);
+        all.insert(all.end(), inner.begin(), inner.end());
+      }
+      return all;
+    };
+    const auto one = fluxes(0), two = fluxes(4);
+    ASSERT_EQ(one.size(), two.size());
+    // Fluxes of some W m-2; those between the ends are floats.
+    for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(one[i], two[i], 2e-6) << i << " of " << one.size();
+  }
+}
+
 }  // namespace
 }  // namespace cloudbow

@@ -222,7 +222,7 @@ TEST(DirectBeamSlopes, UniformLayersHaveTheClosedForm) {
   const std::vector<float> extinction(cells_of(box), .02F);
   const OpticalGrid grid = make_grid(box, extinction, 1.);
   BeamOptions options;
-  options.slopes = true;
+  options.parts.slopes = true;
   for (const Sun& sun : suns()) {
     const auto beam = beam_through<double>(grid, sun, std::vector<double>(box.nz(), 0.), options);
     std::size_t c = 0;
@@ -248,7 +248,7 @@ TEST(DirectBeamSlopes, FallAwayFromALitSide) {
   extinction[4] = 3.F;
   const OpticalGrid grid = make_grid(box, extinction, 1.);
   BeamOptions options;
-  options.slopes = true;
+  options.parts.slopes = true;
   options.rays = 64;
   const Sun sun{travel_along(-.05, 0), 1.};
   const auto beam = beam_through<double>(grid, sun, {0.}, options);

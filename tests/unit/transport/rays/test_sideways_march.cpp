@@ -197,8 +197,8 @@ TEST(SidewaysMarch, AgreesWithTheMarchAlongZInTheMean) {
     linear.make_gradient(cells);
     std::vector<double> mean(cells.size() + lane_padding), rays(box.columns() + lane_padding, 1.);
     const PathPattern pattern = make_path_pattern(box, travel, .5, .5, false, {0, box.nz()});
-    march<double, true>(pattern, cells.rows, linear.view(cells), true, {}, linear.value.data(), rays.data(),
-                        {mean.data(), {}}, [](int, const double*) {});
+    march<double, true>(pattern, cells.rows, linear.view(cells), true, {}, linear.value.data(), rays.data(), true,
+                        {mean.data(), {}}, [](int, const double*, auto&) {});
     const double along_z = std::accumulate(rays.begin(), rays.begin() + static_cast<std::ptrdiff_t>(box.columns()), 0.);
     const double sideways = std::accumulate(marched.leaving.begin(), marched.leaving.end(), 0.);
     EXPECT_NEAR(sideways / along_z, 1, .02);  // measured: .011 at most
