@@ -309,7 +309,8 @@ AirBlockWidth blocks_of_air(const LevelOptions& options, const BoxGrid& box, con
   height /= depth;
   const double distance_m = std::min(height, box.z_edge_m.back() - box.z_edge_m.front() - height);
   const double column_m = std::max(box.dx_m, box.dy_m);
-  const AirBlockWidth width = air_block_width(depth, distance_m, column_m, std::max(box.nx, box.ny));
+  const AirBlockWidth width =
+      air_block_width(depth, distance_m, column_m, std::max(box.nx, box.ny), options.largest_air_error);
   if (width.columns != 1) return width;
   if (options.air == AirCells::automatic) return {own_cells, 0};
   return {narrowest_block, error_of_blocks(depth, distance_m, narrowest_block * column_m)};
@@ -379,8 +380,8 @@ class GridBuilder {
 
 }  // namespace
 
-AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns) {
-  constexpr double wanted = .003;
+AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns, double largest_error) {
+  const double wanted = largest_error;
   const double whole = error_of_blocks(depth, distance_m, columns * column_m);
   if (whole <= wanted) return {0, whole};
   int width = narrowest_block;

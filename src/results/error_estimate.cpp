@@ -159,9 +159,9 @@ ErrorEstimate estimate_error(const Solution& solution, const CoarseSolves& coars
   // air under a low sun.
   if (const auto& probe = coarse_solves.probe)
     estimate.probe_distance = flux_distance(probe->by_ordinates, probe->exact);
-  // All solves have the same blocks of air. Their error in the domain is a tenth of that in columns, or less.
+  // All solves have the same blocks of air.
   const auto of_air = [&solution](double ByFlux::*flux) {
-    return (flux == &ByFlux::domain ? .1 : 1.) * solution.report.air_error;
+    return (flux == &ByFlux::domain ? air_error_of_domain : 1.) * solution.report.air_error;
   };
   const auto parts = [&](double ByFlux::*flux, const ByFlux& angular, const ByFlux& spatial, const ByFlux& probe) {
     const double of_cells = std::max(weights.spatial.*flux * (spatial.*flux), probe.*flux);

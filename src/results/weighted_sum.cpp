@@ -44,7 +44,8 @@ void add(const EnergyLedger& of, double weight, EnergyLedger& sum) {
   sum.power = power;
 }
 
-void add(const SolverReport& of, bool first, SolverReport& sum) {
+// @param share of the new part in the power of the sum.
+void add(const SolverReport& of, bool first, double share, SolverReport& sum) {
   if (first) {
     sum = of;
     return;
@@ -57,7 +58,9 @@ void add(const SolverReport& of, bool first, SolverReport& sum) {
     sum.gather_rescaling = of.gather_rescaling;
   sum.peak_memory_bytes = std::max(sum.peak_memory_bytes, of.peak_memory_bytes);
   sum.active_voxels = std::max(sum.active_voxels, of.active_voxels);
-  sum.air_error = std::max(sum.air_error, of.air_error);
+  // The same pattern is lost in all parts: their errors add up like the fluxes.
+  sum.air_error += share * (of.air_error - sum.air_error);
+  if (of.air_block_columns > 0) sum.air_block_columns = std::min(sum.air_block_columns, of.air_block_columns);
   sum.fit_closure = std::max(sum.fit_closure, of.fit_closure);
   sum.fit_max_error = std::max(sum.fit_max_error, of.fit_max_error);
   sum.fit_fallbacks += of.fit_fallbacks;
@@ -106,7 +109,8 @@ void add_weighted(Solution& sum, const Solution& solution, double weight) {
     add(solution.radiance_field->radiance, weight, sum.radiance_field->radiance);
   }
   add(solution.ledger, weight, sum.ledger);
-  add(solution.report, first, sum.report);
+  const double share = sum.ledger.power > 0 ? weight * solution.ledger.power / sum.ledger.power : 1;
+  add(solution.report, first, share, sum.report);
 }
 
 }  // namespace cloudbow

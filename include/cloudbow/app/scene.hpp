@@ -102,6 +102,7 @@ struct SceneBroadband {
   double few_tolerance = 1e-3;       ///< largest residual of the choice
   int few_points = 0;                ///< at most so many are chosen; 0: as many as the tolerance needs
   int molecules_phase_function = 0;  ///< index into Scene::phase_functions
+  double largest_air_error = cloudbow::largest_air_error;  ///< of blocks of air, in this g-point's own fluxes
 };
 
 struct SceneRadiance {

@@ -211,11 +211,16 @@ struct AirBlockWidth {
   double error = 0;  ///< of column fluxes, RMS over the columns / mean
 };
 
+/// Largest error of blocks, of column fluxes, RMS over the columns / mean.
+constexpr double largest_air_error = .003;
+
 /// The widest blocks that are accurate enough (docs/theory.md, "Layers in blocks").
 /// @param depth scattering optical depth of the layers near the clouds, delta-M scaled.
 /// @param distance_m mean distance of this scattering from the ground, or from the domain's top if that is less.
 /// @param column_m width of a column. @param columns of the domain, the larger number along x and y.
-AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns);
+/// @param largest_error that blocks may have.
+AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns,
+                              double largest_error = largest_air_error);
 
 /// Subdivision of levels without cloud. Optical depths are vertical and after delta-M. Interfaces are those between
 /// different optics, and the domain's top and bottom. At the optical distance t from the nearest interface, the
@@ -236,6 +241,7 @@ struct LevelOptions {
   /// finest_levels() of several.
   std::vector<double> levels_m;
   AirCells air = AirCells::of_voxels;
+  double largest_air_error = cloudbow::largest_air_error;  ///< of its blocks
   /// Limit of the grid's coefficients; exceeding it is an error before memory is taken.
   std::uint64_t memory_limit_bytes = std::numeric_limits<std::uint64_t>::max();
 

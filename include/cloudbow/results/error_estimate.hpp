@@ -33,6 +33,9 @@ struct ErrorWeights {
   ByFlux least;    ///< below which no error is believed to be
 };
 
+/// Error of blocks of air in the domain, as a part of that in columns: a tenth or less, measured.
+constexpr double air_error_of_domain = .1;
+
 /// Fractions as in ByFlux.
 struct ErrorParts {
   double angular = 0;

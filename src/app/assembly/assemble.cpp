@@ -274,6 +274,7 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   LevelOptions levels = field == nullptr ? LevelOptions::layers_only() : LevelOptions{};
   levels.layer_cells = scene.domain.vertical_cells;
   levels.air = scene.solver.air;
+  if (scene.broadband) levels.largest_air_error = scene.broadband->largest_air_error;
   if (scene.broadband) {
     // The layers of air are thin, and their levels the same at all g-points, whatever the optics.
     constexpr double any_depth = 1e30;

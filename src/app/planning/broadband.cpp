@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "app/planning/coarse_solves.hpp"
 #include "app/planning/column_answers.hpp"
@@ -28,7 +29,8 @@ struct Points {
   std::vector<int> point;
   std::vector<double> weight;
   double residual = 0;
-  LevelMeans missing{};  ///< of all, less those of the points
+  LevelMeans missing{};                                    ///< of all, less those of the points
+  double largest_air_error = cloudbow::largest_air_error;  ///< of the blocks of each
 };
 
 Points all_points(const std::vector<Scene>& scenes) {
@@ -40,22 +42,41 @@ Points all_points(const std::vector<Scene>& scenes) {
   return all;
 }
 
+/// G-points of short waves have narrow blocks of air, and a share of the light only. Each may err by more than a single
+/// wavelength, by one over their share: the sum then does not. @param narrow_share of such g-points.
+double air_error_of_points(double narrow_share) {
+  constexpr double most = .02;  // beyond, the error of blocks was not measured
+  return std::clamp(largest_air_error / std::max(narrow_share, 1e-9), largest_air_error, most);
+}
+
+bool has_narrow_blocks(const OpticalGrid& grid) {
+  return std::any_of(grid.air.begin(), grid.air.end(), [](const AirBlocks& air) { return air.count() > 1; });
+}
+
 Points few_points(const std::vector<Scene>& scenes, const CostEstimate& cost, const RunOptions& options,
                   std::uint64_t available, CloudFiles& files) {
   const SceneBroadband& broadband = *scenes.front().broadband;
   std::vector<ColumnAnswers> answers;
+  std::vector<bool> is_narrow;
   std::vector<std::size_t> columns;
   for (const Scene& scene : scenes) {
     const AssembledScene assembled = assemble(scene, available, files, cost.levels_m);
     if (columns.empty()) columns = representative_columns(assembled.problem.grid, columns_of_choice);
     const ThreadScope threads(options.threads);
     answers.push_back(column_answers(assembled.problem, assembled.options, columns));
+    is_narrow.push_back(has_narrow_blocks(assembled.problem.grid));
     InterruptGuard::check();
   }
   const SpectralChoice choice = choose_points(answers, broadband.few_tolerance, broadband.few_points);
   Points few{choice.point, {}, choice.residual, choice.missing};
-  for (std::size_t n = 0; n < choice.point.size(); ++n)
-    few.weight.push_back(choice.weight[n] / answers[static_cast<std::size_t>(choice.point[n])].power);
+  double power = 0, narrow = 0;
+  for (std::size_t n = 0; n < choice.point.size(); ++n) {
+    const auto g = static_cast<std::size_t>(choice.point[n]);
+    few.weight.push_back(choice.weight[n] / answers[g].power);
+    power += choice.weight[n];
+    if (is_narrow[g]) narrow += choice.weight[n];
+  }
+  few.largest_air_error = air_error_of_points(power > 0 ? narrow / power : 1);
   return few;
 }
 
@@ -154,21 +175,21 @@ class SummedErrors {
     sum_->table_seconds += error.table_seconds;
   }
 
-  /// @param spectral error of the choice of g-points.
-  std::optional<ErrorEstimate> with(double spectral) const {
+  /// @param spectral error of the choice of g-points. @param air error of blocks of air in the sum.
+  std::optional<ErrorEstimate> with(double spectral, double air) const {
     if (!sum_) return std::nullopt;
     ErrorEstimate error = *sum_;
-    const auto divide = [spectral](double by, ErrorParts& parts) {
+    const auto divide = [spectral](double by, double of_air, ErrorParts& parts) {
       const double share = by > 0 ? 1 / by : 0;
       parts.angular *= share;
-      parts.spatial *= share;
+      parts.spatial = std::hypot(parts.spatial * share, of_air);
       parts.iteration *= share;
       parts.spectral = spectral;
     };
-    divide(power_, error.domain);
-    divide(up_, error.up);
-    divide(down_, error.down);
-    error.between_ends = between_ > 0 ? std::hypot(error.between_ends / between_, spectral) : 0;
+    divide(power_, air_error_of_domain * air, error.domain);
+    divide(up_, air, error.up);
+    divide(down_, air, error.down);
+    error.between_ends = between_ > 0 ? std::hypot(error.between_ends / between_, spectral, air) : 0;
     return error;
   }
 
@@ -199,21 +220,27 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
   for (std::size_t n = 0; n < points.point.size(); ++n) {
     Scene scene = scenes[static_cast<std::size_t>(points.point[n])];
     if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
+    scene.broadband->largest_air_error = points.largest_air_error;
     const PlannedScene planned = plan_scene(scene, available, files, cost.levels_m, options.threads);
     if (!options.quiet) tell("g-point {} of {}\n", points.point[n] + 1, broadband.model->points());
     ProgressDisplay display(options.quiet, planned.plan.options().tolerance);
-    const Solution solution = solve(planned.plan, [&display](const SolverProgress& progress) {
+    Solution solution = solve(planned.plan, [&display](const SolverProgress& progress) {
       InterruptGuard::check();
       display.show(progress);
     });
-    if (scene.output.error_estimate && std::find(estimated.begin(), estimated.end(), n) != estimated.end())
+    if (scene.output.error_estimate && std::find(estimated.begin(), estimated.end(), n) != estimated.end()) {
+      // The error of blocks is added for the sum: it differs much between g-points.
+      const double of_air = std::exchange(solution.report.air_error, 0.);
       errors.add(estimate_of(scene, planned, solution), solution, points.weight[n]);
+      solution.report.air_error = of_air;
+    }
     add_weighted(sum, solution, points.weight[n]);
     if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
     InterruptGuard::check();
   }
   add_missing(points.missing, sum);
-  if (const auto error = errors.with(error_per_residual * points.residual)) run.solved.errors.push_back(*error);
+  if (const auto error = errors.with(error_per_residual * points.residual, sum.report.air_error))
+    run.solved.errors.push_back(*error);
   run.solved.solutions.push_back(std::move(sum));
   return run;
 }

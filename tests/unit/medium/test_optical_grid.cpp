@@ -99,6 +99,7 @@ TEST(OpticalGrid, BlocksAreAsWideAsScatteringAllows) {
   EXPECT_EQ(columns(.31, 1000), 1) << "blocks do not pay";
   EXPECT_EQ(columns(.31, 2000), 4) << "from further away";
   EXPECT_EQ(air_block_width(.31, 2000, 50, 8).columns, 4);
+  EXPECT_EQ(air_block_width(.1, 1000, 50, 128, .009).columns, 32) << "up to 1800 m for three times the error";
   EXPECT_DOUBLE_EQ(air_block_width(.1, 1000, 50, 128).error, .05 * .1 * .4);
   EXPECT_TRUE(cloud_in_layers(AirCells::automatic, 30).air.empty());
   EXPECT_EQ(cloud_in_layers(AirCells::in_blocks, 30).air[0].width_x, 4);

@@ -41,6 +41,8 @@ Solution made_up(double scale, double fraction) {
   report.gather_rescaling = 1 - .1 * fraction;
   report.seconds_total = scale;
   report.peak_memory_bytes = static_cast<std::size_t>(100 * scale);
+  report.air_error = .01 * fraction;
+  report.air_block_columns = static_cast<int>(8 * scale);
   return solution;
 }
 
@@ -89,6 +91,9 @@ TEST(WeightedSum, ReportIsOfTheHardestSolve) {
   EXPECT_EQ(report.gather_rescaling, 1 - .1 * .6);
   EXPECT_EQ(report.seconds_total, 4) << "times are not weighted";
   EXPECT_EQ(report.peak_memory_bytes, 300U);
+  // 20 and 15 of 35 W m-2 of power, with errors of .002 and .006.
+  EXPECT_NEAR(report.air_error, (20 * .002 + 15 * .006) / 35, 1e-15);
+  EXPECT_EQ(report.air_block_columns, 8) << "the narrowest";
   Solution other = made_up(1, .2);
   other.report.converged = false;
   Solution sum = made_up(1, .2);
