@@ -299,13 +299,13 @@ struct Workspace {
   std::vector<Entry> entries;  // of sums at an interface
   std::vector<Real> sent, ground, dark;
   LinearSource<Real> own;
-  std::vector<Real> sums;               // [planes][columns]
+  std::vector<std::vector<Real>> sums;  // [planes][columns]; empty: no light that varies
   std::vector<double> same_everywhere;  // [planes] light of all columns beside them
 
   void prepare(int count, std::size_t columns, std::size_t cells, std::size_t planes) {
     slots.assign(static_cast<std::size_t>(count), Slot<Real>{std::vector<Real>(columns + lane_padding)});
     sent.resize(cells + lane_padding);
-    sums.assign(planes * columns, Real(0));
+    sums.assign(planes, {});
     same_everywhere.assign(planes, 0.);
   }
 };
@@ -359,24 +359,29 @@ class LevelGather {
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t p = 0; p < planes.size(); ++p) {
       errors.run([&] {
-        const auto begin = work[0].sums.begin() + static_cast<std::ptrdiff_t>(p * columns_);
-        std::vector<Real> sum(begin, begin + static_cast<std::ptrdiff_t>(columns_));
+        std::vector<Real>& sum = work[0].sums[p];
         for (std::size_t g = 1; g < work.size(); ++g) {
-          const Real* __restrict const more = work[g].sums.data() + p * columns_;
+          std::vector<Real>& of_group = work[g].sums[p];
+          if (sum.empty()) {
+            sum.swap(of_group);
+            continue;
+          }
+          if (of_group.empty()) continue;
+          const Real* __restrict const more = of_group.data();
           for (std::size_t c = 0; c < columns_; ++c) sum[c] += more[c];
         }
-        blur_plane(sum, box_, planes.width_m(p));
-        std::copy(sum.begin(), sum.end(), begin);
+        if (!sum.empty()) blur_plane(sum, box_, planes.width_m(p));
       });
     }
     errors.rethrow();
     std::vector<float> flux(levels_ * columns_, static_cast<float>(powers * scene_.reference));
     for (std::size_t p = 0; p < planes.size(); ++p) {
-      const Real* __restrict const sum = work[0].sums.data() + p * columns_;
+      const std::vector<Real>& sum = work[0].sums[p];
       float* __restrict const to = flux.data() + static_cast<std::size_t>(planes.level(p)) * columns_;
       double more = 0;
       for (const Workspace<Real>& group : work) more += group.same_everywhere[p];
-      for (std::size_t c = 0; c < columns_; ++c) to[c] += static_cast<float>(static_cast<double>(sum[c]) + more);
+      for (std::size_t c = 0; c < columns_; ++c)
+        to[c] += static_cast<float>(more + (sum.empty() ? 0. : static_cast<double>(sum[c])));
     }
     return flux;
   }
@@ -428,9 +433,10 @@ class LevelGather {
       const auto enter = [&](const Slot<Real>& slot, int plane) {
         const auto at = static_cast<std::size_t>(plane);
         work.same_everywhere[at] += slot.how.offset;
-        if (!slot.is_same_everywhere())
-          work.entries.push_back(
-              {slot.rays.data(), static_cast<Real>(slot.how.scale), work.sums.data() + at * columns_});
+        if (slot.is_same_everywhere()) return;
+        std::vector<Real>& sum = work.sums[at];
+        if (sum.empty()) sum.resize(columns_);
+        work.entries.push_back({slot.rays.data(), static_cast<Real>(slot.how.scale), sum.data()});
       };
       if (lit_from_beyond) enter(work.slots[boundary_slot], plan.level);
       for (const auto& booking : plan.bookings)
