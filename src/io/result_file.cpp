@@ -166,6 +166,22 @@ class ResultWriter : private SolutionWriter {
           [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field, field_names));
     }
     write_heating_rate(file, {"z", "y", "x"}, "area: mean z: mean", &HeatingRate::cell);
+    write_optical_depth(file);
+  }
+
+  /// Writes nothing if it was not requested.
+  void write_optical_depth(hid_t file) const {
+    if (info_.cloud_optical_depth.empty()) return;
+    const std::optional<double>& wavelength_um = info_.cloud_optical_depth_um;
+    Attributes attributes{{"units", "1"},
+                          {"long_name", fmt::format("vertical optical depth of the cloud alone{}",
+                                                    wavelength_um ? fmt::format(" at {} um", *wavelength_um) : "")},
+                          {"standard_name", "atmosphere_optical_thickness_due_to_cloud"},
+                          {"cell_methods", "area: mean"}};
+    if (wavelength_um) attributes.push_back({"wavelength_um", *wavelength_um});
+    write_variable(
+        file, "optical_depth",
+        {"y", "x"}, [this](const Solution& s) -> auto& { return info_.cloud_optical_depth[index_of(s)]; }, attributes);
   }
 
   /// Writes nothing without heating rates.
@@ -449,6 +465,7 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
   assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
   assert(info.thermal.empty() || info.thermal.size() == solutions.size());
   assert(info.heating_rates.empty() || info.heating_rates.size() == solutions.size());
+  assert(info.cloud_optical_depth.empty() || info.cloud_optical_depth.size() == solutions.size());
   assert(info.brightness_temperatures.empty() || !info.thermal.empty());
   AtomicFile target(file);
   try {

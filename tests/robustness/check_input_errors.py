@@ -104,6 +104,7 @@ def scenes():
     yield "extinction as temperature", emitting.replace("scale = 1.0", 'temperature_grid = "density"') + thermal, ["cloud.temperature_grid", "extinction", "temperature"]
     yield "albedo as temperature map", emitting.replace("temperature_k = 288.0", 'temperature_map = "bright.h5"') + thermal, ["surface.temperature_map", "bright.h5", "100 to 1000 K"]
     yield "heating rates without air", SCENE + '[output]\nfields = ["heating_rate"]\n', ["output.fields", "[atmosphere]"]
+    yield "optical depth without a cloud", layer + '[sun]\nzenith_deg = 0.0\nazimuth_deg = 0.0\n[output]\nfields = ["optical_depth"]\n', ["output.fields", "no [cloud]", "[[layer]]"]
     yield "missing atmosphere file", emitting.replace('standard = "us-1976"', 'file = "none.dat"') + thermal, ["atmosphere.file", "none.dat"]
     yield "a cloud as atmosphere", emitting.replace('standard = "us-1976"', 'file = "cloud.vdb"') + thermal, ["atmosphere.file", "cloud.vdb"]
     yield "brightness temperature of sunlight", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 0.0\nquantity = "brightness_temperature"\n', ["radiance.0.quantity", "[thermal]"]

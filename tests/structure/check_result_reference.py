@@ -49,7 +49,7 @@ width = 2
 height = 2
 [output]
 flux_levels = "boundaries"
-fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors"]
+fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors", "optical_depth"]
 """
 THERMAL = """\
 [cloud]
@@ -95,7 +95,7 @@ irradiance_w_m2 = 1361.0
 [solver]
 accuracy = "draft"
 [output]
-fields = ["fluxes", "heating_rate"]
+fields = ["fluxes", "heating_rate", "optical_depth"]
 """
 SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
 

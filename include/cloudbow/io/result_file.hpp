@@ -69,8 +69,10 @@ struct ResultInfo {
   std::optional<SpectralInfo> spectral{};
   std::vector<Solution> clear_sky{};   ///< of each solution the same without clouds, on other levels, or none
   std::vector<ThermalInfo> thermal{};  ///< of each solution, or none; all of one spectral unit
-  std::vector<std::string> brightness_temperatures{};  ///< names of views and cameras; needs `thermal`
-  std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none
+  std::vector<std::string> brightness_temperatures{};     ///< names of views and cameras; needs `thermal`
+  std::vector<HeatingRate> heating_rates{};               ///< of each solution, or none
+  std::vector<std::vector<float>> cloud_optical_depth{};  ///< [y][x] of each solution, or none
+  std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
 };
 
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,

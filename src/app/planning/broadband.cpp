@@ -209,6 +209,8 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
     if (scene.output.error_estimate && std::find(estimated.begin(), estimated.end(), n) != estimated.end())
       errors.add(estimate_of(scene, planned, solution), solution, points.weight[n]);
     add_weighted(sum, solution, points.weight[n]);
+    if (scene.output.optical_depth && n == 0)
+      run.solved.cloud_optical_depth.push_back(planned.scene->cloud_optical_depth);
     if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
     InterruptGuard::check();
   }

@@ -291,6 +291,7 @@ void SceneReader::check_whole() {
         scene_.path.string()));
   }
   check_emission();
+  read_optical_depth();
 }
 
 std::string Scene::where(const std::string& key) const {

@@ -251,6 +251,33 @@ TEST_F(ResultFile, OfABandHasTheUnitsOfSunlight) {
   H5Fclose(file);
 }
 
+TEST_F(ResultFile, HoldsTheOpticalDepthOfTheCloud) {
+  const Solution solution = sample::solution(3, 2, 1);
+  ResultInfo info = sample::info();
+  info.cloud_optical_depth = {{0, 1, 2, 3, 4, 5}};
+  info.cloud_optical_depth_um = .55;
+  write_result(folder_ / "r.h5", solution, info);
+  hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  std::vector<hsize_t> shape;
+  EXPECT_THAT(read_values<float>(file, "optical_depth", H5T_NATIVE_FLOAT, &shape), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(shape, ElementsAre(2, 3));
+  EXPECT_EQ(read_attribute(file, "optical_depth", "units"), "1");
+  EXPECT_EQ(read_attribute(file, "optical_depth", "standard_name"), "atmosphere_optical_thickness_due_to_cloud");
+  EXPECT_EQ(read_number(file, "optical_depth", "wavelength_um"), .55);
+  H5Fclose(file);
+
+  const std::vector<Solution> solutions{solution, solution};
+  info.wavelengths_um = {0.67, 0.55};
+  info.cloud_optical_depth = {{0, 1, 2, 3, 4, 5}, {10, 11, 12, 13, 14, 15}};
+  info.cloud_optical_depth_um.reset();
+  write_result(folder_ / "r.h5", solutions, info);
+  file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_EQ(read_values<float>(file, "optical_depth", H5T_NATIVE_FLOAT, &shape).back(), 15);
+  EXPECT_THAT(shape, ElementsAre(2, 2, 3));
+  EXPECT_EQ(H5Aexists_by_name(file, "optical_depth", "wavelength_um", H5P_DEFAULT), 0);
+  H5Fclose(file);
+}
+
 TEST_F(ResultFile, ASpectrumIsADimensionMore) {
   std::vector<Solution> solutions{with_images(1), with_images(2)};
   solutions[1].ledger.reflectance = 0.25;

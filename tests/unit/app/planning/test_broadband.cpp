@@ -65,6 +65,21 @@ TEST_P(BroadbandTest, AllIsTheSumOfSingleSolves) {
   EXPECT_EQ(found.info.residual, 0);
 }
 
+// Of the cloud's grid: .02 per metre times 100 m and .01 times 50 m.
+TEST_P(BroadbandTest, OpticalDepthIsNotSummed) {
+  for (const char* method : {"method = \"columns\"\n", "few_points = 2\nfew_tolerance = 0.1\n"}) {
+    std::vector<Scene> wanted = scenes(method);
+    for (Scene& scene : wanted) scene.output.optical_depth = true;
+    const BroadbandRun found = run(wanted);
+    ASSERT_EQ(found.solved.cloud_optical_depth.size(), 1U) << method;
+    const std::vector<float>& depth = found.solved.cloud_optical_depth[0];
+    ASSERT_EQ(depth.size(), 12U);
+    EXPECT_FLOAT_EQ(depth[4 + 1], 2) << method;
+    EXPECT_FLOAT_EQ(depth[4 + 2], .5) << method;
+    EXPECT_FLOAT_EQ(std::accumulate(depth.begin(), depth.end(), 0.F), 2.5) << method;
+  }
+}
+
 TEST_P(BroadbandTest, FewWithAllPointsIsAll) {
   const BroadbandRun all = run(scenes("method = \"all\"\n"));
   const BroadbandRun few = run(scenes("few_tolerance = 1e-6\nfew_points = 4\n"));
