@@ -146,6 +146,7 @@ def broadband_scenes():
         yield f"{key} without a model", SCENE + f"[spectrum]\nwavelengths_um = [0.5]\n{key} = {value}\n", [f"scene.toml:22: spectrum.{key}", "wavelengths alone", "gas_model"]
     yield "more points than there are", lit + "few_points = 30\n", ["scene.toml:27: spectrum.few_points", "30", "1 to 2"]
     yield "a method that there is not", lit + 'method = "some"\n', ["scene.toml:27: spectrum.method", "some", "few, all, columns"]
+    yield "bands of few g-points", lit + '[output]\nfields = ["bands"]\n', ["scene.toml:28: output.fields", "few", "columns"]
     yield "wavelengths beside a gas model", lit + "wavelengths_um = [0.5]\n", ["spectrum.gas_model", "wavelengths_um", "both"]
     yield "albedo twice", lit.replace("albedo = 0.05", 'albedo = 0.05\nspectral_albedo = "albedo.txt"'), ["scene.toml:19: surface.spectral_albedo", "albedo", "both"]
     spectral = lit.replace("albedo = 0.05", 'spectral_albedo = "albedo.txt"')

@@ -146,6 +146,7 @@ struct SceneOutput : OutputOptions {
   bool errors = false;            ///< of single columns too
   bool heating_rate = false;      ///< of the air
   bool optical_depth = false;     ///< of the cloud, by column
+  bool bands = false;             ///< domain means by band of the gas model
 };
 
 struct Scene {

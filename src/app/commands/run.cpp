@@ -323,6 +323,7 @@ int run(const RunOptions& options) {
   std::vector<Solution> clear_sky;
   std::optional<RunPlan> plan;
   std::optional<SpectralInfo> spectral;
+  std::vector<BandProfile> bands;
   if (options.target) {
     TargetRun done = reach_target(options, available, files);
     scenes = std::move(done.scenes);
@@ -343,6 +344,7 @@ int run(const RunOptions& options) {
       scenes.resize(1);
       solved = std::move(broadband.solved);
       spectral = std::move(broadband.info);
+      bands = std::move(broadband.bands);
     } else {
       solved = solve_all(scenes, std::move(expected), options, available, files);
     }
@@ -353,6 +355,7 @@ int run(const RunOptions& options) {
   info.error_estimates = solved.errors;
   info.plan = plan;
   info.spectral = spectral;
+  info.bands = std::move(bands);
   info.clear_sky = std::move(clear_sky);
   for (const PhaseClassReport& classes : solved.phase_classes) {
     info.phase_classes.push_back(classes.classes);

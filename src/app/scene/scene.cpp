@@ -292,6 +292,7 @@ void SceneReader::check_whole() {
   }
   check_emission();
   read_optical_depth();
+  check_bands();
 }
 
 std::string Scene::where(const std::string& key) const {

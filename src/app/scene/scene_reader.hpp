@@ -131,6 +131,8 @@ class SceneReader {
   void check_whole();
   /// Checks that a scene has the light and the air of its gas model.
   void check_broadband() const;
+  /// Checks that the field bands has bands, and all their g-points.
+  void check_bands() const;
 
   /// Name of an image in results and pictures.
   std::string read_image_name(const ConfigReader& reader) const;

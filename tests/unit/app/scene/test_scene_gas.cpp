@@ -184,6 +184,16 @@ TEST_F(GasScene, OpticalDepthOfWaterIsVisible) {
   expect_depths("effective_radius_um = 10", 50 * 1. * 1.5 / 10, 50 * .25 * 1.5 / 10);
 }
 
+TEST_F(GasScene, BandsNeedAllPointsOfAModel) {
+  const std::string wants_bands = "[output]\nfields = [\"bands\"]\n";
+  EXPECT_TRUE(read(wants_bands + solar + "method = \"all\"\n")[0].output.bands);
+  expect_refused(wants_bands + solar, "output.fields", "\"few\"");
+  expect_refused(wants_bands + sun +
+                     "[[layer]]\nbottom_m = 0\ntop_m = 1\noptical_depth = 1\nsingle_scattering_albedo = 1\n"
+                     "phase_function = \"rayleigh\"\n",
+                 "output.fields", "no spectrum.gas_model");
+}
+
 TEST_F(GasScene, OpticalDepthNeedsACloud) { expect_refused(wants_depth + solar, "output.fields", "no [cloud]"); }
 
 TEST_F(GasScene, GasesAreNumbersOrLists) {
