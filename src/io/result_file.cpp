@@ -132,6 +132,7 @@ class ResultWriter : private SolutionWriter {
     if (!info_.error_estimates.empty()) write_error_fields(file);
     write_plan(file, *this);
     write_clear_sky(file);
+    write_bands(file);
     write_images(file);
     write_camera_images(file);
     if (first_.radiance_field) write_radiance_field(file);
@@ -166,6 +167,22 @@ class ResultWriter : private SolutionWriter {
           [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field, field_names));
     }
     write_heating_rate(file, {"z", "y", "x"}, "area: mean z: mean", &HeatingRate::cell);
+    write_optical_depth(file);
+  }
+
+  /// Writes nothing if it was not requested.
+  void write_optical_depth(hid_t file) const {
+    if (info_.cloud_optical_depth.empty()) return;
+    const std::optional<double>& wavelength_um = info_.cloud_optical_depth_um;
+    Attributes attributes{{"units", "1"},
+                          {"long_name", fmt::format("vertical optical depth of the cloud alone{}",
+                                                    wavelength_um ? fmt::format(" at {} um", *wavelength_um) : "")},
+                          {"standard_name", "atmosphere_optical_thickness_due_to_cloud"},
+                          {"cell_methods", "area: mean"}};
+    if (wavelength_um) attributes.push_back({"wavelength_um", *wavelength_um});
+    write_variable(
+        file, "optical_depth",
+        {"y", "x"}, [this](const Solution& s) -> auto& { return info_.cloud_optical_depth[index_of(s)]; }, attributes);
   }
 
   /// Writes nothing without heating rates.
@@ -392,6 +409,40 @@ class ResultWriter : private SolutionWriter {
     group.close();
   }
 
+  /// Writes nothing without bands.
+  void write_bands(hid_t file) const {
+    if (info_.bands.empty()) return;
+    hdf5::Handle group = netcdf4::create_group(file, "bands");
+    netcdf4::write_dimension(group, "band", info_.bands.size());
+    netcdf4::write_dimension(group, "bound", 2);
+    write_z_edge(group);
+    std::vector<double> bounds;
+    for (const BandProfile& band : info_.bands)
+      bounds.insert(bounds.end(), band.wavenumber_cm1.begin(), band.wavenumber_cm1.end());
+    netcdf4::write_variable(group, "wavenumber_bounds", {"band", "bound"}, std::span<const double>(bounds),
+                            {{"units", "cm-1"}, {"long_name", "lower and upper wavenumber of each band"}});
+    const auto write_profile_of = [&](const OutputField& field, const char* level,
+                                      std::vector<double> BandProfile::*values) {
+      std::vector<double> all;
+      for (const BandProfile& band : info_.bands) all.insert(all.end(), (band.*values).begin(), (band.*values).end());
+      const FieldNames field_names = names(field);
+      netcdf4::write_variable(group, field_names.name.c_str(), {"band", level}, std::span<const double>(all),
+                              attributes_of(field, field_names));
+    };
+    for (const OutputField& field : output_fields()) {
+      if (field.profile == &Solution::profile_upwelling_flux)
+        write_profile_of(field, "z_edge", &BandProfile::upwelling_flux);
+      if (field.profile == &Solution::profile_downwelling_diffuse_flux)
+        write_profile_of(field, "z_edge", &BandProfile::downwelling_diffuse_flux);
+      if (field.profile == &Solution::profile_direct_flux) write_profile_of(field, "z_edge", &BandProfile::direct_flux);
+      if (field.values == &Solution::absorbed_power && !info_.bands.front().absorbed_power.empty()) {
+        netcdf4::write_coordinate(group, "z", midpoints(first_.box.z_edge_m), height_attributes(first_.box.cloud));
+        write_profile_of(field, "z", &BandProfile::absorbed_power);
+      }
+    }
+    group.close();
+  }
+
   void write_radiance_field(hid_t file) const {
     const RadianceField& field = *first_.radiance_field;
     hdf5::Handle group = netcdf4::create_group(file, "radiance_field");
@@ -449,6 +500,7 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
   assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
   assert(info.thermal.empty() || info.thermal.size() == solutions.size());
   assert(info.heating_rates.empty() || info.heating_rates.size() == solutions.size());
+  assert(info.cloud_optical_depth.empty() || info.cloud_optical_depth.size() == solutions.size());
   assert(info.brightness_temperatures.empty() || !info.thermal.empty());
   AtomicFile target(file);
   try {

@@ -38,6 +38,7 @@ class EcckdReader {
     read_axes(tables);
     read_gases(tables);
     read_spectrum(tables);
+    if (input_.find("band_number") != nullptr) read_bands(tables);
     if (tables.light == GasModel::Light::longwave) {
       read_planck(tables);
     } else {
@@ -199,6 +200,23 @@ class EcckdReader {
       if (std::abs(sum - 1) <= slack) continue;
       fail("'gpoint_fraction': not the fractions of a g-point (found a sum of {:.6g} at g-point {}, allowed 1) {}", sum,
            g, way_out);
+    }
+  }
+
+  void read_bands(EcckdTables& tables) const {
+    GasModel::Bands& bands = tables.bands;
+    bands.lower = numbers("wavenumber1_band", {"band"}, of_wavenumbers);
+    bands.upper = numbers("wavenumber2_band", {"band"}, of_wavenumbers);
+    for (std::size_t b = 0; b < bands.lower.size(); ++b) {
+      if (bands.upper[b] > bands.lower[b]) continue;
+      fail("'wavenumber2_band': not above wavenumber1_band (found {:.6g} cm-1 in band {}, allowed > {:.6g} cm-1) {}",
+           bands.upper[b], b, bands.lower[b], way_out);
+    }
+    const Range of_bands{0, static_cast<double>(bands.lower.size() - 1)};
+    for (const double number : numbers("band_number", {"g_point"}, of_bands)) {
+      if (number != std::floor(number))
+        fail("'band_number': not a number of a band (found {}, allowed integers from 0) {}", number, way_out);
+      bands.of_point.push_back(static_cast<int>(number));
     }
   }
 

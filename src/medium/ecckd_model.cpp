@@ -84,6 +84,7 @@ class EcckdModel : public GasModel {
 
   Light light() const override { return tables_.light; }
   int points() const override { return static_cast<int>(tables_.points); }
+  Bands bands() const override { return tables_.bands.lower.empty() ? GasModel::bands() : tables_.bands; }
   std::vector<std::string> gases() const override { return gases_; }
 
   LayerOptics optics(std::span<const double> pressure_pa, std::span<const double> temperature_k,

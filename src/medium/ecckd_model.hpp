@@ -42,6 +42,7 @@ struct EcckdTables {
   EvenAxis planck_temperature;           ///< K; longwave models
   std::vector<double> planck_flux;       ///< [temperatures][points] W m-2; longwave models
   GasModel::Spectrum spectrum;
+  GasModel::Bands bands;         ///< none if the file names none
   std::vector<double> fraction;  ///< [points][intervals] of the g-point's wavenumbers that lie in the interval
 };
 

@@ -52,6 +52,10 @@ double fraction_at(const Atmosphere& atmosphere, const std::vector<double>& frac
 
 }  // namespace
 
+GasModel::Bands GasModel::bands() const {
+  return {{spectrum().lower.front()}, {spectrum().upper.back()}, std::vector<int>(static_cast<std::size_t>(points()))};
+}
+
 std::unique_ptr<GasModel> read_gas_model(const std::filesystem::path& file) {
   return make_ecckd_model(after_sandbox(file, {.library = "netCDF"}, [&] { return read_ecckd(file); }));
 }

@@ -104,6 +104,7 @@ def scenes():
     yield "extinction as temperature", emitting.replace("scale = 1.0", 'temperature_grid = "density"') + thermal, ["cloud.temperature_grid", "extinction", "temperature"]
     yield "albedo as temperature map", emitting.replace("temperature_k = 288.0", 'temperature_map = "bright.h5"') + thermal, ["surface.temperature_map", "bright.h5", "100 to 1000 K"]
     yield "heating rates without air", SCENE + '[output]\nfields = ["heating_rate"]\n', ["output.fields", "[atmosphere]"]
+    yield "optical depth without a cloud", layer + '[sun]\nzenith_deg = 0.0\nazimuth_deg = 0.0\n[output]\nfields = ["optical_depth"]\n', ["output.fields", "no [cloud]", "[[layer]]"]
     yield "missing atmosphere file", emitting.replace('standard = "us-1976"', 'file = "none.dat"') + thermal, ["atmosphere.file", "none.dat"]
     yield "a cloud as atmosphere", emitting.replace('standard = "us-1976"', 'file = "cloud.vdb"') + thermal, ["atmosphere.file", "cloud.vdb"]
     yield "brightness temperature of sunlight", SCENE + '[[radiance]]\nname = "a"\nzenith_deg = 0.0\nquantity = "brightness_temperature"\n', ["radiance.0.quantity", "[thermal]"]
@@ -145,6 +146,7 @@ def broadband_scenes():
         yield f"{key} without a model", SCENE + f"[spectrum]\nwavelengths_um = [0.5]\n{key} = {value}\n", [f"scene.toml:22: spectrum.{key}", "wavelengths alone", "gas_model"]
     yield "more points than there are", lit + "few_points = 30\n", ["scene.toml:27: spectrum.few_points", "30", "1 to 2"]
     yield "a method that there is not", lit + 'method = "some"\n', ["scene.toml:27: spectrum.method", "some", "few, all, columns"]
+    yield "bands of few g-points", lit + '[output]\nfields = ["bands"]\n', ["scene.toml:28: output.fields", "few", "columns"]
     yield "wavelengths beside a gas model", lit + "wavelengths_um = [0.5]\n", ["spectrum.gas_model", "wavelengths_um", "both"]
     yield "albedo twice", lit.replace("albedo = 0.05", 'albedo = 0.05\nspectral_albedo = "albedo.txt"'), ["scene.toml:19: surface.spectral_albedo", "albedo", "both"]
     spectral = lit.replace("albedo = 0.05", 'spectral_albedo = "albedo.txt"')

@@ -49,7 +49,7 @@ width = 2
 height = 2
 [output]
 flux_levels = "boundaries"
-fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors"]
+fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors", "optical_depth"]
 """
 THERMAL = """\
 [cloud]
@@ -95,8 +95,9 @@ irradiance_w_m2 = 1361.0
 [solver]
 accuracy = "draft"
 [output]
-fields = ["fluxes", "heating_rate"]
+fields = ["fluxes", "heating_rate", "optical_depth"]
 """
+BANDS = BROADBAND.replace('"model.nc"', '"model.nc"\nmethod = "columns"').replace('"heating_rate"', '"absorption", "bands"')
 SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
 
 
@@ -166,7 +167,7 @@ def main():
         cloudbow("cloud", "import", "les.nc", "--temperature-grid", "-o", "les.vdb", "--quiet")
         for name, text, options in (("one", SCENE, ["--compare"]), ("spectrum", SCENE + SPECTRUM, ["--compare"]),
                                     ("goal", SCENE, ["--target-error", "90%", "--of", "columns", "--budget", "1000s"]),
-                                    ("thermal", THERMAL + GROUND + WAVELENGTH, ["--compare"]), ("thermal_band", THERMAL + GROUND_MAP + BAND, []), ("broadband", BROADBAND, ["--clear-sky"])):
+                                    ("thermal", THERMAL + GROUND + WAVELENGTH, ["--compare"]), ("thermal_band", THERMAL + GROUND_MAP + BAND, []), ("broadband", BROADBAND, ["--clear-sky"]), ("bands", BANDS, [])):
             (Path(folder) / f"{name}.toml").write_text(text)
             cloudbow("run", f"{name}.toml", "--quiet", *options, "-o", f"{name}.h5")
             for all_names, names in zip(found, written(Path(folder) / f"{name}.h5")):

@@ -24,14 +24,16 @@ DIMENSIONS = {
     "direct_flux": ("z_edge", "y", "x"),
     "absorbed_power": ("z", "y", "x"),
     "actinic_flux": ("z", "y", "x"),
+    "optical_depth": ("y", "x"),
 }
 UNITS = {"x": "m", "y": "m", "z": "m", "z_edge": "m", "upwelling_flux": "W m-2", "downwelling_diffuse_flux": "W m-2", "direct_flux": "W m-2",
-         "absorbed_power": "W m-3", "actinic_flux": "W m-2"}
+         "absorbed_power": "W m-3", "actinic_flux": "W m-2", "optical_depth": "1"}
 PROFILES = ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux")
 ROOT_ATTRIBUTES = ("Conventions", "title", "source", "history", "scene")
 SUMMARY = ("reflectance", "transmittance", "transmittance_direct", "absorptance", "surface_absorptance", "side_gain", "side_loss", "energy_residual")
 SOLVER = ("converged", "sweeps", "estimated_error", "gather_rescaling", "control_points", "directions", "mode", "active_voxels", "threads",
           "seconds_total", "seconds_tables", "seconds_sweeps", "seconds_scattering", "peak_memory_bytes")
+DEPTH = 3
 SCENE = [
     ("", {"title": "A slab under a Rayleigh layer"}),
     ("cloud", {"file": "slab.vdb", "quantity": "extinction", "single_scattering_albedo": 0.99, "phase_function": "droplets"}),
@@ -42,7 +44,7 @@ SCENE = [
     ("surface", {"type": "lambertian", "albedo": 0.2}),
     ("solver", {"accuracy": "draft", "mode": "3d"}),
     ("[camera]", {"name": "eye", "position_m": [150.0, 0.0, 900.0], "look_at_m": [150.0, 200.0, 100.0], "width": 4, "height": 3}),
-    ("output", {"fields": ["fluxes", "absorption", "actinic"]}),
+    ("output", {"fields": ["fluxes", "absorption", "actinic", "optical_depth"]}),
 ]
 
 
@@ -69,6 +71,12 @@ def check_dataset(path, engine, complain):
                 # A mean of float32 numbers against the mean that was taken in double.
                 complain(bool(np.allclose(profile[name], mean, rtol=2e-6, atol=1e-6 * float(data["direct_flux"].max()))),
                          f"{engine}: /profile/{name} is not the mean of /{name}")
+
+
+def check_optical_depth(path, complain):
+    """The slab alone, without the layer beside it."""
+    with xarray.open_dataset(path) as data:
+        complain(bool(np.allclose(data.optical_depth, DEPTH, rtol=1e-6)), f"optical_depth is not that of the slab, {DEPTH}")
 
 
 def check_upright(path, complain):
@@ -113,10 +121,11 @@ def main():
         path = options.result
         if path is None:
             cloudbow = support.Cloudbow(options.cloudbow, options.threads)
-            cloudbow.call("cloud", "make", "slab", "--cells", 6, 5, 8, "--voxel-size-m", 50, 50, 25, "--optical-depth", 3, "-o", folder / "slab.vdb")
+            cloudbow.call("cloud", "make", "slab", "--cells", 6, 5, 8, "--voxel-size-m", 50, 50, 25, "--optical-depth", DEPTH, "-o", folder / "slab.vdb")
             scene, path = folder / "slab.toml", folder / "slab.h5"
             scene.write_text(support.scene_text(SCENE))
             cloudbow.run(scene, path, error_estimate=True)
+            check_optical_depth(path, complain)
         for engine in ("netcdf4", "h5netcdf"):
             check_dataset(path, engine, complain)
         check_upright(path, complain)

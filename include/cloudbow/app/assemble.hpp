@@ -35,6 +35,7 @@ struct AssembledScene {
   bool one_column = false;                        ///< as accuracy_options() takes it
   std::optional<PhaseClassReport> phase_classes;  ///< if droplets vary from voxel to voxel
   std::optional<CloudFigures> cloud;
+  std::vector<float> cloud_optical_depth;  ///< [y][x] of the problem's columns, without layers; empty: not asked for
 };
 
 /// @param memory_limit_bytes of the optical grid; checked before it is allocated. @throws InputError if the cloud

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloudbow/optics/planck.hpp"
+#include "cloudbow/results/band_profile.hpp"
 #include "cloudbow/results/error_estimate.hpp"
 #include "cloudbow/results/heating_rate.hpp"
 #include "cloudbow/transport/solution.hpp"
@@ -67,10 +68,13 @@ struct ResultInfo {
   std::vector<ErrorEstimate> error_estimates{};  ///< of each solution, or none
   std::optional<RunPlan> plan{};
   std::optional<SpectralInfo> spectral{};
+  std::vector<BandProfile> bands{};    ///< of a sum over a gas model (`/bands`), or none
   std::vector<Solution> clear_sky{};   ///< of each solution the same without clouds, on other levels, or none
   std::vector<ThermalInfo> thermal{};  ///< of each solution, or none; all of one spectral unit
-  std::vector<std::string> brightness_temperatures{};  ///< names of views and cameras; needs `thermal`
-  std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none
+  std::vector<std::string> brightness_temperatures{};     ///< names of views and cameras; needs `thermal`
+  std::vector<HeatingRate> heating_rates{};               ///< of each solution, or none
+  std::vector<std::vector<float>> cloud_optical_depth{};  ///< [y][x] of each solution, or none
+  std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
 };
 
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,

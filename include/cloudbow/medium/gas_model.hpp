@@ -46,6 +46,14 @@ class GasModel {
   virtual const Spectrum& spectrum() const = 0;
   /// Share of an interval that a g-point has: sums to 1 over the g-points.
   virtual double share_of_interval(int point, std::size_t interval) const = 0;
+
+  /// Wide wavenumber intervals [cm-1], each with g-points of its own.
+  struct Bands {
+    std::vector<double> lower, upper;  ///< [bands]
+    std::vector<int> of_point;         ///< [points] index of its band
+  };
+  /// One band, the whole spectrum, unless the model has others.
+  virtual Bands bands() const;
 };
 
 /// Reads a gas model: ecCKD definition files (netCDF). @throws InputError that names the file, what was found, what is

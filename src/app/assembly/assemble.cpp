@@ -222,6 +222,20 @@ std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, con
   }
 }
 
+/// Values of the columns of a field on those of the box, which has the same faces: 0 beside the field.
+std::vector<float> onto_columns(const std::vector<double>& of_field, const CloudField& field, const BoxGrid& box) {
+  const auto first_i = std::lround((field.min_m[0] - box.x_min_m) / box.dx_m);
+  const auto first_j = std::lround((field.min_m[1] - box.y_min_m) / box.dy_m);
+  std::vector<float> values(box.columns(), 0.F);
+  for (long j = std::max(0L, first_j); j < std::min<long>(box.ny, first_j + field.cells[1]); ++j) {
+    for (long i = std::max(0L, first_i); i < std::min<long>(box.nx, first_i + field.cells[0]); ++i) {
+      values[static_cast<std::size_t>(j * box.nx + i)] =
+          static_cast<float>(of_field[static_cast<std::size_t>((j - first_j) * field.cells[0] + i - first_i)]);
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
@@ -301,6 +315,8 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
+  if (!cloud.column_optical_depth.empty())
+    assembled.cloud_optical_depth = onto_columns(cloud.column_optical_depth, *field, problem.grid.box);
   if (!scene.albedo_map.empty()) {
     problem.surface.albedo_map = albedo_of_columns(scene, problem.grid.box, domain);
   }

@@ -39,6 +39,22 @@ void take_droplets(const DropletTable& table, const std::vector<float>& radius_u
   take_classes(droplets.phase, tolerance, cloud);
 }
 
+/// Optical depths of columns of liquid water at SceneCloud::visible_um.
+std::vector<double> visible_column_depths(const SceneCloud& cloud, const CloudField& water,
+                                          const std::vector<float>& radius_um) {
+  std::vector<double> extinction_m2_per_g;
+  extinction_m2_per_g.reserve(radius_um.size());
+  for (const float radius : radius_um) {
+    const auto [lower, share] = mixture_for(*cloud.droplets, radius);
+    const double at_lower = cloud.visible_m2_per_g[lower];
+    extinction_m2_per_g.push_back(share > 0 ? at_lower + share * (cloud.visible_m2_per_g[lower + 1] - at_lower)
+                                            : at_lower);
+  }
+  CloudField visible = water;
+  water_to_extinction(visible, extinction_m2_per_g);
+  return column_integrals(visible);
+}
+
 /// @param number of its phase function for each voxel, from 1
 /// @param where begins the message about any other number
 void take_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, double tolerance,
@@ -150,7 +166,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   const SceneCloud& cloud = *scene.cloud;
   VdbReadOptions read = cloud.read;
   read.domain_m = given_domain(scene.domain);
-  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}, {}};
+  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}, {}, {}};
   VdbCloud& field = opened.field;
   VdbReadOptions auxiliary = read;
   auxiliary.scale = 1;
@@ -190,6 +206,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
                            SceneCloud::visible_um));
     opened.optics.extinction_per_value = *cloud.relative_extinction;
   } else if (cloud.droplets != nullptr) {
+    if (!cloud.visible_m2_per_g.empty()) opened.column_optical_depth = visible_column_depths(cloud, field, radius);
     take_droplets(*cloud.droplets, radius, is_water, class_error, opened);
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
@@ -205,6 +222,10 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   }
   const double per_value = opened.optics.extinction_per_value;
   opened.figures.optical_depth = column_figures(field, per_value);
+  if (scene.output.optical_depth && opened.column_optical_depth.empty()) {
+    opened.column_optical_depth = column_integrals(field);
+    for (double& depth : opened.column_optical_depth) depth *= per_value / cloud.relative_extinction.value_or(1);
+  }
   doubt(doubt_optical_depth(largest_value(field) * per_value * field.cell_size_m[2]));
 
   opened.optics.phase_function = cloud.droplets == nullptr && cloud.phase_set == nullptr

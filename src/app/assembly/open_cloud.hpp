@@ -18,6 +18,9 @@ struct OpenedCloud {
       varying_phase;  ///< of droplets that vary from voxel to voxel: optics.phase_function counts here
   std::optional<PhaseClassReport> phase_classes;
   CloudFigures figures;
+  /// Vertical optical depth of each column of the field, [j][i], if the scene asks for it. With a gas model and bulk
+  /// optics it is that at SceneCloud::visible_um.
+  std::vector<double> column_optical_depth;
   VoxelTemperatures temperature_k;  ///< empty: that of the air
 };
 

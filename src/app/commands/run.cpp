@@ -233,6 +233,13 @@ void add_thermal(const std::vector<Scene>& scenes, Solved& solved, ResultInfo& i
   info.brightness_temperatures.insert(info.brightness_temperatures.end(), cameras.begin(), cameras.end());
 }
 
+/// The wavelength of the cloud's optical depth, if g-points have different ones and the result holds that of visible
+/// light.
+std::optional<double> visible_depth_um(const Scene& scene) {
+  if (!scene.cloud || (!scene.cloud->relative_extinction && scene.cloud->visible_m2_per_g.empty())) return std::nullopt;
+  return SceneCloud::visible_um;
+}
+
 /// Exit code.
 int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solution>& solutions, const std::string& which,
                      const std::filesystem::path& output) {
@@ -316,6 +323,7 @@ int run(const RunOptions& options) {
   std::vector<Solution> clear_sky;
   std::optional<RunPlan> plan;
   std::optional<SpectralInfo> spectral;
+  std::vector<BandProfile> bands;
   if (options.target) {
     TargetRun done = reach_target(options, available, files);
     scenes = std::move(done.scenes);
@@ -336,6 +344,7 @@ int run(const RunOptions& options) {
       scenes.resize(1);
       solved = std::move(broadband.solved);
       spectral = std::move(broadband.info);
+      bands = std::move(broadband.bands);
     } else {
       solved = solve_all(scenes, std::move(expected), options, available, files);
     }
@@ -346,11 +355,14 @@ int run(const RunOptions& options) {
   info.error_estimates = solved.errors;
   info.plan = plan;
   info.spectral = spectral;
+  info.bands = std::move(bands);
   info.clear_sky = std::move(clear_sky);
   for (const PhaseClassReport& classes : solved.phase_classes) {
     info.phase_classes.push_back(classes.classes);
     info.phase_class_error.push_back(classes.estimated_error);
   }
+  info.cloud_optical_depth = std::move(solved.cloud_optical_depth);
+  info.cloud_optical_depth_um = visible_depth_um(scenes.front());
   add_thermal(scenes, solved, info);
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);

@@ -215,6 +215,8 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
   run.info.weight = points.weight;
   run.info.residual = points.residual;
   const std::vector<std::size_t> estimated = strongest(points, *broadband.model);
+  const GasModel::Bands bands = broadband.model->bands();
+  if (scenes.front().output.bands) run.bands = band_profiles(*broadband.model);
   Solution sum;
   SummedErrors errors;
   for (std::size_t n = 0; n < points.point.size(); ++n) {
@@ -235,6 +237,11 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
       solution.report.air_error = of_air;
     }
     add_weighted(sum, solution, points.weight[n]);
+    if (!run.bands.empty())
+      add_to_band(solution,
+                  run.bands[static_cast<std::size_t>(bands.of_point[static_cast<std::size_t>(points.point[n])])]);
+    if (scene.output.optical_depth && n == 0)
+      run.solved.cloud_optical_depth.push_back(planned.scene->cloud_optical_depth);
     if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
     InterruptGuard::check();
   }

@@ -8,12 +8,14 @@
 #include "app/planning/run_options.hpp"
 #include "app/planning/solve_scenes.hpp"
 #include "cloudbow/io/result_file.hpp"
+#include "cloudbow/results/band_profile.hpp"
 
 namespace cloudbow {
 
 struct BroadbandRun {
-  Solved solved;      ///< one solution, the sum
-  SpectralInfo info;  ///< how it was made
+  Solved solved;                   ///< one solution, the sum
+  SpectralInfo info;               ///< how it was made
+  std::vector<BandProfile> bands;  ///< if the scene asks for them
 };
 
 /// Solves a scene at the g-points of its gas model: all, or a few that stand for all, or all as independent columns.

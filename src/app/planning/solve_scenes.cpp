@@ -61,6 +61,7 @@ Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunO
       solved.by_columns.push_back(alone ? solved.solutions.back()
                                         : solve_shown(planned.plan.with(by_columns(assembled.options)), nullptr));
     }
+    if (scene.output.optical_depth) solved.cloud_optical_depth.push_back(assembled.cloud_optical_depth);
     if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
     InterruptGuard::check();
   }

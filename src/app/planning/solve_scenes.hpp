@@ -13,9 +13,10 @@ namespace cloudbow {
 /// Solutions of all wavelengths, and the data on their origin in the result file.
 struct Solved {
   std::vector<Solution> solutions;
-  std::vector<Solution> by_columns;             ///< of each the same as independent columns, or none
-  std::vector<PhaseClassReport> phase_classes;  ///< of each, or none
-  std::vector<ErrorEstimate> errors;            ///< of each, or none
+  std::vector<Solution> by_columns;                     ///< of each the same as independent columns, or none
+  std::vector<PhaseClassReport> phase_classes;          ///< of each, or none
+  std::vector<ErrorEstimate> errors;                    ///< of each, or none
+  std::vector<std::vector<float>> cloud_optical_depth;  ///< of each, by column, or none
 };
 
 /// Errors of a solution of the scene, from coarse solves. @throws Interrupted.

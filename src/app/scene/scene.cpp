@@ -291,6 +291,8 @@ void SceneReader::check_whole() {
         scene_.path.string()));
   }
   check_emission();
+  read_optical_depth();
+  check_bands();
 }
 
 std::string Scene::where(const std::string& key) const {

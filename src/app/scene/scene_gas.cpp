@@ -131,6 +131,21 @@ double SceneReader::read_spectral_albedo_key(const ConfigReader& reader) {
   return albedo;
 }
 
+void SceneReader::check_bands() const {
+  if (!scene_.output.bands) return;
+  if (!scene_.broadband) {
+    throw InputError(
+        fmt::format("{}: bands need a gas model (found no spectrum.gas_model, allowed one) leave bands out, or give it",
+                    scene_.where("output.fields")));
+  }
+  if (scene_.broadband->method == SceneBroadband::Method::few) {
+    throw InputError(
+        fmt::format("{}: few g-points have no parts by band (found spectrum.method \"few\", allowed \"all\", "
+                    "\"columns\"); \"columns\" is quicker",
+                    scene_.where("output.fields")));
+  }
+}
+
 void SceneReader::check_broadband() const {
   const SceneBroadband& broadband = *scene_.broadband;
   if (!scene_.atmosphere) {

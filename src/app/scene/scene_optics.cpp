@@ -18,10 +18,15 @@ namespace {
 
 constexpr NumberRange asymmetry{"-1 < g < 1", -1, 1, false, false};
 
-double visible_extinction(const BulkTable& table, double effective_radius_um) {
+/// By radius of the table.
+std::vector<BulkOptics> visible_optics(const BulkTable& table) {
   const double wavenumber = 1e4 / SceneCloud::visible_um;
   const std::array<double, 2> about{wavenumber - 1, wavenumber + 1}, weight{1, 1};
-  return at_radius(table, average_over(table, about, weight), effective_radius_um).extinction_m2_per_g;
+  return average_over(table, about, weight);
+}
+
+double visible_extinction(const BulkTable& table, double effective_radius_um) {
+  return at_radius(table, visible_optics(table), effective_radius_um).extinction_m2_per_g;
 }
 
 }  // namespace
@@ -202,6 +207,25 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
     if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
     cloud.phase_function = add_phase_function(name, optics.phase_function, true);
   });
+}
+
+void SceneReader::read_optical_depth() {
+  if (!scene_.output.optical_depth) return;
+  if (!scene_.cloud) {
+    throw InputError(fmt::format(
+        "{}: optical_depth is that of the cloud alone (found no [cloud], allowed a scene that has one) leave "
+        "it out: layers have the optical_depth of [[layer]]",
+        scene_.where("output.fields")));
+  }
+  const DefinedPhaseFunction& defined = find_phase_function(*root_.find_table("cloud")).second;
+  if (scene_.cloud->droplets == nullptr || !defined.bulk) return;
+  try {
+    for (const BulkOptics& optics : visible_optics(*defined.bulk->table))
+      scene_.cloud->visible_m2_per_g.push_back(optics.extinction_m2_per_g);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: optical_depth is that at {} um: {}", scene_.where("output.fields"),
+                                 SceneCloud::visible_um, error.what()));
+  }
 }
 
 void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {

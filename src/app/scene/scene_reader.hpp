@@ -98,6 +98,8 @@ class SceneReader {
   int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
   /// The cloud's phase function, and the other data of its droplets in a mie table.
   void read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud);
+  /// Checks that the field optical_depth can be written, and finds the optics that only it needs.
+  void read_optical_depth();
   void read_layer_optics(const ConfigReader& reader, Layer& layer);
   void read_cloud(const ConfigReader& reader);
   void read_layer(const ConfigReader& reader);
@@ -129,6 +131,8 @@ class SceneReader {
   void check_whole();
   /// Checks that a scene has the light and the air of its gas model.
   void check_broadband() const;
+  /// Checks that the field bands has bands, and all their g-points.
+  void check_bands() const;
 
   /// Name of an image in results and pictures.
   std::string read_image_name(const ConfigReader& reader) const;

@@ -47,6 +47,14 @@ void read_field(const ConfigReader& reader, const std::string& name, SceneOutput
     output.heating_rate = true;
     return;
   }
+  if (name == "bands") {
+    output.bands = true;
+    return;
+  }
+  if (name == "optical_depth") {
+    output.optical_depth = true;
+    return;
+  }
   bool found = false;
   std::vector<std::string> allowed;
   for (const OutputField& field : output_fields()) {
@@ -56,7 +64,7 @@ void read_field(const ConfigReader& reader, const std::string& name, SceneOutput
     if (field.asked != nullptr) output.*field.asked = true;
   }
   if (found) return;
-  allowed.insert(allowed.end(), {"heating_rate", "radiance_field", "errors"});
+  allowed.insert(allowed.end(), {"heating_rate", "optical_depth", "bands", "radiance_field", "errors"});
   reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", name),
               fmt::format("{}", fmt::join(allowed, ", ")));
 }

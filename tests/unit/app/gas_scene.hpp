@@ -21,8 +21,8 @@ inline constexpr double first_planck_k = 150, planck_step_k = 50;
 inline constexpr std::size_t planck_temperatures = 5;
 inline constexpr double first_interval_cm1 = 6000, end_cm1 = 22000;  ///< one interval of 4000 cm-1 for each g-point
 
-/// An ecCKD definition file of four g-points. `composite` and h2o absorb, the later g-points more. G-point g has
-/// interval g of the spectrum alone.
+/// An ecCKD definition file of four g-points, the first and the last two of which are bands. `composite` and h2o
+/// absorb, the later g-points more. G-point g has interval g of the spectrum alone.
 inline std::filesystem::path make_model(const std::filesystem::path& path, GasModel::Light light) {
   NetcdfBuilder file(path);
   const std::vector<double> pressure{1, 1e3, 1e6};
@@ -31,6 +31,7 @@ inline std::filesystem::path make_model(const std::filesystem::path& path, GasMo
   file.dimension("g_point", points);
   file.dimension("wavenumber", points);
   file.dimension("temperature_planck", planck_temperatures);
+  file.dimension("band", 2);
   file.text("", "constituent_id", "composite h2o");
   const auto variable = [&](const std::string& name, const std::vector<std::string>& dimensions,
                             const std::vector<double>& values) {
@@ -61,6 +62,9 @@ inline std::filesystem::path make_model(const std::filesystem::path& path, GasMo
   variable("wavenumber1", {"wavenumber"}, lower);
   variable("wavenumber2", {"wavenumber"}, upper);
   variable("gpoint_fraction", {"g_point", "wavenumber"}, fraction);
+  variable("wavenumber1_band", {"band"}, {lower[0], lower[2]});
+  variable("wavenumber2_band", {"band"}, {upper[1], upper[3]});
+  variable("band_number", {"g_point"}, {0, 0, 1, 1});
   if (light == GasModel::Light::solar) {
     const std::vector<double> irradiance(solar_irradiance.begin(), solar_irradiance.end());
     variable("solar_irradiance", {"g_point"}, irradiance);

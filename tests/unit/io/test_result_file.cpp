@@ -251,6 +251,54 @@ TEST_F(ResultFile, OfABandHasTheUnitsOfSunlight) {
   H5Fclose(file);
 }
 
+TEST_F(ResultFile, HoldsTheOpticalDepthOfTheCloud) {
+  const Solution solution = sample::solution(3, 2, 1);
+  ResultInfo info = sample::info();
+  info.cloud_optical_depth = {{0, 1, 2, 3, 4, 5}};
+  info.cloud_optical_depth_um = .55;
+  write_result(folder_ / "r.h5", solution, info);
+  hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  std::vector<hsize_t> shape;
+  EXPECT_THAT(read_values<float>(file, "optical_depth", H5T_NATIVE_FLOAT, &shape), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(shape, ElementsAre(2, 3));
+  EXPECT_EQ(read_attribute(file, "optical_depth", "units"), "1");
+  EXPECT_EQ(read_attribute(file, "optical_depth", "standard_name"), "atmosphere_optical_thickness_due_to_cloud");
+  EXPECT_EQ(read_number(file, "optical_depth", "wavelength_um"), .55);
+  H5Fclose(file);
+
+  const std::vector<Solution> solutions{solution, solution};
+  info.wavelengths_um = {0.67, 0.55};
+  info.cloud_optical_depth = {{0, 1, 2, 3, 4, 5}, {10, 11, 12, 13, 14, 15}};
+  info.cloud_optical_depth_um.reset();
+  write_result(folder_ / "r.h5", solutions, info);
+  file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_EQ(read_values<float>(file, "optical_depth", H5T_NATIVE_FLOAT, &shape).back(), 15);
+  EXPECT_THAT(shape, ElementsAre(2, 2, 3));
+  EXPECT_EQ(H5Aexists_by_name(file, "optical_depth", "wavelength_um", H5P_DEFAULT), 0);
+  H5Fclose(file);
+}
+
+TEST_F(ResultFile, HoldsBands) {
+  const Solution solution = sample::solution(3, 2, 1);
+  ResultInfo info = sample::info();
+  info.bands = {{{100, 700}, {1, 2}, {3, 4}, {5, 6}, {7}}, {{700, 900}, {11, 12}, {13, 14}, {15, 16}, {17}}};
+  write_result(folder_ / "r.h5", solution, info);
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  std::vector<hsize_t> shape;
+  const auto values = [&](const char* name) { return read_values<double>(file, name, H5T_NATIVE_DOUBLE, &shape); };
+  EXPECT_THAT(values("bands/wavenumber_bounds"), ElementsAre(100, 700, 700, 900));
+  EXPECT_THAT(shape, ElementsAre(2, 2));
+  EXPECT_THAT(values("bands/upwelling_flux"), ElementsAre(1, 2, 11, 12));
+  EXPECT_THAT(values("bands/downwelling_diffuse_flux"), ElementsAre(3, 4, 13, 14));
+  EXPECT_THAT(values("bands/direct_flux"), ElementsAre(5, 6, 15, 16));
+  EXPECT_THAT(values("bands/absorbed_power"), ElementsAre(7, 17));
+  EXPECT_THAT(shape, ElementsAre(2, 1));
+  EXPECT_EQ(read_attribute(file, "bands/wavenumber_bounds", "units"), "cm-1");
+  EXPECT_EQ(read_attribute(file, "bands/direct_flux", "units"), "W m-2");
+  EXPECT_THAT(values("bands/z"), ElementsAre(520));
+  H5Fclose(file);
+}
+
 TEST_F(ResultFile, ASpectrumIsADimensionMore) {
   std::vector<Solution> solutions{with_images(1), with_images(2)};
   solutions[1].ledger.reflectance = 0.25;

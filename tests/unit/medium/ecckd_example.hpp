@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct Recipe {
   std::array<double, 4> fraction = {0.25, 0.75, 0.5, 0.5};  ///< [points][intervals]
   double least_absorption = 0;                              ///< replaces the first entry of o3
   bool is_solar = false;
+  std::optional<double> second_band = {};  ///< band of the second g-point; none: the file has no bands
 };
 
 /// The g-points are 1/4 : 3/4 and 1/2 : 1/2 of intervals 100 and 200 cm-1 wide, so their widths W follow from
@@ -46,6 +48,7 @@ inline std::filesystem::path make_file(const std::filesystem::path& path, const 
   file.dimension("h2o_mole_fraction", fractions);
   file.dimension("wavenumber", 2);
   file.dimension("temperature_planck", 3);
+  if (recipe.second_band) file.dimension("band", 2);
   const auto variable = [&](const std::string& of, const std::vector<std::string>& dimensions,
                             const std::vector<double>& values) {
     if (of != recipe.leave_out) file.variable(of, dimensions, "", values, NC_DOUBLE);
@@ -94,6 +97,11 @@ inline std::filesystem::path make_file(const std::filesystem::path& path, const 
   variable("wavenumber1", {"wavenumber"}, {600, 700});
   variable("wavenumber2", {"wavenumber"}, {700, 900});
   variable("gpoint_fraction", {"g_point", "wavenumber"}, {recipe.fraction.begin(), recipe.fraction.end()});
+  if (recipe.second_band) {
+    variable("wavenumber1_band", {"band"}, {600, 800});
+    variable("wavenumber2_band", {"band"}, {800, 900});
+    variable("band_number", {"g_point"}, {0, *recipe.second_band});
+  }
   if (recipe.is_solar) {
     variable("solar_irradiance", {"g_point"}, {30, 10});
     variable("solar_spectral_irradiance", {"wavenumber"}, {15, 25});

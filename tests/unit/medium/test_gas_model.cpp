@@ -162,6 +162,20 @@ TEST(GasModel, SharesIntervals) {
   EXPECT_THAT(model->spectrum().upper, ElementsAre(700, 900));
 }
 
+TEST(GasModel, WithoutBandsIsOne) {
+  const GasModel::Bands bands = model_of()->bands();
+  EXPECT_THAT(bands.lower, ElementsAre(600));
+  EXPECT_THAT(bands.upper, ElementsAre(900));
+  EXPECT_THAT(bands.of_point, ElementsAre(0, 0));
+}
+
+TEST(GasModel, HasTheBandsOfItsFile) {
+  const GasModel::Bands bands = model_of({.second_band = 1})->bands();
+  EXPECT_THAT(bands.lower, ElementsAre(600, 800));
+  EXPECT_THAT(bands.upper, ElementsAre(800, 900));
+  EXPECT_THAT(bands.of_point, ElementsAre(0, 1));
+}
+
 TEST(GasModel, HasASunForFilesWithoutSpectrum) {
   const auto model = model_of({.leave_out = "solar_spectral_irradiance", .is_solar = true});
   EXPECT_NEAR(model->spectrum().solar[0], PlanckFunction::over({1e4 / 700, 1e4 / 600})(5777), 1e-12);
@@ -253,6 +267,9 @@ TEST(GasModelFile, WithWrongContent) {
   expect({.ch4_code = 1.5}, "'ch4_conc_dependence_code': not a code (found 1.5");
   expect({.ch4_code = 2}, "'ch4_mole_fraction': no such variable");
   expect({.fraction = {1, 1, 1, 1}}, "'gpoint_fraction': not the fractions of a g-point");
+  expect({.second_band = 2}, "'band_number': out of range (found 2");
+  expect({.second_band = .5}, "'band_number': not a number of a band (found 0.5");
+  expect({.leave_out = "wavenumber2_band", .second_band = 1}, "'wavenumber2_band': no such variable");
   expect({.least_absorption = -100}, "'o3_molar_absorption_coeff': out of range");
   expect({.least_absorption = std::nan("")}, "'o3_molar_absorption_coeff': out of range");
 }

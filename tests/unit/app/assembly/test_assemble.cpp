@@ -210,6 +210,38 @@ TEST_F(AssembleTest, FiguresOfTheCloud) {
   EXPECT_EQ(*scene.cloud->effective_radius_um, (std::array<double, 2>{10, 10}));
 }
 
+// The domain begins 2 columns before the cloud's box in x and 1 column within it in y. The voxel has .02 times 25 m.
+TEST_F(AssembleTest, OpticalDepthOfTheCloudByColumn) {
+  const std::string wanted = "[output]\nfields = [\"fluxes\", \"optical_depth\"]\n";
+  const std::string layer =
+      "[[layer]]\nbottom_m = 0\ntop_m = 50\noptical_depth = 3\nsingle_scattering_albedo = 1\n"
+      "phase_function = \"rayleigh\"\n";
+  const std::string domain = "[domain]\nmin_m = [-50, 25, 0]\nmax_m = [75, 100, 50]\n";
+  std::vector<float> expected(15, 0.F);
+  expected[3] = .5F;
+  EXPECT_EQ(assembled(wanted + layer + domain).cloud_optical_depth, expected);
+  std::vector<float> of_file(12, 0.F);
+  of_file[1 * 4 + 1] = .5F;
+  EXPECT_EQ(assembled(wanted).cloud_optical_depth, of_file);
+  EXPECT_THAT(assembled("").cloud_optical_depth, testing::IsEmpty());
+}
+
+// Sums of extinction times thickness over unlike levels; their sum is the figure of the dry run.
+TEST_F(AssembleTest, OpticalDepthSumsTheLevels) {
+  std::vector<float> dense;
+  for (int n = 0; n < 24; ++n) dense.push_back(static_cast<float>(n % 5) / 64);
+  write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 16}, {0, 0, 0}, dense, "extinction"));
+  const AssembledScene scene =
+      assembled("[output]\nfields = [\"optical_depth\"]\n", "single_scattering_albedo = 0.5\nscale = 2");
+  ASSERT_EQ(scene.cloud_optical_depth.size(), 12U);
+  double sum = 0;
+  for (std::size_t c = 0; c < 12; ++c) {
+    EXPECT_EQ(scene.cloud_optical_depth[c], 2 * 16 * (dense[c] + dense[12 + c])) << "powers of two are exact";
+    sum += scene.cloud_optical_depth[c];
+  }
+  EXPECT_EQ(scene.cloud->optical_depth.sum, sum);
+}
+
 TEST_F(AssembleTest, DoubtsAndNotesAreToldOnce) {
   std::vector<std::string> told;
   CloudFiles files(false, [&](const std::string& sentence) { told.push_back(sentence); });

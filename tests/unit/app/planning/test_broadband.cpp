@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "app/planning/broadband.hpp"
@@ -63,6 +64,74 @@ TEST_P(BroadbandTest, AllIsTheSumOfSingleSolves) {
   EXPECT_THAT(found.info.solved, ElementsAre(0, 1, 2, 3));
   EXPECT_THAT(found.info.weight, Each(1.));
   EXPECT_EQ(found.info.residual, 0);
+}
+
+TEST_P(BroadbandTest, BandsAreSumsOfTheirPoints) {
+  std::vector<Scene> wanted = scenes("method = \"all\"\n");
+  EXPECT_THAT(run(wanted).bands, testing::IsEmpty());
+  for (Scene& scene : wanted) scene.output.bands = true;
+  const BroadbandRun found = run(wanted);
+  ASSERT_EQ(found.bands.size(), 2U);
+  EXPECT_THAT(found.bands[0].wavenumber_cm1, ElementsAre(6000, 14000));
+  EXPECT_THAT(found.bands[1].wavenumber_cm1, ElementsAre(14000, 22000));
+  const std::vector<Solution> single = single_solves(wanted);
+  for (std::size_t b = 0; b < 2; ++b) {
+    std::vector<double> up, down, direct;
+    for (const Solution& one : {single[2 * b], single[2 * b + 1]}) {
+      add_to(up, one.profile_upwelling_flux);
+      add_to(down, one.profile_downwelling_diffuse_flux);
+      add_to(direct, one.profile_direct_flux);
+    }
+    EXPECT_EQ(found.bands[b].upwelling_flux, up);
+    EXPECT_EQ(found.bands[b].downwelling_diffuse_flux, down);
+    EXPECT_EQ(found.bands[b].direct_flux, direct);
+  }
+}
+
+TEST_P(BroadbandTest, BandsSumToTheWhole) {
+  for (const char* method : {"method = \"all\"\n", "method = \"columns\"\n"}) {
+    std::vector<Scene> wanted = scenes(method);
+    for (Scene& scene : wanted) scene.output.bands = true;
+    const BroadbandRun found = run(wanted);
+    const Solution& whole = found.solved.solutions[0];
+    ASSERT_EQ(found.bands.size(), 2U);
+    const auto expect_sum = [&](std::vector<double> BandProfile::*part, const std::vector<double>& expected,
+                                double rounding) {
+      std::vector<double> sum;
+      for (const BandProfile& band : found.bands) add_to(sum, band.*part);
+      ASSERT_EQ(sum.size(), expected.size());
+      for (std::size_t n = 0; n < sum.size(); ++n) EXPECT_NEAR(sum[n], expected[n], rounding);
+    };
+    const double of_double = 1e-14 * whole.ledger.power;
+    expect_sum(&BandProfile::upwelling_flux, whole.profile_upwelling_flux, of_double);
+    expect_sum(&BandProfile::downwelling_diffuse_flux, whole.profile_downwelling_diffuse_flux, of_double);
+    expect_sum(&BandProfile::direct_flux, whole.profile_direct_flux, of_double);
+    std::vector<double> absorbed;
+    const std::size_t columns = whole.box.columns();
+    float largest = 0;
+    for (std::size_t n = 0; n < whole.absorbed_power.size(); ++n) {
+      if (n % columns == 0) absorbed.push_back(0);
+      absorbed.back() += whole.absorbed_power[n] / static_cast<double>(columns);
+      largest = std::max(largest, std::abs(whole.absorbed_power[n]));
+    }
+    constexpr double of_float = 1e-6;
+    expect_sum(&BandProfile::absorbed_power, absorbed, of_float * largest);
+  }
+}
+
+// Of the cloud's grid: .02 per metre times 100 m and .01 times 50 m.
+TEST_P(BroadbandTest, OpticalDepthIsNotSummed) {
+  for (const char* method : {"method = \"columns\"\n", "few_points = 2\nfew_tolerance = 0.1\n"}) {
+    std::vector<Scene> wanted = scenes(method);
+    for (Scene& scene : wanted) scene.output.optical_depth = true;
+    const BroadbandRun found = run(wanted);
+    ASSERT_EQ(found.solved.cloud_optical_depth.size(), 1U) << method;
+    const std::vector<float>& depth = found.solved.cloud_optical_depth[0];
+    ASSERT_EQ(depth.size(), 12U);
+    EXPECT_FLOAT_EQ(depth[4 + 1], 2) << method;
+    EXPECT_FLOAT_EQ(depth[4 + 2], .5) << method;
+    EXPECT_FLOAT_EQ(std::accumulate(depth.begin(), depth.end(), 0.F), 2.5) << method;
+  }
 }
 
 TEST_P(BroadbandTest, FewWithAllPointsIsAll) {

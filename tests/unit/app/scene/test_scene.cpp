@@ -133,7 +133,7 @@ radiance_storage = "float16"
 [output]
 file = "out/result.h5"
 flux_levels = [100, 0, 250.5]
-fields = ["fluxes", "actinic", "errors"]
+fields = ["fluxes", "actinic", "errors", "optical_depth"]
 error_estimate = false
 )"));
   ASSERT_TRUE(scene.cloud);
@@ -167,6 +167,7 @@ error_estimate = false
   EXPECT_FALSE(scene.output.absorption);
   EXPECT_TRUE(scene.output.actinic);
   EXPECT_TRUE(scene.output.errors);
+  EXPECT_TRUE(scene.output.optical_depth);
   EXPECT_FALSE(scene.output.error_estimate);
 }
 
@@ -356,7 +357,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"fields",
                 "[solver]",
                 "[output]\nfields = [\"flux\"]\n[solver]",
-                {":32: output.fields", "\"flux\"", "actinic"}},
+                {":32: output.fields", "\"flux\"", "actinic", "optical_depth"}},
         Mistake{"vertical_cells",
                 "[solver]",
                 "[domain]\nvertical_cells = 0\n[solver]",

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../../medium/ecckd_example.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/error.hpp"
@@ -131,6 +132,87 @@ TEST_F(GasScene, ExtinctionGridsAreVisible) {
     EXPECT_NEAR(largest / (.9 * .02 * gas_scene::bulk_extinction(middle) / visible), 1, of_float);
   }
 }
+
+const std::string wants_depth = "[output]\nfields = [\"fluxes\", \"optical_depth\"]\n";
+
+// The depth is that of the visible at each g-point: an extinction grid gives it as it stands. Towers of .02 per metre
+// times 100 m and of .01 times 50 m.
+TEST_F(GasScene, OpticalDepthIsVisible) {
+  for (const Scene& scene : read(gas_scene::cloud + wants_depth + solar)) {
+    std::vector<float> expected(12, 0.F);
+    expected[4 + 1] = 2;
+    expected[4 + 2] = .5F;
+    const std::vector<float> found = assemble(scene, std::uint64_t{1} << 30).cloud_optical_depth;
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t c = 0; c < found.size(); ++c) EXPECT_FLOAT_EQ(found[c], expected[c]);
+  }
+}
+
+/// Droplets of 8 and 12 um, whose extinction is 1.5 / r_e at .55 um and proportional to the wavenumber.
+void write_water_table(const std::filesystem::path& path, const std::vector<double>& wavenumber_cm1) {
+  constexpr double visible_cm1 = 1e4 / SceneCloud::visible_um;
+  NetcdfBuilder file(path);
+  const std::vector<double> radius{8, 12};
+  file.dimension("effective_radius", radius.size());
+  file.dimension("wavenumber", wavenumber_cm1.size());
+  file.variable("wavenumber", {"wavenumber"}, "cm-1", wavenumber_cm1, NC_DOUBLE);
+  file.variable("effective_radius", {"effective_radius"}, "um", radius, NC_DOUBLE);
+  std::vector<double> extinction;
+  for (const double r : radius) {
+    for (const double at : wavenumber_cm1) extinction.push_back(1.5 / r * at / visible_cm1);
+  }
+  const std::vector<std::string> dimensions{"effective_radius", "wavenumber"};
+  file.variable("mass_extinction_coefficient", dimensions, "m2 g-1", extinction, NC_DOUBLE);
+  file.variable("single_scattering_albedo", dimensions, "1", std::vector<double>(extinction.size(), .9), NC_DOUBLE);
+  file.variable("asymmetry_factor", dimensions, "1", std::vector<double>(extinction.size(), .8), NC_DOUBLE);
+  file.close();
+}
+
+// Mixtures of two radii have the extinction 1.5 / r_e too.
+TEST_F(GasScene, OpticalDepthOfWaterIsVisible) {
+  write_water_table(files_.folder / "water.nc", {1000, 30000});
+  const CloudField water =
+      make_cloud_field({2, 1, 2}, {100, 100, 50}, {0, 0, 500}, {.5F, .25F, .5F, 0}, "liquid_water_content");
+  write_cloud_vdb(files_.folder / "water.vdb", water, {}, {{"reff", "effective_radius", "um", {8, 12, 10}}});
+  const auto expect_depths = [&](const std::string& radius_key, double first, double second) {
+    const std::string cloud = "[cloud]\nfile = \"water.vdb\"\nphase_function = \"drops\"\n" + radius_key +
+                              "\n[phase_function.drops]\ntype = \"bulk\"\nfile = \"water.nc\"\n";
+    for (const Scene& scene : read(cloud + wants_depth + solar)) {
+      const std::vector<float> found = assemble(scene, std::uint64_t{1} << 30).cloud_optical_depth;
+      ASSERT_EQ(found.size(), 2U);
+      constexpr double of_float = 1e-6;
+      EXPECT_NEAR(found[0] / first, 1, of_float) << "g-point " << scene.gas_point;
+      EXPECT_NEAR(found[1] / second, 1, of_float) << "g-point " << scene.gas_point;
+    }
+  };
+  expect_depths("effective_radius_grid = \"reff\"", 50 * .5 * 1.5 * (1 / 8. + 1 / 10.), 50 * .25 * 1.5 / 12);
+  expect_depths("effective_radius_um = 10", 50 * 1. * 1.5 / 10, 50 * .25 * 1.5 / 10);
+}
+
+// A model of 600 to 900 cm-1 can do with a table that ends long before the visible; the optical depth cannot.
+TEST_F(GasScene, OpticalDepthOfVaryingDropletsNeedsAVisibleTable) {
+  ecckd_example::make_file(files_.folder / "infrared.nc");
+  write_water_table(files_.folder / "water.nc", {500, 1000});
+  const std::string text =
+      "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"drops\"\neffective_radius_grid = \"reff\"\n"
+      "[phase_function.drops]\ntype = \"bulk\"\nfile = \"water.nc\"\n" +
+      air + "o3 = 1e-7\nch4 = 2e-6\n[thermal]\n[surface]\ntemperature_k = 295\n[spectrum]\n" +
+      "gas_model = \"infrared.nc\"\n";
+  EXPECT_EQ(message(text), "no error");
+  expect_refused(wants_depth + text, "output.fields", "water.nc: too short");
+}
+
+TEST_F(GasScene, BandsNeedAllPointsOfAModel) {
+  const std::string wants_bands = "[output]\nfields = [\"bands\"]\n";
+  EXPECT_TRUE(read(wants_bands + solar + "method = \"all\"\n")[0].output.bands);
+  expect_refused(wants_bands + solar, "output.fields", "\"few\"");
+  expect_refused(wants_bands + sun +
+                     "[[layer]]\nbottom_m = 0\ntop_m = 1\noptical_depth = 1\nsingle_scattering_albedo = 1\n"
+                     "phase_function = \"rayleigh\"\n",
+                 "output.fields", "no spectrum.gas_model");
+}
+
+TEST_F(GasScene, OpticalDepthNeedsACloud) { expect_refused(wants_depth + solar, "output.fields", "no [cloud]"); }
 
 TEST_F(GasScene, GasesAreNumbersOrLists) {
   const std::string profile = "[atmosphere]\nheight_m = [0, 20000]\nstandard = \"us-1976\"\n";
