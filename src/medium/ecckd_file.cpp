@@ -218,6 +218,10 @@ class EcckdReader {
         fail("'band_number': not a number of a band (found {}, allowed integers from 0) {}", number, way_out);
       bands.of_point.push_back(static_cast<int>(number));
     }
+    for (std::size_t b = 0; b < bands.lower.size(); ++b) {
+      if (std::find(bands.of_point.begin(), bands.of_point.end(), static_cast<int>(b)) == bands.of_point.end())
+        fail("'band_number': a band without g-points (found none in band {}, allowed one or more) {}", b, way_out);
+    }
   }
 
   void read_planck(EcckdTables& tables) const {

@@ -268,6 +268,7 @@ TEST(GasModelFile, WithWrongContent) {
   expect({.ch4_code = 2}, "'ch4_mole_fraction': no such variable");
   expect({.fraction = {1, 1, 1, 1}}, "'gpoint_fraction': not the fractions of a g-point");
   expect({.second_band = 2}, "'band_number': out of range (found 2");
+  expect({.second_band = 0}, "'band_number': a band without g-points (found none in band 1");
   expect({.second_band = .5}, "'band_number': not a number of a band (found 0.5");
   expect({.leave_out = "wavenumber2_band", .second_band = 1}, "'wavenumber2_band': no such variable");
   expect({.least_absorption = -100}, "'o3_molar_absorption_coeff': out of range");
