@@ -224,7 +224,7 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
     if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
     scene.broadband->largest_air_error = points.largest_air_error;
     const PlannedScene planned = plan_scene(scene, available, files, cost.levels_m, options.threads);
-    if (!options.quiet) tell("g-point {} of {}\n", points.point[n] + 1, broadband.model->points());
+    if (!options.quiet) tell("g-point {}: {} of {} to solve\n", points.point[n], n + 1, points.point.size());
     ProgressDisplay display(options.quiet, planned.plan.options().tolerance);
     Solution solution = solve(planned.plan, [&display](const SolverProgress& progress) {
       InterruptGuard::check();
