@@ -9,9 +9,10 @@ namespace cloudbow {
 namespace {
 
 // Measured, in runs of cells crossed: looking whether a row of a block has cells at a segment; fetching and putting
-// back a cell that has another place along x.
+// back a cell that has another place along x; eight rays in air.
 constexpr double cost_of_a_look = .3;
 constexpr double cost_of_a_turned_cell = .15;
+constexpr double cost_of_rays_in_air = .25;
 
 double runs_crossed(const PathPattern& pattern, const Sheets& sheets, int first_row, int last_row) {
   double runs = 0;
@@ -22,13 +23,33 @@ double runs_crossed(const PathPattern& pattern, const Sheets& sheets, int first_
   return runs;
 }
 
-double cost_along_z(const PathPattern& pattern, const Sheets& levels) {
-  return runs_crossed(pattern, levels, 0, levels.rows);
+// Of rays that cross air one by one.
+double rays_in_air(std::span<const Chunk> gaps) {
+  double rays = 0;
+  for (const Chunk& gap : gaps) rays += gap.n;
+  return rays / lanes;
 }
 
-double sideways_cost(const SidewaysPath& path, const Sheets& sheets, std::size_t cells) {
+double cost_along_z(const BoxGrid& box, const PathPattern& pattern, const ActiveRows& rows) {
+  double in_air = 0;
+  for (int step = 0; rows.has_air() && step < pattern.levels(); ++step) {
+    const int level = pattern.level(step);
+    if (box.periodic && (rows.is_uniform(level) || rows.is_mostly_air(level))) continue;
+    in_air += (pattern.level_begin[step + 1] - pattern.level_begin[step]) * rays_in_air(rows.blocks_of(level));
+  }
+  return runs_crossed(pattern, rows.levels, 0, rows.levels.rows) + cost_of_rays_in_air * in_air;
+}
+
+template <class Real>
+double sideways_cost(const SidewaysPath& path, const TransposedCells<Real>& transposed, std::size_t cells) {
+  const Sheets& sheets = transposed.sheets;
+  double in_air = 0;
+  for (int step = 0; transposed.gaps.count > 0 && step < path.pattern.levels(); ++step) {
+    const int segments = static_cast<int>(path.pattern.level_begin[step + 1] - path.pattern.level_begin[step]);
+    in_air += segments * rays_in_air(transposed.gaps.of(path.pattern.level(step), path.levels.first, path.levels.last));
+  }
   const double blocks = std::ceil(1. + (path.levels.last - path.levels.first) / static_cast<double>(path.block));
-  return runs_crossed(path.pattern, sheets, path.levels.first, path.levels.last) +
+  return runs_crossed(path.pattern, sheets, path.levels.first, path.levels.last) + cost_of_rays_in_air * in_air +
          cost_of_a_look * blocks * static_cast<double>(path.pattern.segments.size()) +
          (path.axis == 0 ? cost_of_a_turned_cell * static_cast<double>(cells) : 0.);
 }
@@ -50,7 +71,7 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
       OrdinatePath& path = paths[d];
       path.upward = travel[d].z() > 0;
       path.along_z.push_back(along_z(travel[d], {0, box.nz()}));
-      path.cost = cost_along_z(path.along_z.front(), cells.rows.levels);
+      path.cost = cost_along_z(box, path.along_z.front(), cells.rows);
       const LevelRange even = cells.even_levels;
       if (even.first >= even.last) return;
       const LevelRange below{0, even.first};
@@ -60,8 +81,8 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
         if (!sideways) continue;
         std::vector<PathPattern> rest{along_z(travel[d], path.upward ? below : above),
                                       along_z(travel[d], path.upward ? above : below)};
-        double cost = sideways_cost(*sideways, cells.transposed[axis].sheets, cells.size());
-        for (const auto& pattern : rest) cost += cost_along_z(pattern, cells.rows.levels);
+        double cost = sideways_cost(*sideways, cells.transposed[axis], cells.size());
+        for (const auto& pattern : rest) cost += cost_along_z(box, pattern, cells.rows);
         if (cost >= path.cost) continue;
         path.cost = cost;
         path.along_z = std::move(rest);
