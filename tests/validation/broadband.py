@@ -36,8 +36,8 @@ LIMITS = {
     # The low beam crosses columns: independent columns foresee its light on the ground less well.
     "rico solar 70": {"up": 0.006, "down": 0.102, "absorption": 0.046, "heating": 0.040},
     "rico longwave": {"up": 0.068, "down": 0.014, "absorption": 0.053, "heating": 0.070},
-    "stratocumulus solar 35": {"up": 0.021, "down": 0.031, "absorption": 0.026, "heating": 0.028},
-    "stratocumulus solar 70": {"up": 0.014, "down": 0.121, "absorption": 0.024, "heating": 0.033},
+    "stratocumulus solar 35": {"up": 0.029, "down": 0.032, "absorption": 0.026, "heating": 0.028},
+    "stratocumulus solar 70": {"up": 0.026, "down": 0.121, "absorption": 0.024, "heating": 0.033},
     "stratocumulus longwave": {"up": 0.036, "down": 0.074, "absorption": 0.098, "heating": 0.030},
 }
 

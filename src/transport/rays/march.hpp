@@ -382,13 +382,14 @@ class AirCrossing {
   /// @param extinction 1/m of the level's air. @param rays of the direction; the others as for cross_cells().
   AirCrossing(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* source,
               Real* rays, const CellSums<Real>& sums)
-      : g_(geometry),
-        crossing_(optical_path(extinction, geometry.length)),
-        absorbed_(crossing_.absorbed()),
-        cells_(cells),
-        source_(source),
+      : source_(source),
         rays_(rays),
-        sums_(sums) {}
+        sums_(sums),
+        cells_(cells),
+        crossing_(optical_path(extinction, geometry.length)),
+        g_(geometry) {
+    absorbed_ = crossing_.absorbed();
+  }
 
   void enter(std::size_t cell) {
     cell_ = cell;
@@ -452,19 +453,19 @@ class AirCrossing {
     summed_ = 0;
   }
 
-  SegmentGeometry<Real> g_;
-  Crossing<Real> crossing_;
-  Real absorbed_;
-  CellView<Real> cells_;
+  typename Rays::Value sum_{};  // the last rays that enter
   const Real* source_;
   Real* rays_;
-  CellSums<Real> sums_;
   std::size_t cell_ = 0;
+  double in_ = 0;  // sum of the radiances that enter the block, but for the last rays
+  CellSums<Real> sums_;
+  CellView<Real> cells_;
+  Real absorbed_ = 0;
   int n_ = 0;
   Real entry_ = 0, exit_ = 0, emission_ = 0;
-  double in_ = 0;  // sum of the radiances that enter the block, but for
-  typename Rays::Value sum_{};
   int summed_ = 0;
+  Crossing<Real> crossing_;
+  SegmentGeometry<Real> g_;
 };
 
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
