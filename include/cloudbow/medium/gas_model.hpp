@@ -47,7 +47,7 @@ class GasModel {
   /// Share of an interval that a g-point has: sums to 1 over the g-points.
   virtual double share_of_interval(int point, std::size_t interval) const = 0;
 
-  /// Wide wavenumber intervals [cm-1], each with g-points of its own.
+  /// Wide wavenumber intervals [cm-1]. Each g-point belongs to one of them.
   struct Bands {
     std::vector<double> lower, upper;  ///< [bands]
     std::vector<int> of_point;         ///< [points] index of its band

@@ -205,7 +205,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       const std::size_t first_cell = rows.level_cell[level];
       if (first_cell == rows.level_cell[level + 1] && box.periodic) continue;
       source.fill(first_cell, rows.level_cell[level + 1] - first_cell, work.source.data());
-      if (box.periodic && (rows.is_uniform(level) || crosses_in_air(pattern, step, rows, cells))) {
+      if (box.periodic && crosses_in_air(pattern, step, rows, cells)) {
         constexpr double least_scale = 1e-6;
         if (how.scale < least_scale) how.write(through, of_band, columns);
         for_source_of(cells, [&](auto linear) {

@@ -297,13 +297,15 @@ struct Workspace {
     Real* plane;
   };
   std::vector<Entry> entries;  // of sums at an interface
-  std::vector<Real> sent, ground, dark;
+  std::vector<Real> sent, ground;
+  Slot<Real> dark;  // light of cells that only absorb
   LinearSource<Real> own;
   std::vector<std::vector<Real>> sums;  // [planes][columns]; empty: no light that varies
   std::vector<double> same_everywhere;  // [planes] light of all columns beside them
 
   void prepare(int count, std::size_t columns, std::size_t cells, std::size_t planes) {
     slots.assign(static_cast<std::size_t>(count), Slot<Real>{std::vector<Real>(columns + lane_padding)});
+    dark = slots.front();
     sent.resize(cells + lane_padding);
     sums.assign(planes, {});
     same_everywhere.assign(planes, 0.);
@@ -416,7 +418,7 @@ class LevelGather {
       } else {  // its cells only absorb: the kernel adds zeros
         std::fill_n(work.sent.begin(), rows_.level_cell[level + 1] - first_cell + lane_padding, Real(0));
       }
-      if (box_.periodic && (rows_.is_uniform(level) || crosses_in_air(pattern, step, rows_, cells))) {
+      if (box_.periodic && crosses_in_air(pattern, step, rows_, cells)) {
         for_source_of(cells, [&](auto linear) { cross_in_air<linear>(pattern, step, cells, plan.fresh, work); });
       } else {
         const auto outside = [&](double at) {
@@ -461,6 +463,13 @@ class LevelGather {
                        [](Real radiance) { return radiance != 0; });
   }
 
+  // Slot for the light of a level's cells. @param fresh its index; -1: they send none.
+  Slot<Real>& fresh_slot(int fresh, Workspace<Real>& work) const {
+    if (fresh >= 0) return work.slots[fresh];
+    work.dark.set(0);
+    return work.dark;
+  }
+
   // All rays cross a uniform level, or one with one block of air.
   template <bool linear>
   void cross_in_air(const PathPattern& pattern, int step, const CellView<Real>& cells, int fresh,
@@ -471,19 +480,12 @@ class LevelGather {
     const std::size_t block = rows_.level_cell[level + 1] - 1;
     const Real* const sent = work.sent.data();
     const std::span<const Chunk> chunks = rows_.levels.of(level);
-    Slot<Real> none;
-    Slot<Real>& own = fresh >= 0 ? work.slots[fresh] : none;
+    Slot<Real>& own = fresh_slot(fresh, work);
     if (!chunks.empty()) {
       constexpr double least_scale = 1e-3;
       for (Slot<Real>* const slot : work.crossing)
         if (slot->is_same_everywhere() || slot->how.scale < least_scale) slot->write(columns_);
-      if (fresh >= 0) {
-        own.write(columns_);
-      } else {
-        none.rays.assign(columns_ + lane_padding, Real(0));
-        none.same_everywhere = false;
-        none.how = {};
-      }
+      own.write(columns_);
     }
     for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
       const Segment& segment = pattern.segments[s];
@@ -526,12 +528,10 @@ class LevelGather {
       work.carried.emplace_back(slot->rays.data());
     }
     Real* sum = nullptr;
-    if (fresh >= 0) {
-      work.slots[fresh].write(columns_);
-      sum = work.slots[fresh].rays.data();
-    } else if (rows_.has_voxels(level)) {
-      work.dark.assign(columns_ + lane_padding, Real(0));
-      sum = work.dark.data();
+    if (fresh >= 0 || rows_.has_voxels(level)) {
+      Slot<Real>& own = fresh_slot(fresh, work);
+      own.write(columns_);
+      sum = own.rays.data();
     }
     const auto enter = [&](const Segment& segment, double at) {
       if (box_.periodic) return;

@@ -109,8 +109,17 @@ class VoxelMarch {
     if (pattern.upward) std::copy_n(ground_.along(travel, from_ground_), box.columns(), rays_.begin());
     std::vector<double> side;
     if (field_.lateral_boundary != nullptr) side = field_.lateral_boundary->radiance(travel);
+    MarchedRays<Real> all(rays_.data(), rows);
     for (int step = 0; step < pattern.levels(); ++step) {
       const int level = pattern.level(step);
+      if (box.periodic && level >= end_ && rows.is_uniform(level)) {
+        for_source_of(cells, [&](auto linear) {
+          cross_uniform_level<CrossingKind<false, false, linear>>(pattern, step, rows, cells, source, CellSums<Real>{},
+                                                                  all);
+        });
+        continue;
+      }
+      all.write();
       const double chord = pattern.chord_m[step];
       Real* const of_level = level < end_ ? sum.data() + static_cast<std::size_t>(level) * box.columns() : nullptr;
       const auto enter = [&](const Segment& segment, double at) {
@@ -161,7 +170,8 @@ std::vector<double> beam_irradiance(const ConvergedField<Real>& field, int end) 
   return irradiance;
 }
 
-// Actinic flux of single voxels, [end][columns]; in those with a cell of their own it means nothing.
+// Actinic flux of the voxels of blocks, [end][columns]. Voxels with their own cell have the irradiance of the beam
+// alone.
 template <class Real>
 std::vector<double> actinic_flux(const ConvergedField<Real>& field, DirectionalSource<Real>& source, int end) {
   const Problem& problem = field.problem;

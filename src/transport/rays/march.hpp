@@ -457,7 +457,7 @@ class AirCrossing {
   const Real* source_;
   Real* rays_;
   std::size_t cell_ = 0;
-  double in_ = 0;  // sum of the radiances that enter the block, but for the last rays
+  double in_ = 0;  // sum of the radiances that enter the block; sum_ is not yet in it
   CellSums<Real> sums_;
   CellView<Real> cells_;
   Real absorbed_ = 0;
@@ -613,11 +613,13 @@ void cross_level_in_air(const PathPattern& pattern, int step, const ActiveRows& 
   }
 }
 
-/// Whether air may change how rays are stored in this level: opaque air leaves nothing of what was stored.
+/// Whether all rays of a periodic box may cross the air of this level at once. Opaque air leaves no digits of the rays
+/// that are stored, so it must not stand beside cells.
 template <class Real>
 bool crosses_in_air(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells) {
   constexpr double thickest = 1;
   const int level = pattern.level(step);
+  if (rows.is_uniform(level)) return true;
   return rows.is_mostly_air(level) &&
          static_cast<double>(cells.extinction[rows.air[level].first_cell]) * pattern.chord_m[step] < thickest;
 }
@@ -646,8 +648,8 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
   at_level(0, rays, all);
   for (int step = 0; step < pattern.levels(); ++step) {
     const int level = pattern.level(step);
-    const bool is_uniform = joins && periodic && rows.is_uniform(level);
-    if (is_uniform || (joins && periodic && crosses_in_air(pattern, step, rows, cells))) {
+    if (joins && periodic && crosses_in_air(pattern, step, rows, cells)) {
+      const bool is_uniform = rows.is_uniform(level);
       if (!is_uniform && !keeps_digits(all)) all.write();
       for_kind_of<keep_mean>(cells, sums, [&](auto kind) {
         if (is_uniform) {

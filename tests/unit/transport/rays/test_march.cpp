@@ -207,7 +207,7 @@ TYPED_TEST(MarchOf, ConstantSourceIsALinearOneWithoutSlopes) {
   }
 }
 
-// Truth: the same rays, each crossing the air between the clouds by itself.
+// Truth: the same march with joins = false, in which each ray crosses the air separately.
 TYPED_TEST(MarchOf, RaysInAirAreThoseCrossedOneByOne) {
   // Float: differences of stored radiances lose up to a fifth of their digits.
   const double tolerance = std::is_same_v<TypeParam, float> ? 2e-6 : 1e-13;
