@@ -2,8 +2,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <string_view>
 
 #include "app/scene/accuracy.hpp"
 #include "app/scene/scene_reader.hpp"
@@ -34,27 +36,18 @@ std::string SceneReader::read_image_name(const ConfigReader& reader) const {
 
 namespace {
 
+/// Fields that the program makes of solutions, of the scene, or of several runs. The others are output_fields().
+struct MadeField {
+  std::string_view key;
+  bool SceneOutput::*asked;
+};
+constexpr std::array<MadeField, 5> made_fields{{{"heating_rate", &SceneOutput::heating_rate},
+                                                {"optical_depth", &SceneOutput::optical_depth},
+                                                {"bands", &SceneOutput::bands},
+                                                {"radiance_field", &SceneOutput::radiance_field},
+                                                {"errors", &SceneOutput::errors}}};
+
 void read_field(const ConfigReader& reader, const std::string& name, SceneOutput& output) {
-  if (name == "radiance_field") {
-    output.radiance_field = true;
-    return;
-  }
-  if (name == "errors") {
-    output.errors = true;
-    return;
-  }
-  if (name == "heating_rate") {
-    output.heating_rate = true;
-    return;
-  }
-  if (name == "bands") {
-    output.bands = true;
-    return;
-  }
-  if (name == "optical_depth") {
-    output.optical_depth = true;
-    return;
-  }
   bool found = false;
   std::vector<std::string> allowed;
   for (const OutputField& field : output_fields()) {
@@ -63,8 +56,13 @@ void read_field(const ConfigReader& reader, const std::string& name, SceneOutput
     found = true;
     if (field.asked != nullptr) output.*field.asked = true;
   }
+  for (const MadeField& field : made_fields) {
+    allowed.emplace_back(field.key);
+    if (name != field.key) continue;
+    found = true;
+    output.*field.asked = true;
+  }
   if (found) return;
-  allowed.insert(allowed.end(), {"heating_rate", "optical_depth", "bands", "radiance_field", "errors"});
   reader.fail("fields", "not one of the choices", fmt::format("\"{}\"", name),
               fmt::format("{}", fmt::join(allowed, ", ")));
 }

@@ -206,7 +206,7 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       if (first_cell == rows.level_cell[level + 1] && box.periodic) continue;
       source.fill(first_cell, rows.level_cell[level + 1] - first_cell, work.source.data());
       if (box.periodic && crosses_in_air(pattern, step, rows, cells)) {
-        constexpr double least_scale = 1e-6;
+        constexpr double least_scale = 1e-6;  // far from the range of float, even after the thickest level
         if (how.scale < least_scale) how.write(through, of_band, columns);
         for_source_of(cells, [&](auto linear) {
           meet_level_in_air<linear>(pattern, step, rows, cells, sent, through, of_band, how);

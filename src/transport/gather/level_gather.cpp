@@ -225,7 +225,7 @@ class LevelGather {
     const std::span<const Chunk> chunks = rows_.levels.of(level);
     Slot<Real>& own = fresh_slot(fresh, work);
     if (!chunks.empty()) {
-      constexpr double least_scale = 1e-3;
+      constexpr double least_scale = 1e-3;  // with offsets of about 1, stored values stay far from the range of float
       for (Slot<Real>* const slot : work.crossing)
         if (slot->is_same_everywhere() || slot->how.scale < least_scale) slot->write(columns_);
       own.write(columns_);
