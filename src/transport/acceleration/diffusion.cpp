@@ -4,138 +4,202 @@
 #include <cmath>
 #include <numeric>
 
-#include "cloudbow/core/parallel_errors.hpp"
+#include "transport/acceleration/anderson.hpp"
 
 namespace cloudbow {
 
 // Below this many cells a parallel loop costs more than it saves.
 constexpr std::size_t worth_threads = 100000;
 
-// One grid of the multigrid: couplings to the next cell along each axis (periodic neighbour included) and the diagonal.
-struct DiffusionOperator::Level {
-  int nx = 1, ny = 1, nz = 1;
-  int factor_x = 1, factor_y = 1;  // cells of the next finer level in one of this level
-  std::vector<double> east, north, up, diagonal;
+ColumnSet::ColumnSet(int columns_x, int columns_y, bool periodic, std::vector<std::uint32_t> places)
+    : nx(columns_x), ny(columns_y), place(std::move(places)) {
+  const auto none = static_cast<std::uint32_t>(size());
+  const std::vector<std::uint32_t> at = by_place();
+  const auto of = [&](int i, int j) {
+    if (periodic && i < 0) i += nx;
+    if (periodic && i >= nx) i -= nx;
+    if (periodic && j < 0) j += ny;
+    if (periodic && j >= ny) j -= ny;
+    const bool inside = i >= 0 && i < nx && j >= 0 && j < ny;
+    return inside ? at[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i)] : none;
+  };
+  beside.resize(size());
+  for (std::size_t c = 0; c < size(); ++c) {
+    const int x = i(c), y = j(c);
+    beside[c] = {nx > 1 ? of(x + 1, y) : none, nx > 1 ? of(x - 1, y) : none, ny > 1 ? of(x, y + 1) : none,
+                 ny > 1 ? of(x, y - 1) : none};
+  }
+}
 
-  std::size_t size() const { return diagonal.size(); }
-  std::size_t at(int i, int j, int k) const { return (static_cast<std::size_t>(k) * ny + j) * nx + i; }
-  int next(int i, int n) const { return i + 1 < n ? i + 1 : 0; }
-  int before(int i, int n) const { return i > 0 ? i - 1 : n - 1; }
+ColumnSet ColumnSet::of(const BoxGrid& box) {
+  std::vector<std::uint32_t> places(box.columns());
+  std::iota(places.begin(), places.end(), 0U);
+  return {box.nx, box.ny, box.periodic, std::move(places)};
+}
+
+std::vector<std::uint32_t> ColumnSet::by_place() const {
+  const auto none = static_cast<std::uint32_t>(size());
+  std::vector<std::uint32_t> at(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), none);
+  for (std::uint32_t c = 0; c < none; ++c) at[place[c]] = c;
+  return at;
+}
+
+// One grid of the multigrid. Arrays of cells are column by column. They have one column more: that of the neighbours
+// which are not there. Its couplings are 0.
+struct DiffusionOperator::Level {
+  ColumnSet columns;
+  std::size_t nz;
+  std::array<std::vector<std::uint32_t>, 2> of_colour;  // columns, as on a chessboard
+  bool colours_are_independent = true;                  // no column is beside one of its colour
+  // Couplings to the cell to the east, to the north and above.
+  std::vector<double> east, north, up, diagonal;
+  // LDL^T of each column: 1 / pivots, and couplings upward over them.
+  std::vector<double> inverse, upper;
+  // [column] of the next coarser level.
+  std::vector<std::uint32_t> coarse_column;
+
+  Level(ColumnSet set, std::size_t levels) : columns(std::move(set)), nz(levels) {
+    for (std::uint32_t c = 0; c < columns.size(); ++c) {
+      const auto colour = [&](std::uint32_t of) { return static_cast<std::size_t>(columns.i(of) + columns.j(of)) % 2; };
+      of_colour[colour(c)].push_back(c);
+      for (const std::uint32_t other : columns.beside[c]) {
+        if (other < columns.size() && colour(other) == colour(c)) colours_are_independent = false;
+      }
+    }
+    for (auto* const values : {&east, &north, &up, &diagonal, &inverse, &upper}) values->assign(size(), 0.);
+  }
+
+  std::size_t size() const { return (columns.size() + 1) * nz; }  // of arrays
+  bool is_worth_threads() const { return size() > worth_threads; }
 
   // diagonal = leakage + losses of each cell through its couplings.
   void close(std::vector<double> leakage) {
     diagonal = std::move(leakage);
-    for (int k = 0; k < nz; ++k) {
-      for (int j = 0; j < ny; ++j) {
-        for (int i = 0; i < nx; ++i) {
-          const std::size_t c = at(i, j, k);
-          diagonal[c] += east[c] + north[c];
-          diagonal[at(next(i, nx), j, k)] += east[c];
-          diagonal[at(i, next(j, ny), k)] += north[c];
-          if (k + 1 < nz) {
-            diagonal[c] += up[c];
-            diagonal[at(i, j, k + 1)] += up[c];
-          }
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const std::size_t to_east = columns.beside[column][ColumnSet::east] * nz;
+      const std::size_t to_north = columns.beside[column][ColumnSet::north] * nz;
+      for (std::size_t k = 0; k < nz; ++k) {
+        const std::size_t c = column * nz + k;
+        diagonal[c] += east[c] + north[c];
+        diagonal[to_east + k] += east[c];
+        diagonal[to_north + k] += north[c];
+        if (k + 1 < nz) {
+          diagonal[c] += up[c];
+          diagonal[c + 1] += up[c];
         }
+      }
+    }
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      for (std::size_t k = 0; k < nz; ++k) {
+        const std::size_t c = column * nz + k;
+        inverse[c] = 1 / (diagonal[c] - (k > 0 ? up[c - 1] * upper[c - 1] : 0));
+        upper[c] = up[c] * inverse[c];
       }
     }
   }
 
-  void apply(std::span<const double> x, std::span<double> y) const {
+  // Flow into the cells of a column from the columns beside it.
+  void flow_in(std::size_t column, const double* x, double* to) const {
+    const auto& beside = columns.beside[column];
+    const double* const coupling_east = east.data() + column * nz;
+    const double* const coupling_west = east.data() + beside[ColumnSet::west] * nz;
+    const double* const coupling_north = north.data() + column * nz;
+    const double* const coupling_south = north.data() + beside[ColumnSet::south] * nz;
+    const double* const x_east = x + beside[ColumnSet::east] * nz;
+    const double* const x_west = x + beside[ColumnSet::west] * nz;
+    const double* const x_north = x + beside[ColumnSet::north] * nz;
+    const double* const x_south = x + beside[ColumnSet::south] * nz;
+#pragma omp simd
+    for (std::size_t k = 0; k < nz; ++k) {
+      to[k] += coupling_east[k] * x_east[k] + coupling_west[k] * x_west[k] + coupling_north[k] * x_north[k] +
+               coupling_south[k] * x_south[k];
+    }
+  }
+
+  // y = b - A x
+  // @param b null: 0.
+  void residual(const double* b, const double* x, double* y) const {
     // Nothing throws here.
-#pragma omp parallel for schedule(static) if (size() > worth_threads)
-    for (int k = 0; k < nz; ++k) {
-      for (int j = 0; j < ny; ++j) {
-        for (int i = 0; i < nx; ++i) {
-          const std::size_t c = at(i, j, k);
-          const std::size_t west = at(before(i, nx), j, k);
-          const std::size_t south = at(i, before(j, ny), k);
-          double sum = diagonal[c] * x[c] - east[c] * x[at(next(i, nx), j, k)] - east[west] * x[west] -
-                       north[c] * x[at(i, next(j, ny), k)] - north[south] * x[south];
-          if (k + 1 < nz) sum -= up[c] * x[at(i, j, k + 1)];
-          if (k > 0) sum -= up[at(i, j, k - 1)] * x[at(i, j, k - 1)];
-          y[c] = sum;
-        }
+#pragma omp parallel for schedule(static) if (is_worth_threads())
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const std::size_t first = column * nz;
+      for (std::size_t k = 0; k < nz; ++k) {
+        const std::size_t c = first + k;
+        double sum = (b != nullptr ? b[c] : 0.) - diagonal[c] * x[c];
+        if (k + 1 < nz) sum += up[c] * x[c + 1];
+        if (k > 0) sum += up[c - 1] * x[c - 1];
+        y[c] = sum;
       }
+      flow_in(column, x, y + first);
     }
   }
 
   // Zebra Gauss-Seidel over whole columns: one colour, then the other; `reversed` makes the pair symmetric.
-  void smooth(std::span<double> x, std::span<const double> b, bool reversed) const {
+  // @param work [size()]
+  void smooth(double* x, const double* b, bool reversed, double* work) const {
     for (int half = 0; half < 2; ++half) {
-      const int colour = reversed ? 1 - half : half;
-      // With odd periodic sizes two columns of one colour are neighbours at the seam. The order of rows matters there,
-      // so it stays serial.
-      const bool independent = (nx == 1 || nx % 2 == 0) && (ny == 1 || ny % 2 == 0) && size() > worth_threads;
-      ParallelErrors errors;
-#pragma omp parallel if (independent)
-      {
-        std::vector<double> upper, value;
-        errors.run([&] {
-          upper.resize(static_cast<std::size_t>(nz));
-          value.resize(static_cast<std::size_t>(nz));
-        });
-#pragma omp for schedule(static)
-        for (int j = 0; j < ny; ++j) {
-          errors.run([&] {
-            for (int i = (colour + j) & 1; i < nx; i += 2) solve_column(i, j, x, b, upper, value);
-          });
-        }
-      }
-      errors.rethrow();
+      const std::vector<std::uint32_t>& coloured = of_colour[reversed ? 1 - half : half];
+      // With odd periodic sizes two columns of one colour are neighbours at the seam. The order matters there, so it
+      // stays serial. Nothing throws here.
+#pragma omp parallel for schedule(static) if (colours_are_independent && is_worth_threads())
+      for (const std::uint32_t column : coloured) solve_column(column, x, b, work + column * nz);
     }
   }
 
-  void solve_column(int i, int j, std::span<double> x, std::span<const double> b, std::vector<double>& upper,
-                    std::vector<double>& value) const {
-    const int east_i = next(i, nx), west_i = before(i, nx), north_j = next(j, ny), south_j = before(j, ny);
-    for (int k = 0; k < nz; ++k) {
-      const std::size_t c = at(i, j, k);
-      double right = b[c];
-      // On a periodic axis of one cell, the cell would be its own neighbour; its couplings are zero.
-      right += east[c] * x[at(east_i, j, k)] + east[at(west_i, j, k)] * x[at(west_i, j, k)];
-      right += north[c] * x[at(i, north_j, k)] + north[at(i, south_j, k)] * x[at(i, south_j, k)];
-      const double below = k > 0 ? up[at(i, j, k - 1)] : 0;
-      const double pivot = diagonal[c] - (k > 0 ? below * upper[k - 1] : 0);
-      upper[k] = (k + 1 < nz ? up[c] : 0) / pivot;
-      value[k] = (right + (k > 0 ? below * value[k - 1] : 0)) / pivot;
-    }
-    double above = 0;
-    for (int k = nz - 1; k >= 0; --k) {
-      above = value[k] + (k + 1 < nz ? upper[k] * above : 0);
-      x[at(i, j, k)] = above;
-    }
+  void solve_column(std::size_t column, double* x, const double* b, double* value) const {
+    const std::size_t first = column * nz;
+    std::copy_n(b + first, nz, value);
+    flow_in(column, x, value);
+    const double* const pivot = inverse.data() + first;
+    const double* const above = upper.data() + first;
+    value[0] *= pivot[0];
+    for (std::size_t k = 1; k < nz; ++k) value[k] = (value[k] + up[first + k - 1] * value[k - 1]) * pivot[k];
+    double* const found = x + first;
+    found[nz - 1] = value[nz - 1];
+    for (std::size_t k = nz - 1; k-- > 0;) found[k] = value[k] + above[k] * found[k + 1];
   }
 
   // Aggregates pairs of columns; couplings are divided by the pair's width (a plain Galerkin sum would be too stiff).
-  std::unique_ptr<Level> coarser() const {
+  // @param periodic the sides of the box.
+  std::unique_ptr<Level> coarser(bool periodic) {
+    const int nx = columns.nx, ny = columns.ny;
     const int fx = nx > 2 ? 2 : 1;
     const int fy = ny > 2 ? 2 : 1;
     if (fx * fy == 1) return nullptr;
-    auto coarse = std::make_unique<Level>();
-    coarse->nx = (nx + fx - 1) / fx;
-    coarse->ny = (ny + fy - 1) / fy;
-    coarse->nz = nz;
-    coarse->factor_x = fx;
-    coarse->factor_y = fy;
-    const std::size_t n = static_cast<std::size_t>(coarse->nx) * coarse->ny * nz;
-    coarse->east.assign(n, 0.);
-    coarse->north.assign(n, 0.);
-    coarse->up.assign(n, 0.);
-    std::vector<double> leakage(n, 0.);
-    for (int k = 0; k < nz; ++k) {
-      for (int j = 0; j < ny; ++j) {
-        for (int i = 0; i < nx; ++i) {
-          const std::size_t c = at(i, j, k);
-          const std::size_t to = coarse->at(i / fx, j / fy, k);
-          double taken = east[c] + east[at(before(i, nx), j, k)] + north[c] + north[at(i, before(j, ny), k)];
-          if (k + 1 < nz) taken += up[c];
-          if (k > 0) taken += up[at(i, j, k - 1)];
-          leakage[to] += diagonal[c] - taken;
-          if (next(i, nx) / fx != i / fx) coarse->east[to] += east[c] / fx;
-          if (next(j, ny) / fy != j / fy) coarse->north[to] += north[c] / fy;
-          coarse->up[to] += k + 1 < nz ? up[c] : 0;
-        }
+    const int coarse_nx = (nx + fx - 1) / fx;
+    const int coarse_ny = (ny + fy - 1) / fy;
+    const auto coarse_place = [&](std::size_t c) {
+      return static_cast<std::uint32_t>(columns.j(c) / fy * coarse_nx + columns.i(c) / fx);
+    };
+    std::vector<std::uint32_t> places;
+    for (std::size_t c = 0; c < columns.size(); ++c) places.push_back(coarse_place(c));
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    auto coarse = std::make_unique<Level>(ColumnSet(coarse_nx, coarse_ny, periodic, places), nz);
+    coarse_column.resize(columns.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      coarse_column[c] =
+          static_cast<std::uint32_t>(std::lower_bound(places.begin(), places.end(), coarse_place(c)) - places.begin());
+    }
+    std::vector<double> leakage(coarse->size(), 0.);
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const auto& beside = columns.beside[column];
+      const auto leaves_pair = [&](ColumnSet::Side side) {
+        return beside[side] < columns.size() && coarse_column[beside[side]] != coarse_column[column];
+      };
+      const bool east_leaves = leaves_pair(ColumnSet::east);
+      const bool north_leaves = leaves_pair(ColumnSet::north);
+      for (std::size_t k = 0; k < nz; ++k) {
+        const std::size_t c = column * nz + k;
+        const std::size_t to = coarse_column[column] * nz + k;
+        double taken =
+            east[c] + east[beside[ColumnSet::west] * nz + k] + north[c] + north[beside[ColumnSet::south] * nz + k];
+        if (k + 1 < nz) taken += up[c];
+        if (k > 0) taken += up[c - 1];
+        leakage[to] += diagonal[c] - taken;
+        if (east_leaves) coarse->east[to] += east[c] / fx;
+        if (north_leaves) coarse->north[to] += north[c] / fy;
+        coarse->up[to] += k + 1 < nz ? up[c] : 0;
       }
     }
     coarse->close(std::move(leakage));
@@ -156,18 +220,16 @@ double longest_free_path(const BoxGrid& box, int k, double depth_m) {
   return std::max(4 * smallest_edge(box, k, depth_m), .05 * depth_m);
 }
 
-DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoefficients& given) {
-  auto level = std::make_unique<Level>();
-  level->nx = box.nx;
-  level->ny = box.ny;
-  level->nz = box.nz();
-  const std::size_t n = box.columns() * static_cast<std::size_t>(box.nz());
+DiffusionOperator::DiffusionOperator(const BoxGrid& box, ColumnSet taking_part, const DiffusionCoefficients& given) {
+  const auto nz = static_cast<std::size_t>(box.nz());
+  auto level = std::make_unique<Level>(std::move(taking_part), nz);
+  const ColumnSet& columns = level->columns;
   const double depth = box.z_edge_m.back() - box.z_edge_m.front();
   // Voids would diffuse infinitely fast and thick cells too slowly: both are bounded, or the correction makes the
   // iteration diverge.
-  std::vector<double> diffusivity(n);
-  for (std::size_t c = 0; c < n; ++c) {
-    const int k = static_cast<int>(c / box.columns());
+  std::vector<double> diffusivity(columns.size() * nz);
+  for (std::size_t c = 0; c < diffusivity.size(); ++c) {
+    const int k = static_cast<int>(c % nz);
     const double edge = smallest_edge(box, k, depth);
     const double x = 1.5 * given.extinction[c] * edge;
     const double thick = x < 1e-2 ? x / 6 : 1 / std::tanh(x / 2) - 2 / x;
@@ -177,119 +239,116 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, const DiffusionCoeffici
     diffusivity_.push_back(static_cast<float>(diffusivity[c]));
   }
 
-  level->east.assign(n, 0.);
-  level->north.assign(n, 0.);
-  level->up.assign(n, 0.);
-  std::vector<double> leakage(n);
+  std::vector<double> leakage(level->size(), 0.);
   // Marshak: outward current = (1 - albedo)/(2 (1 + albedo)) times the flux at the face, half a cell away.
   const double surface = (1 - given.surface_albedo) / (2 * (1 + given.surface_albedo));
   const auto boundary = [](double area, double half_width, double d, double exchange) {
     return exchange > 0 ? area / (1 / exchange + half_width / d) : 0;
   };
-  for (int k = 0; k < box.nz(); ++k) {
-    const double dz = box.thickness_m(k);
-    for (int j = 0; j < box.ny; ++j) {
-      for (int i = 0; i < box.nx; ++i) {
-        const std::size_t c = level->at(i, j, k);
-        const double d = diffusivity[c];
-        leakage[c] = given.absorption[c] * box.dx_m * box.dy_m * dz;
-        const auto harmonic = [&](std::size_t other) { return 2 * d * diffusivity[other] / (d + diffusivity[other]); };
-        const auto side = [&](std::vector<double>& coupling, int position, int count, std::size_t other, double area,
-                              double width) {
-          if (given.independent_columns || (count == 1 && box.periodic)) return;
-          if (position + 1 < count || (box.periodic && count > 1)) {
-            coupling[c] = harmonic(other) * area / width;
-          }
-          if (!box.periodic)
-            leakage[c] += ((position == 0) + (position == count - 1)) * boundary(area, width / 2, d, .5);
-        };
-        side(level->east, i, box.nx, level->at(level->next(i, box.nx), j, k), box.dy_m * dz, box.dx_m);
-        side(level->north, j, box.ny, level->at(i, level->next(j, box.ny), k), box.dx_m * dz, box.dy_m);
-        const double area = box.dx_m * box.dy_m;
-        if (k + 1 < box.nz()) {
-          const double above = box.thickness_m(k + 1);
-          level->up[c] = area / (dz / (2 * d) + above / (2 * diffusivity[level->at(i, j, k + 1)]));
-        } else {
-          leakage[c] += boundary(area, dz / 2, d, .5);
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    for (std::size_t k = 0; k < nz; ++k) {
+      const std::size_t c = column * nz + k;
+      const double dz = box.thickness_m(static_cast<int>(k));
+      const double d = diffusivity[c];
+      leakage[c] += given.absorption[c] * box.dx_m * box.dy_m * dz;
+      const auto exchange = [&](ColumnSet::Side side, int count, double area, double width) {
+        if (given.independent_columns || (count == 1 && box.periodic)) return 0.;
+        const std::size_t other = columns.beside[column][side];
+        if (other < columns.size()) {
+          const double beyond = diffusivity[other * nz + k];
+          return 2 * d * beyond / (d + beyond) * area / width;
         }
-        if (k == 0) leakage[c] += boundary(area, dz / 2, d, surface);
+        leakage[c] += boundary(area, width / 2, d, .5);
+        return 0.;
+      };
+      level->east[c] = exchange(ColumnSet::east, box.nx, box.dy_m * dz, box.dx_m);
+      level->north[c] = exchange(ColumnSet::north, box.ny, box.dx_m * dz, box.dy_m);
+      exchange(ColumnSet::west, box.nx, box.dy_m * dz, box.dx_m);
+      exchange(ColumnSet::south, box.ny, box.dx_m * dz, box.dy_m);
+      const double area = box.dx_m * box.dy_m;
+      if (k + 1 < nz) {
+        const double above = box.thickness_m(static_cast<int>(k) + 1);
+        level->up[c] = area / (dz / (2 * d) + above / (2 * diffusivity[c + 1]));
+      } else {
+        leakage[c] += boundary(area, dz / 2, d, .5);
       }
+      if (k == 0) leakage[c] += boundary(area, dz / 2, d, surface);
     }
   }
   level->close(std::move(leakage));
   // A wholly closed system (white surface, no absorption) leaks through the top alone, which is enough for a unique
   // solution.
   levels_.push_back(std::move(level));
-  while (auto coarse = levels_.back()->coarser()) levels_.push_back(std::move(coarse));
+  while (auto coarse = levels_.back()->coarser(box.periodic)) levels_.push_back(std::move(coarse));
 }
 
 DiffusionOperator::~DiffusionOperator() = default;
 DiffusionOperator::DiffusionOperator(DiffusionOperator&&) noexcept = default;
 DiffusionOperator& DiffusionOperator::operator=(DiffusionOperator&&) noexcept = default;
 
+const ColumnSet& DiffusionOperator::columns() const { return levels_.front()->columns; }
+
 void DiffusionOperator::solve(std::span<const double> source, std::span<double> correction, double tolerance) const {
-  const std::size_t n = levels_.front()->size();
-  std::vector<std::vector<double>> x(levels_.size()), right(levels_.size()), residual(levels_.size());
+  std::vector<std::vector<double>> x(levels_.size()), right(levels_.size()), work(levels_.size());
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     x[l].resize(levels_[l]->size());
     right[l].resize(levels_[l]->size());
-    residual[l].resize(levels_[l]->size());
+    work[l].resize(levels_[l]->size());
   }
-  const auto v_cycle = [&](std::span<const double> b, std::span<double> out) {
-    std::copy(b.begin(), b.end(), right[0].begin());
+  // x[0] from right[0].
+  const auto v_cycle = [&] {
     for (std::size_t l = 0; l < levels_.size(); ++l) {
       const Level& level = *levels_[l];
       std::fill(x[l].begin(), x[l].end(), 0.);
-      level.smooth(x[l], right[l], false);
+      level.smooth(x[l].data(), right[l].data(), false, work[l].data());
       if (l + 1 == levels_.size()) {
-        for (int s = 0; s < 4; ++s) level.smooth(x[l], right[l], s % 2 == 0);
+        for (int s = 0; s < 4; ++s) level.smooth(x[l].data(), right[l].data(), s % 2 == 0, work[l].data());
         break;
       }
-      level.apply(x[l], residual[l]);
-      for (std::size_t c = 0; c < level.size(); ++c) residual[l][c] = right[l][c] - residual[l][c];
-      const Level& coarse = *levels_[l + 1];
+      level.residual(right[l].data(), x[l].data(), work[l].data());
       std::fill(right[l + 1].begin(), right[l + 1].end(), 0.);
-      for (int k = 0; k < level.nz; ++k)
-        for (int j = 0; j < level.ny; ++j)
-          for (int i = 0; i < level.nx; ++i)
-            right[l + 1][coarse.at(i / coarse.factor_x, j / coarse.factor_y, k)] += residual[l][level.at(i, j, k)];
+      for (std::size_t column = 0; column < level.columns.size(); ++column) {
+        const double* const from = work[l].data() + column * level.nz;
+        double* const to = right[l + 1].data() + level.coarse_column[column] * level.nz;
+        for (std::size_t k = 0; k < level.nz; ++k) to[k] += from[k];
+      }
     }
     for (std::size_t l = levels_.size(); l-- > 0;) {
       const Level& level = *levels_[l];
       if (l + 1 < levels_.size()) {
-        const Level& coarse = *levels_[l + 1];
-        for (int k = 0; k < level.nz; ++k)
-          for (int j = 0; j < level.ny; ++j)
-            for (int i = 0; i < level.nx; ++i)
-              x[l][level.at(i, j, k)] += x[l + 1][coarse.at(i / coarse.factor_x, j / coarse.factor_y, k)];
+        for (std::size_t column = 0; column < level.columns.size(); ++column) {
+          const double* const from = x[l + 1].data() + level.coarse_column[column] * level.nz;
+          double* const to = x[l].data() + column * level.nz;
+          for (std::size_t k = 0; k < level.nz; ++k) to[k] += from[k];
+        }
       }
-      level.smooth(x[l], right[l], true);
+      level.smooth(x[l].data(), right[l].data(), true, work[l].data());
     }
-    std::copy(x[0].begin(), x[0].end(), out.begin());
   };
-  const auto dot = [](std::span<const double> a, std::span<const double> b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.);
-  };
+  const auto dot = [](std::span<const double> a, std::span<const double> b) { return ordered_dot<double>(a, b); };
 
   std::fill(correction.begin(), correction.end(), 0.);
-  std::vector<double> r(source.begin(), source.end()), z(n), p, ap(n);
+  const std::size_t n = source.size();
+  std::vector<double>& r = right.front();  // residual; the preconditioner reads it in place
+  const std::vector<double>& z = x.front();
+  std::copy(source.begin(), source.end(), r.begin());
   const double target = tolerance * tolerance * dot(r, r);
   if (target == 0) return;
-  v_cycle(r, z);
-  p = z;
+  v_cycle();
+  std::vector<double> p = z, ap(r.size());
   double rz = dot(r, z);
   constexpr int most_iterations = 60;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    levels_.front()->apply(p, ap);
-    const double curvature = dot(p, ap);
+    levels_.front()->residual(nullptr, p.data(), ap.data());  // -A p
+    const double curvature = -dot(p, ap);
     if (!(curvature > 0)) return;
     const double step = rz / curvature;
     for (std::size_t c = 0; c < n; ++c) {
       correction[c] += step * p[c];
-      r[c] -= step * ap[c];
+      r[c] += step * ap[c];
     }
     if (dot(r, r) < target) return;
-    v_cycle(r, z);
+    v_cycle();
     const double next = dot(r, z);
     const double beta = next / rz;
     rz = next;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "transport/acceleration/coarsening.hpp"
+#include "transport/acceleration/diffusion_correction.hpp"
 
 namespace cloudbow {
 
@@ -32,7 +33,6 @@ class LowOrderCorrection {
   void drop_diffusion();
 
  private:
-  class Diffusion;
   template <class Source>
   void emit(int moment, const Source& source);
   void iterate();
@@ -46,7 +46,7 @@ class LowOrderCorrection {
   std::vector<DenseMatrix<Real>> scattered_moments_;  // [p] low_moments x low_moments
   std::vector<Real> beam_moments_;                    // [beam][low_moments]
   const TransportSystem<Real>* full_;
-  std::unique_ptr<Diffusion> diffusion_;
+  std::unique_ptr<DiffusionCorrection<Real>> diffusion_;
   Ground<Real> guess_ground_;  // with its emission, if there is thermal emission
   int sweeps_ = 0;
 };

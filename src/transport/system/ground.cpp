@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "transport/rays/ray_rows.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -16,10 +18,27 @@ void add_rows(AngularField<Real>& field, const Eigen::MatrixXd& matrix, Eigen::I
   }
 }
 
+// Calls use(column, radiance, n) for pieces of rows of columns.
+template <class Real, class Use>
+void for_each_piece(const ArrivingRays<Real>& rays, const BoxGrid& box, const Use& use) {
+  for_shifted_rows(rays.shift_x, rays.shift_y, box.nx, box.ny, [&](std::size_t column, std::size_t ray, int n) {
+    use(column, rays.radiance.data() + ray, static_cast<std::size_t>(n));
+  });
+}
+
 // Flux through the horizontal per unit radiance along a downward ordinate.
 double power(const OrdinateSet& ordinates, int d) { return ordinates.weight[d] * -ordinates.direction[d].z(); }
 
 }  // namespace
+
+template <class Real>
+std::vector<Real> ArrivingRays<Real>::by_column(const BoxGrid& box) const {
+  std::vector<Real> arranged(box.columns());
+  for_each_piece(*this, box, [&](std::size_t column, const Real* from, std::size_t n) {
+    std::copy_n(from, n, arranged.data() + column);
+  });
+  return arranged;
+}
 
 template <class Real>
 const Real* GroundRadiance<Real>::along(const Direction& travel, std::vector<Real>& scratch) const {
@@ -141,16 +160,20 @@ double Ground<Real>::largest_albedo() const {
 }
 
 template <class Real>
-typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<std::vector<Real>>& arriving,
+typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<ArrivingRays<Real>>& arriving,
                                                         std::span<const double> direct_flux,
-                                                        const OrdinateSet& ordinates, std::size_t columns) const {
+                                                        const OrdinateSet& ordinates, const BoxGrid& box) const {
+  const std::size_t columns = box.columns();
   Reflection result;
   result.flux.assign(columns, 0.);
   std::copy(direct_flux.begin(), direct_flux.end(), result.flux.begin());
   for (int d = 0; d < ordinates.size(); ++d) {
     if (ordinates.direction[d].z() > 0) continue;
     const double weight = power(ordinates, d);
-    for (std::size_t c = 0; c < columns; ++c) result.flux[c] += weight * static_cast<double>(arriving[d][c]);
+    for_each_piece(arriving[d], box, [&](std::size_t column, const Real* from, std::size_t n) {
+      double* __restrict const to = result.flux.data() + column;
+      for (std::size_t i = 0; i < n; ++i) to[i] += weight * static_cast<double>(from[i]);
+    });
   }
   if (!table_) {
     result.leaving = AngularField<Real>(1, columns);
@@ -164,9 +187,10 @@ typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<std::v
     for (std::size_t q = 0; q < table_->down.size(); ++q) {
       const int d = table_->down[q];
       const auto column = static_cast<Eigen::Index>(q);
-      add_rows(result.leaving, table_->up_from_down, column, arriving[d].data());
+      const std::vector<Real> by_column = arriving[d].by_column(box);
+      add_rows(result.leaving, table_->up_from_down, column, by_column.data());
       const double kept = power(ordinates, d) * (1 - table_->albedo[column]);
-      for (const Real radiance : arriving[d]) result.absorbed += kept * static_cast<double>(radiance);
+      for (const Real radiance : by_column) result.absorbed += kept * static_cast<double>(radiance);
     }
     if (!direct_flux.empty()) {
       add_rows(result.leaving, table_->up_from_beam, 0, direct_flux.data());
@@ -234,6 +258,8 @@ GroundRadiance<Real> Ground<Real>::radiance_seen(const std::vector<std::vector<R
   return result;
 }
 
+template struct ArrivingRays<float>;
+template struct ArrivingRays<double>;
 template struct GroundRadiance<float>;
 template struct GroundRadiance<double>;
 template class Ground<float>;

@@ -26,6 +26,17 @@ struct GroundRadiance {
   Real at(const Direction& travel, std::size_t column) const;
 };
 
+/// Light that arrives along one ordinate: rays by the columns they were launched from.
+template <class Real>
+struct ArrivingRays {
+  std::vector<Real> radiance;  ///< [columns], at least
+  int shift_x = 0;             ///< columns from a ray's launch to the one it arrives in, modulo the box
+  int shift_y = 0;
+
+  /// [columns] by the column they arrive in.
+  std::vector<Real> by_column(const BoxGrid& box) const;
+};
+
 template <class Real>
 class Ground {
  public:
@@ -38,10 +49,10 @@ class Ground {
     AngularField<Real> leaving;  ///< radiance: one row an upward ordinate, or a single row for all; [columns]
     double absorbed = 0;         ///< W m-2, mean over the columns
   };
-  /// @param arriving [D][columns] radiance along the ordinates; those that travel up are not used.
+  /// @param arriving [D] along the ordinates; those that travel up are not used.
   /// @param direct_flux [columns] through the horizontal; empty: none.
-  Reflection reflect(const std::vector<std::vector<Real>>& arriving, std::span<const double> direct_flux,
-                     const OrdinateSet& ordinates, std::size_t columns) const;
+  Reflection reflect(const std::vector<ArrivingRays<Real>>& arriving, std::span<const double> direct_flux,
+                     const OrdinateSet& ordinates, const BoxGrid& box) const;
   /// Row of Reflection::leaving for an ordinate.
   int leaving_row(int ordinate) const { return row_.empty() ? 0 : row_[ordinate]; }
 

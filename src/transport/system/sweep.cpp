@@ -177,7 +177,7 @@ void gradient_of_ordinate(const TransportSystem<Real>& system, const Real* sourc
 
 // Contribution of one ordinate's march; summed over ordinates in their order.
 struct OrdinateFluxes {
-  double out = 0;  // through the far end, sum of radiances
+  double out = 0;  // through the top, sum of radiances
   MarchTotals sides;
   std::vector<double> profile;  // [nz+1] by height, sum of radiances
 };
@@ -203,6 +203,10 @@ void transpose(const Real* from, int nx, int ny, Real* to) {
   }
 }
 
+double mean_of(const std::vector<double>& values) {
+  return values.empty() ? 0 : plane_sum(values.data(), values.size()) / static_cast<double>(values.size());
+}
+
 // One thread's march of one ordinate after another.
 template <class Real>
 class OrdinateMarch {
@@ -210,13 +214,13 @@ class OrdinateMarch {
   OrdinateMarch(const TransportSystem<Real>& system, typename SweepWorkspace<Real>::Thread& work)
       : system_(system), work_(work) {}
 
-  // `rays` [columns + lane_padding] come in and go out, by column; of those that go out through the top only the sum is
-  // kept.
+  // `rays` [columns + lane_padding] come in by column.
   // @param passing [levels + 1][columns] radiance at each interface; null: not kept.
   // @param keep_moments of the radiance, in work.moment.
-  void cross_box(int d, const GroupGradient<Real>& gradient, std::vector<Real>& source, std::vector<Real>& rays,
+  void cross_box(int d, const GroupGradient<Real>& gradient, std::vector<Real>& source, ArrivingRays<Real>& rays,
                  bool record, bool keep_moments, Real* passing, OrdinateFluxes& totals) {
     const OrdinatePath& path = system_.paths[d];
+    std::vector<Real>& radiance = rays.radiance;
     work_.mean.assign(source.size(), Real(0));
     sums_ = {work_.mean.data(), {}};
     for (std::size_t axis = 0; keep_moments && axis < 3; ++axis) {
@@ -224,15 +228,18 @@ class OrdinateMarch {
       sums_.moment[axis] = work_.moment[axis].data();
     }
     if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
-    go_along_z(d, path.along_z.front(), gradient, source, rays, record, passing, totals);
+    go_along_z(d, path.along_z.front(), gradient, source, radiance, record, passing, totals);
+    bool sum_alone = false;
     if (path.sideways) {
-      const bool last = path.along_z.back().levels() == 0;
-      go_sideways(*path.sideways, gradient, source, rays, record, last && path.upward, totals);
-      go_along_z(d, path.along_z.back(), gradient, source, rays, record, passing, totals);
-      if (!last) totals.out = plane_sum(rays.data(), system_.box.columns());
-    } else {
-      totals.out = plane_sum(rays.data(), system_.box.columns());
+      put_in_columns(path.along_z.front(), radiance);
+      sum_alone = path.upward && path.along_z.back().levels() == 0;
+      go_sideways(*path.sideways, gradient, source, radiance, record, sum_alone, totals);
+      go_along_z(d, path.along_z.back(), gradient, source, radiance, record, passing, totals);
     }
+    if (path.upward && !sum_alone) totals.out = plane_sum(radiance.data(), system_.box.columns());
+    const PathPattern& last = path.along_z.back();
+    rays.shift_x = last.levels() > 0 ? static_cast<int>(std::floor(last.x.back())) : 0;
+    rays.shift_y = last.levels() > 0 ? static_cast<int>(std::floor(last.y.back())) : 0;
     source.swap(work_.mean);
   }
 
@@ -255,7 +262,12 @@ class OrdinateMarch {
                                                 source.data(), rays.data(), passing == nullptr, sums_, at_level);
     totals.sides.entered_sides += sides.entered_sides;
     totals.sides.left_sides += sides.left_sides;
-    work_.plane.resize(columns + lane_padding);
+  }
+
+  // Moves rays to the columns in which the pattern ends.
+  void put_in_columns(const PathPattern& pattern, std::vector<Real>& rays) {
+    if (pattern.levels() == 0) return;
+    work_.plane.resize(rays.size());
     shift_columns(system_.box, pattern.x.back(), pattern.y.back(), rays.data(), work_.plane.data());
     rays.swap(work_.plane);
   }
@@ -331,7 +343,8 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   const int levels = box.nz() + 1;
   const bool keep_columns = record && system.has_independent_columns();
   std::vector<OrdinateFluxes> of_ordinate(ordinates.size());
-  std::vector<std::vector<Real>> exit(ordinates.size());
+  std::vector<ArrivingRays<Real>>& arriving = work.arriving;
+  arriving.resize(ordinates.size());
   std::vector<std::vector<Real>> passing(keep_columns ? ordinates.size() : 0);  // [levels * columns] by height
   typename Ground<Real>::Reflection ground;
   work.of_thread.resize(omp_get_max_threads());
@@ -357,7 +370,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
         if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
         const auto march_one = [&](int d) {
           errors.run([&] {
-            std::vector<Real>& rays = exit[d];
+            std::vector<Real>& rays = (upward ? own.rays : arriving[d]).radiance;
             if (upward) {
               const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
               rays.assign(start_of_rays, start_of_rays + columns);
@@ -376,10 +389,9 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             } else if (system.linear_source && !shared) {
               gradient_of_ordinate(system, source.data(), own);
             }
-            march.cross_box(d, shared ? work.gradient : own.gradient, source, rays, record, new_slopes,
-                            keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
+            march.cross_box(d, shared ? work.gradient : own.gradient, source, upward ? own.rays : arriving[d], record,
+                            new_slopes, keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
             if (field.packed()) field.store(d, 0, n, source.data());
-            rays.resize(upward ? 0 : columns);
           });
         };
         if (!new_slopes) {
@@ -414,10 +426,14 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 
   SweepFluxes<Real> fluxes;
   march_ordinates(false);
-  ground = system.ground.reflect(exit, system.beam.surface_flux, ordinates, columns);
+  ground = system.ground.reflect(arriving, system.beam.surface_flux, ordinates, box);
   fluxes.surface_flux = ground.flux;
   fluxes.surface_absorbed = ground.absorbed;
-  if (record && !system.ground.is_lambertian()) fluxes.surface_arriving = exit;
+  fluxes.down_surface = mean_of(ground.flux) - mean_of(system.beam.surface_flux);
+  if (record && !system.ground.is_lambertian()) {
+    for (const ArrivingRays<Real>& rays : arriving)
+      fluxes.surface_arriving.push_back(rays.radiance.empty() ? std::vector<Real>() : rays.by_column(box));
+  }
   march_ordinates(true);
   if (new_slopes) {
     system.slopes->scatter(*system.cells, field, *slopes);
@@ -436,7 +452,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
     const bool upward = ordinates.direction[d].z() > 0;
     const double power = ordinates.weight[d] * std::abs(ordinates.direction[d].z());
     const double share = power / static_cast<double>(columns);
-    (upward ? fluxes.up_top : fluxes.down_surface) += share * of_ordinate[d].out;
+    if (upward) fluxes.up_top += share * of_ordinate[d].out;
     fluxes.side_gain += share * of_ordinate[d].sides.entered_sides;
     fluxes.side_loss += share * of_ordinate[d].sides.left_sides;
     if (record) {

@@ -103,8 +103,10 @@ struct SweepWorkspace {
     Slope<Real> moment, transposed_moment;  ///< of one ordinate's radiance
     SidewaysWorkspace<Real> sideways;
     GroupGradient<Real> gradient;  ///< of one ordinate, if none is shared
+    ArrivingRays<Real> rays;       ///< of one upward ordinate
   };
   std::vector<Thread> of_thread;
+  std::vector<ArrivingRays<Real>> arriving;  ///< [D] at the ground; those that travel up are empty
   GroupGradient<Real> gradient;
   Slope<Real> moment;  ///< of an octant's radiance
 };
