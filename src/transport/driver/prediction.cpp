@@ -189,7 +189,8 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t surface = problem.surface.brdf ? real * (2 * points_of_surface + 2 * ordinates) : 0;
   // The table of reflection is made, and let go, before the iteration.
   const std::size_t making_surface = problem.surface.brdf ? 27'000'000 : 0;
-  const std::size_t levels_between = level_gather_bytes(box, inner_levels(box, options), options.gather_directions);
+  const std::size_t levels_between =
+      level_gather_bytes(box, active, inner_levels(box, options), options.gather_directions);
   const std::size_t held = grid + cell + system + radiance_field;
   const std::size_t working = std::max({active * std::max(iteration, making_seen), active * gather + levels_between,
                                         active * (gather + showing) + pixels * sizeof(float), making_surface});

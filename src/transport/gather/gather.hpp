@@ -73,7 +73,7 @@ template <class Real>
 std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
                                        const std::vector<GatherDirection>& directions);
 
-/// The most memory that gather_level_fluxes takes in float for its sums, with this many directions.
-std::size_t level_gather_bytes(const BoxGrid& box, std::span<const int> edges, int directions);
+/// The most memory that gather_level_fluxes takes in float, with this many directions.
+std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions);
 
 }  // namespace cloudbow

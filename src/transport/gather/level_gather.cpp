@@ -28,28 +28,66 @@ std::size_t groups_for(const BoxGrid& box) {
   return std::clamp(static_cast<std::size_t>(most_sum_bytes / group), std::size_t{1}, most_groups);
 }
 
+// Directions of a group that go through the levels together: a plane of sums is then fetched once for all of them. The
+// bits do not depend on their number.
+constexpr std::size_t most_together = 8;
+constexpr double most_march_bytes = 6.4e7;
+
+// Memory of one direction.
+template <class Real>
+std::size_t march_bytes(std::size_t slots, std::size_t columns, std::size_t cells) {
+  constexpr std::size_t values_of_cell = 5;  // of a LinearSource
+  return (slots * columns + values_of_cell * cells) * sizeof(Real);
+}
+
+template <class Real>
+std::size_t directions_together(std::size_t slots, std::size_t columns, std::size_t cells) {
+  const double bytes = static_cast<double>(march_bytes<Real>(slots, columns, cells));
+  return std::clamp(static_cast<std::size_t>(most_march_bytes / bytes), std::size_t{1}, most_together);
+}
+
+// Light of one direction on its way through the levels.
+template <class Real>
+struct DirectionMarch {
+  PathPattern pattern{};
+  SourceAlong<Real> source{};
+  CellView<Real> cells{nullptr, {}};
+  Real weight = 0;
+  Real reference = 0;
+  bool lit_from_beyond = false;
+  std::vector<double> side;
+  std::vector<Slot<Real>> slots;
+  Slot<Real> dark;  // light of cells that only absorb
+  LinearSource<Real> own;
+
+  DirectionMarch(std::size_t count, std::size_t columns)
+      : slots(count, Slot<Real>{std::vector<Real>(columns + lane_padding)}), dark(slots.front()) {}
+};
+
+// Rays of a slot that are added to a plane of sums.
+template <class Real>
+struct Booking {
+  std::size_t plane;
+  int shift_x, shift_y;  // of rays to their columns, from 0 up to nx - 1 and ny - 1
+  const Real* rays;
+  Real scale;
+};
+
 // Work arrays of one group of directions, and its sums.
 template <class Real>
 struct Workspace {
-  std::vector<Slot<Real>> slots;
+  std::vector<DirectionMarch<Real>> marches;
   std::vector<Slot<Real>*> crossing;       // slots whose light crosses a level
   std::vector<CarriedRays<Real>> carried;  // their rays
-  struct Entry {
-    const Real* rays;
-    Real scale;
-    Real* plane;
-  };
-  std::vector<Entry> entries;  // of sums at an interface
+  std::vector<Booking<Real>> bookings;     // at an interface
   std::vector<Real> sent, ground;
-  Slot<Real> dark;  // light of cells that only absorb
-  LinearSource<Real> own;
   std::vector<std::vector<Real>> sums;  // [planes][columns]; empty: no light that varies
   std::vector<double> same_everywhere;  // [planes] light of all columns beside them
 
-  void prepare(int count, std::size_t columns, std::size_t cells, std::size_t planes) {
-    slots.assign(static_cast<std::size_t>(count), Slot<Real>{std::vector<Real>(columns + lane_padding)});
-    dark = slots.front();
-    sent.resize(cells + lane_padding);
+  void prepare(std::size_t slots, std::size_t columns, const ActiveRows& rows, std::size_t planes) {
+    const std::size_t together = directions_together<Real>(slots, columns, rows.size());
+    for (std::size_t d = 0; d < together; ++d) marches.emplace_back(slots, columns);
+    sent.resize(rows.largest_level() + lane_padding);
     sums.assign(planes, {});
     same_everywhere.assign(planes, 0.);
   }
@@ -77,9 +115,14 @@ class LevelGather {
 #pragma omp parallel for schedule(dynamic, 1)
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
-          if (alike.first == 0) work[g].prepare(plan_.slots, columns_, rows_.largest_level(), planes.size());
-          for (std::size_t q = alike.first + g; q < alike.last; q += groups)
-            march(directions[q], q, alike.spread, planes, work[g]);
+          Workspace<Real>& own = work[g];
+          if (alike.first == 0) own.prepare(static_cast<std::size_t>(plan_.slots), columns_, rows_, planes.size());
+          for (std::size_t first = alike.first + g; first < alike.last; first += groups * own.marches.size()) {
+            std::size_t count = 0;
+            for (std::size_t q = first; q < alike.last && count < own.marches.size(); q += groups)
+              start(directions[q], q, own.marches[count++], own.ground);
+            march(count, alike.spread, planes, own);
+          }
         });
       }
       errors.rethrow();
@@ -131,68 +174,83 @@ class LevelGather {
     return flux;
   }
 
-  // Rays of one direction through all levels up to the last that is wanted.
-  void march(const GatherDirection& direction, std::size_t place, double spread, const SumPlanes& planes,
-             Workspace<Real>& work) const {
+  // Rays of one direction before they enter the box.
+  // @param ground room for light that leaves the ground.
+  void start(const GatherDirection& direction, std::size_t place, DirectionMarch<Real>& rays,
+             std::vector<Real>& ground) const {
     const Direction& travel = direction.travel;
-    const LaunchPlace start = launch_place(place, true);
+    const LaunchPlace at = launch_place(place, true);
     const int count = static_cast<int>(plan_.steps.size());
     const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
-    const PathPattern pattern = scene_.path(make_path_pattern(box_, travel, start.x, start.y, false, range));
-    const SourceAlong<Real> source = scene_.source->along(travel, power(direction));
-    const CellView<Real> cells = cells_along(scene_, travel, work.own);
-    const Real weight = static_cast<Real>(power(direction));
-    std::vector<double> side;
-    if (!box_.periodic && scene_.side_radiance) side = scene_.side_radiance(travel);
-    const Real reference = weight * static_cast<Real>(scene_.reference);
-    const bool lit_from_beyond = enter_box(travel, weight, work) || !side.empty();
-    if (!box_.periodic) work.slots[boundary_slot].write(columns_);
-    for (int step = 0; step < count; ++step) {
+    rays.pattern = scene_.path(make_path_pattern(box_, travel, at.x, at.y, false, range));
+    rays.source = scene_.source->along(travel, power(direction));
+    rays.cells = cells_along(scene_, travel, rays.own);
+    rays.weight = static_cast<Real>(power(direction));
+    rays.reference = rays.weight * static_cast<Real>(scene_.reference);
+    rays.side.clear();
+    if (!box_.periodic && scene_.side_radiance) rays.side = scene_.side_radiance(travel);
+    rays.lit_from_beyond = enter_box(travel, rays, ground) || !rays.side.empty();
+    if (!box_.periodic) rays.slots[boundary_slot].write(columns_);
+  }
+
+  // Rays of `count` directions through all levels up to the last that is wanted.
+  void march(std::size_t count, double spread, const SumPlanes& planes, Workspace<Real>& work) const {
+    for (std::size_t step = 0; step < plan_.steps.size(); ++step) {
       const LevelPlan& plan = plan_.steps[step];
-      const int level = pattern.level(step);
-      work.crossing.clear();
-      for (const int slot : plan.carried) {
-        if (slot != boundary_slot || lit_from_beyond) work.crossing.push_back(&work.slots[slot]);
-      }
-      const std::size_t first_cell = rows_.level_cell[level];
-      if (plan.fresh >= 0) {
-        work.slots[plan.fresh].set(reference);
-        source.fill(first_cell, rows_.level_cell[level + 1] - first_cell, work.sent.data());
-      } else {  // its cells only absorb: the kernel adds zeros
-        std::fill_n(work.sent.begin(), rows_.level_cell[level + 1] - first_cell + lane_padding, Real(0));
-      }
-      if (box_.periodic && crosses_in_air(pattern, step, rows_, cells)) {
-        for_source_of(cells, [&](auto linear) { cross_in_air<linear>(pattern, step, cells, plan.fresh, work); });
-      } else {
-        const auto outside = [&](double at) {
-          if (side.empty()) return -reference;
-          const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
-          return weight * static_cast<Real>((1 - at) * side[below] + at * side[above]) - reference;
+      work.bookings.clear();
+      for (std::size_t d = 0; d < count; ++d) {
+        DirectionMarch<Real>& rays = work.marches[d];
+        cross_step(static_cast<int>(step), rays, work);
+        if (plan.level < 0) continue;
+        const int shift_x = wrapped(rays.pattern.shift_x(static_cast<int>(step) + 1), box_.nx);
+        const int shift_y = wrapped(rays.pattern.shift_y(static_cast<int>(step) + 1), box_.ny);
+        const auto enter = [&](const Slot<Real>& slot, int plane) {
+          const auto at = static_cast<std::size_t>(plane);
+          work.same_everywhere[at] += slot.how.offset;
+          if (slot.is_same_everywhere()) return;
+          work.bookings.push_back({at, shift_x, shift_y, slot.rays.data(), static_cast<Real>(slot.how.scale)});
         };
-        cross(pattern, step, cells, plan.fresh, reference, work, outside);
+        if (rays.lit_from_beyond) enter(rays.slots[boundary_slot], plan.level);
+        for (const auto& booking : plan.bookings)
+          enter(rays.slots[booking.slot], planes.plane(plan.level, spread, booking.distance_m));
       }
-      if (plan.fresh >= 0) work.slots[plan.fresh].how.offset -= static_cast<double>(reference);
-      for (const auto& [from, into] : plan.merges) work.slots[into].add(work.slots[from], columns_);
-      if (plan.level < 0) continue;
-      work.entries.clear();
-      const auto enter = [&](const Slot<Real>& slot, int plane) {
-        const auto at = static_cast<std::size_t>(plane);
-        work.same_everywhere[at] += slot.how.offset;
-        if (slot.is_same_everywhere()) return;
-        std::vector<Real>& sum = work.sums[at];
-        if (sum.empty()) sum.resize(columns_);
-        work.entries.push_back({slot.rays.data(), static_cast<Real>(slot.how.scale), sum.data()});
-      };
-      if (lit_from_beyond) enter(work.slots[boundary_slot], plan.level);
-      for (const auto& booking : plan.bookings)
-        enter(work.slots[booking.slot], planes.plane(plan.level, spread, booking.distance_m));
-      book(pattern, step, work.entries);
+      book(work);
     }
   }
 
+  // Rays of one direction through one level.
+  void cross_step(int step, DirectionMarch<Real>& rays, Workspace<Real>& work) const {
+    const LevelPlan& plan = plan_.steps[static_cast<std::size_t>(step)];
+    const int level = rays.pattern.level(step);
+    work.crossing.clear();
+    for (const int slot : plan.carried) {
+      if (slot != boundary_slot || rays.lit_from_beyond) work.crossing.push_back(&rays.slots[slot]);
+    }
+    const std::size_t first_cell = rows_.level_cell[level];
+    if (plan.fresh >= 0) {
+      rays.slots[plan.fresh].set(rays.reference);
+      rays.source.fill(first_cell, rows_.level_cell[level + 1] - first_cell, work.sent.data());
+    } else {  // its cells only absorb: the kernel adds zeros
+      std::fill_n(work.sent.begin(), rows_.level_cell[level + 1] - first_cell + lane_padding, Real(0));
+    }
+    if (box_.periodic && crosses_in_air(rays.pattern, step, rows_, rays.cells)) {
+      for_source_of(rays.cells, [&](auto linear) { cross_in_air<linear>(step, plan.fresh, rays, work); });
+    } else {
+      const auto outside = [&](double at) {
+        if (rays.side.empty()) return -rays.reference;
+        const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
+        return rays.weight * static_cast<Real>((1 - at) * rays.side[below] + at * rays.side[above]) - rays.reference;
+      };
+      cross(step, plan.fresh, rays, work, outside);
+    }
+    if (plan.fresh >= 0) rays.slots[plan.fresh].how.offset -= static_cast<double>(rays.reference);
+    for (const auto& [from, into] : plan.merges) rays.slots[into].add(rays.slots[from], columns_);
+  }
+
   // Whether any light enters.
-  bool enter_box(const Direction& travel, Real weight, Workspace<Real>& work) const {
-    Slot<Real>& slot = work.slots[boundary_slot];
+  bool enter_box(const Direction& travel, DirectionMarch<Real>& rays, std::vector<Real>& ground) const {
+    Slot<Real>& slot = rays.slots[boundary_slot];
+    const Real weight = rays.weight;
     const Real reference = static_cast<Real>(scene_.reference);
     if (!upward_) {
       slot.set(static_cast<double>(weight * (static_cast<Real>(scene_.sky_radiance) - reference)));
@@ -200,30 +258,31 @@ class LevelGather {
     }
     slot.set(0);
     slot.write(columns_);
-    const Real* const leaving = scene_.ground->along(travel, work.ground);
+    const Real* const leaving = scene_.ground->along(travel, ground);
     for (std::size_t c = 0; c < columns_; ++c) slot.rays[c] = weight * (leaving[c] - reference);
     return std::any_of(slot.rays.begin(), slot.rays.begin() + static_cast<std::ptrdiff_t>(columns_),
                        [](Real radiance) { return radiance != 0; });
   }
 
   // Slot for the light of a level's cells. @param fresh its index; -1: they send none.
-  Slot<Real>& fresh_slot(int fresh, Workspace<Real>& work) const {
-    if (fresh >= 0) return work.slots[fresh];
-    work.dark.set(0);
-    return work.dark;
+  static Slot<Real>& fresh_slot(int fresh, DirectionMarch<Real>& rays) {
+    if (fresh >= 0) return rays.slots[fresh];
+    rays.dark.set(0);
+    return rays.dark;
   }
 
   // All rays cross a uniform level, or one with one block of air.
   template <bool linear>
-  void cross_in_air(const PathPattern& pattern, int step, const CellView<Real>& cells, int fresh,
-                    Workspace<Real>& work) const {
+  void cross_in_air(int step, int fresh, DirectionMarch<Real>& rays, Workspace<Real>& work) const {
+    const PathPattern& pattern = rays.pattern;
+    const CellView<Real>& cells = rays.cells;
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     if (first_cell == rows_.level_cell[level + 1]) return;
     const std::size_t block = rows_.level_cell[level + 1] - 1;
     const Real* const sent = work.sent.data();
     const std::span<const Chunk> chunks = rows_.levels.of(level);
-    Slot<Real>& own = fresh_slot(fresh, work);
+    Slot<Real>& own = fresh_slot(fresh, rays);
     if (!chunks.empty()) {
       constexpr double least_scale = 1e-3;  // with offsets of about 1, stored values stay far from the range of float
       for (Slot<Real>* const slot : work.crossing)
@@ -259,8 +318,9 @@ class LevelGather {
   // All rays cross one level: their light is attenuated by exp(-t) = 1 - t phi1. The light of the cells
   // (docs/theory.md, "March along a ray") is added to the slot `fresh`; -1: they send none.
   template <class Outside>
-  void cross(const PathPattern& pattern, int step, const CellView<Real>& cells, int fresh, Real reference,
-             Workspace<Real>& work, const Outside& outside) const {
+  void cross(int step, int fresh, DirectionMarch<Real>& rays, Workspace<Real>& work, const Outside& outside) const {
+    const PathPattern& pattern = rays.pattern;
+    const CellView<Real>& cells = rays.cells;
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     const double chord = pattern.chord_m[step];
@@ -272,7 +332,7 @@ class LevelGather {
     }
     Real* sum = nullptr;
     if (fresh >= 0 || rows_.has_voxels(level)) {
-      Slot<Real>& own = fresh_slot(fresh, work);
+      Slot<Real>& own = fresh_slot(fresh, rays);
       own.write(columns_);
       sum = own.rays.data();
     }
@@ -280,8 +340,8 @@ class LevelGather {
       if (box_.periodic) return;
       for_rays_through_side(segment, box_.nx, box_.ny, [&](std::size_t ray) {
         for (const CarriedRays<Real>& slot : work.carried) slot.rays[ray] = 0;
-        if (sum != nullptr) sum[ray] = reference;
-        work.slots[boundary_slot].rays[ray] = outside(at);
+        if (sum != nullptr) sum[ray] = rays.reference;
+        rays.slots[boundary_slot].rays[ray] = outside(at);
       });
     };
     for_source_of(cells, [&](auto linear) {
@@ -300,17 +360,39 @@ class LevelGather {
     });
   }
 
-  // Light counts for the column that its ray is in after the step.
-  void book(const PathPattern& pattern, int step, std::span<const typename Workspace<Real>::Entry> entries) const {
-    for_shifted_rows(pattern.shift_x(step + 1), pattern.shift_y(step + 1), box_.nx, box_.ny,
-                     [&](std::size_t column, std::size_t ray, int n) {
-                       for (const auto& entry : entries) {
-                         Real* __restrict const to = entry.plane + column;
-                         const Real* __restrict const from = entry.rays + ray;
+  // Light counts for the column that its ray is in after the step. Some rows of a plane at a time: they stay in the
+  // nearest cache while the light of all slots is added.
+  void book(Workspace<Real>& work) const {
+    constexpr int columns_at_a_time = 2048;
+    const int rows = std::max(1, columns_at_a_time / box_.nx);
+    std::vector<Booking<Real>>& bookings = work.bookings;
+    // Stable: sums have the order of the directions.
+    std::stable_sort(bookings.begin(), bookings.end(), [](const auto& a, const auto& b) { return a.plane < b.plane; });
+    for (auto first = bookings.begin(); first != bookings.end();) {
+      const auto last = std::find_if(first, bookings.end(), [&](const auto& b) { return b.plane != first->plane; });
+      std::vector<Real>& plane = work.sums[first->plane];
+      if (plane.empty()) plane.resize(columns_);
+      for (int row = 0; row < box_.ny; row += rows) {
+        for (auto booking = first; booking != last; ++booking)
+          add_rows(*booking, row, std::min(box_.ny, row + rows), plane.data());
+      }
+      first = last;
+    }
+  }
+
+  void add_rows(const Booking<Real>& booking, int first, int last, Real* plane) const {
+    const auto nx = static_cast<std::size_t>(box_.nx);
+    const auto shift = static_cast<std::size_t>(booking.shift_x);
+    const Real scale = booking.scale;
+    for (int row = first; row < last; ++row) {
+      const int from_row = row - booking.shift_y + (row < booking.shift_y ? box_.ny : 0);
+      const Real* __restrict const from = booking.rays + static_cast<std::size_t>(from_row) * nx;
+      Real* __restrict const to = plane + static_cast<std::size_t>(row) * nx;
 #pragma omp simd
-                         for (int i = 0; i < n; ++i) to[i] += entry.scale * from[i];
-                       }
-                     });
+      for (std::size_t i = shift; i < nx; ++i) to[i] += scale * from[i - shift];
+#pragma omp simd
+      for (std::size_t i = 0; i < shift; ++i) to[i] += scale * from[i + (nx - shift)];
+    }
   }
 
   const GatherScene<Real>& scene_;
@@ -324,13 +406,17 @@ class LevelGather {
 
 }  // namespace
 
-std::size_t level_gather_bytes(const BoxGrid& box, std::span<const int> edges, int directions) {
+std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions) {
   if (edges.empty()) return 0;
   const std::vector<bool> all(static_cast<std::size_t>(box.nz()), true);
   auto set = gather_directions(directions, true, std::nullopt);
-  const SumPlanes planes(march_plan(box, all, true, edges), box, edges.size(), spread_classes(set));
-  const std::size_t bytes = planes.size() * box.columns() * sizeof(float);
-  return bytes * groups_for(box) + edges.size() * box.columns() * sizeof(float);
+  const MarchPlan plan = march_plan(box, all, true, edges);
+  const SumPlanes planes(plan, box, edges.size(), spread_classes(set));
+  const auto slots = static_cast<std::size_t>(plan.slots);
+  const std::size_t of_group =
+      planes.size() * box.columns() * sizeof(float) +
+      directions_together<float>(slots, box.columns(), cells) * march_bytes<float>(slots, box.columns(), cells);
+  return of_group * groups_for(box) + edges.size() * box.columns() * sizeof(float);
 }
 
 template <class Real>
