@@ -28,50 +28,68 @@ struct Kernel {
   }
 };
 
-template <class Real>
-void add_scaled(Real scale, const Real* __restrict from, int n, Real* __restrict to) {
-  for (int i = 0; i < n; ++i) to[i] += scale * from[i];
-}
-
-template <class Real>
-bool is_zero(const Real* row, int n) {
-  return std::all_of(row, row + n, [](Real value) { return value == 0; });
-}
-
 int mirrored(int i, int n) { return i < 0 ? -1 - i : i < n ? i : 2 * n - 1 - i; }
+
+// to[i] = sum over d of weight[d] at(d)[i], for n elements of a row. Some of them at a time: their sums stay in
+// registers.
+template <class Real, class At>
+void weighted_sum(const std::vector<Real>& weight, int n, const At& at, Real* to) {
+  using Rays = Pack<Real>;
+  constexpr int size = Rays::size;
+  int i = 0;
+  for (; i + 4 * size <= n; i += 4 * size) {
+    typename Rays::Value a{}, b{}, c{}, e{};
+    for (std::size_t d = 0; d < weight.size(); ++d) {
+      const Real* const from = at(d) + i;
+      a += weight[d] * Rays::load(from);
+      b += weight[d] * Rays::load(from + size);
+      c += weight[d] * Rays::load(from + 2 * size);
+      e += weight[d] * Rays::load(from + 3 * size);
+    }
+    Rays::store_all(a, to + i);
+    Rays::store_all(b, to + i + size);
+    Rays::store_all(c, to + i + 2 * size);
+    Rays::store_all(e, to + i + 3 * size);
+  }
+  for (; i + size <= n; i += size) {
+    typename Rays::Value a{};
+    for (std::size_t d = 0; d < weight.size(); ++d) a += weight[d] * Rays::load(at(d) + i);
+    Rays::store_all(a, to + i);
+  }
+  for (; i < n; ++i) {
+    Real a = 0;
+    for (std::size_t d = 0; d < weight.size(); ++d) a += weight[d] * at(d)[i];
+    to[i] = a;
+  }
+}
 
 template <class Real>
 void blur_along_x(std::vector<Real>& field, int nx, int ny, bool periodic, const Kernel<Real>& kernel) {
   const int reach = kernel.reach;
-  std::vector<Real> wide(nx + 2 * static_cast<std::size_t>(reach));
+  std::vector<Real> wide(nx + 2 * static_cast<std::size_t>(reach));  // a row and what lies beyond its ends
   for (int j = 0; j < ny; ++j) {
     Real* const row = field.data() + static_cast<std::size_t>(j) * nx;
-    if (is_zero(row, nx)) continue;
-    std::fill(wide.begin(), wide.end(), Real(0));
-    for (int d = 0; d <= 2 * reach; ++d) add_scaled(kernel.weight[d], row, nx, wide.data() + d);
-    std::copy_n(wide.data() + reach, nx, row);
-    if (periodic) {
-      add_scaled(Real(1), wide.data(), reach, row + nx - reach);
-      add_scaled(Real(1), wide.data() + nx + reach, reach, row);
-    } else {
-      for (int d = 0; d < reach; ++d) {
-        row[d] += wide[reach - 1 - d];
-        row[nx - 1 - d] += wide[nx + reach + d];
-      }
+    std::copy_n(row, nx, wide.data() + reach);
+    for (int d = 0; d < reach; ++d) {
+      wide[d] = row[periodic ? nx - reach + d : reach - 1 - d];
+      wide[reach + nx + d] = row[periodic ? d : nx - 1 - d];
     }
+    const auto moved = [&](std::size_t d) -> const Real* { return wide.data() + d; };
+    weighted_sum(kernel.weight, nx, moved, row);
   }
 }
 
 template <class Real>
 void blur_along_y(std::vector<Real>& field, int nx, int ny, bool periodic, const Kernel<Real>& kernel) {
-  std::vector<Real> result(field.size(), Real(0));
+  std::vector<Real> result(field.size());
+  std::vector<const Real*> row(kernel.weight.size());
   for (int j = 0; j < ny; ++j) {
-    const Real* const row = field.data() + static_cast<std::size_t>(j) * nx;
-    if (is_zero(row, nx)) continue;
-    for (int d = -kernel.reach; d <= kernel.reach; ++d) {
-      const int to = periodic ? wrapped(j + d, ny) : mirrored(j + d, ny);
-      add_scaled(kernel.weight[d + kernel.reach], row, nx, result.data() + static_cast<std::size_t>(to) * nx);
+    for (int d = 0; d < static_cast<int>(row.size()); ++d) {
+      const int from = j + d - kernel.reach;
+      row[d] = field.data() + static_cast<std::size_t>(periodic ? wrapped(from, ny) : mirrored(from, ny)) * nx;
     }
+    const auto moved = [&](std::size_t d) { return row[d]; };
+    weighted_sum(kernel.weight, nx, moved, result.data() + static_cast<std::size_t>(j) * nx);
   }
   field.swap(result);
 }
