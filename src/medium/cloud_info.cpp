@@ -52,6 +52,7 @@ std::string column_integral_name(const std::string& quantity, const std::string&
   if (scale_of_units(quantity, units).value_or(1) != 1) return "vertical integral";
   if (quantity == "extinction") return "optical depth";
   if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
+  if (quantity == "ice_water_content") return "ice water path [g/m2]";
   return "vertical integral";
 }
 

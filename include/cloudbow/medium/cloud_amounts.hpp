@@ -11,6 +11,14 @@ namespace cloudbow {
 /// g/m3, r_e in um and rho_w = 1e6 g/m3.
 constexpr double extinction_per_liquid_water(double effective_radius_um) { return 1.5 / effective_radius_um; }
 
+/// Of ice; 1 for water.
+inline constexpr double ice_density_g_cm3 = 0.917;
+
+/// The same of ice crystals, whose effective radius is that of their volume and projected area.
+constexpr double extinction_per_ice(double effective_radius_um) {
+  return extinction_per_liquid_water(effective_radius_um) / ice_density_g_cm3;
+}
+
 /// Replaces liquid water contents [g/m3] by extinction coefficients [1/m].
 /// @param extinction_m2_per_g [voxel] extinction coefficient of 1 g/m3
 void water_to_extinction(CloudField& field, std::span<const double> extinction_m2_per_g);

@@ -109,7 +109,7 @@ TEST_F(GasScene, BulkOpticsAreAveragedOverThePoint) {
   const double visible = gas_scene::bulk_extinction(1e4 / .55);
   for (const Scene& scene : read(gas_scene::cloud + solar)) {
     const double middle = gas_scene::first_interval_cm1 + 4000 * (scene.gas_point + .5);
-    const SceneCloud& cloud = *scene.cloud;
+    const SceneCloud& cloud = scene.clouds.at(0);
     EXPECT_NEAR(*cloud.extinction_m2_per_g, gas_scene::bulk_extinction(middle), rounding);
     EXPECT_NEAR(*cloud.relative_extinction, gas_scene::bulk_extinction(middle) / visible, 1e-9);
     EXPECT_NEAR(*cloud.single_scattering_albedo, .9, rounding);
