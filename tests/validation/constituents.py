@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 import monte_carlo
@@ -43,7 +44,7 @@ def constituent(name, file, optics):
 
 def rest(**solver):
     return [("sun", {"zenith_deg": ZENITH_DEG, "azimuth_deg": 180.0, "irradiance_w_m2": 1 / math.cos(math.radians(ZENITH_DEG))}),
-            ("surface", {"albedo": ALBEDO}), ("solver", solver), ("output", {"fields": ["fluxes", "absorption"], "flux_levels": "boundaries"})]
+            ("surface", {"albedo": ALBEDO}), ("solver", solver), ("output", {"fields": ["fluxes", "absorption", "optical_depth"], "flux_levels": "boundaries"})]
 
 
 def solve(cloudbow, folder, name, tables):
@@ -85,6 +86,19 @@ def slab(cloudbow, folder, options):
             faults.append(f"slab, {name}: {difference:.4f} % from the mixture, allowed {MIXTURE_LIMIT}")
         if name == "columns" and from_truth > DOUBLING_LIMIT:
             faults.append(f"slab, {name}: {from_truth:.4f} % from adding and doubling, allowed {DOUBLING_LIMIT}")
+    with h5py.File(folder / "both.h5") as file:
+        found = {name: support.plain(value) for name, value in file["cloud"].attrs.items()}
+        depth = float(file["optical_depth"][...].item())
+    if found["constituents"] != "liquid, ice" or not np.allclose([found["optical_depth_liquid"], found["optical_depth_ice"], depth],
+                                                                [LIQUID_DEPTH, ICE_DEPTH, LIQUID_DEPTH + ICE_DEPTH], rtol=1e-6):
+        faults.append(f"slab: the result has {found} and an optical depth of {depth}")
+    emission = [("atmosphere", {"height_m": [0.0, 1000.0], "temperature_k": [290.0, 280.0], "standard": "us-1976"}), ("thermal", {"wavelength_um": 10.8}),
+                ("surface", {"albedo": ALBEDO, "temperature_k": 295.0}), ("output", {"fields": ["fluxes"], "flux_levels": "boundaries"})]
+    of_both, of_mixture = (solve(cloudbow, folder, "emission", tables + emission) for tables in (both, mixture))
+    difference = 100 * max(abs(of_both.upward_at_top() / of_mixture.upward_at_top() - 1).max(), abs(of_both.downward_at_bottom() / of_mixture.downward_at_bottom() - 1).max())
+    print(f"slab that emits: {difference:.5f} % from the mixture")
+    if difference > MIXTURE_LIMIT:
+        faults.append(f"slab that emits: {difference:.4f} % from the mixture, allowed {MIXTURE_LIMIT}")
     return faults
 
 
