@@ -6,6 +6,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/printable.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 
@@ -51,9 +52,8 @@ bool is_content(const std::string& quantity) {
 std::string column_integral_name(const std::string& quantity, const std::string& units) {
   if (scale_of_units(quantity, units).value_or(1) != 1) return "vertical integral";
   if (quantity == "extinction") return "optical depth";
-  if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
-  if (quantity == "ice_water_content") return "ice water path [g/m2]";
-  return "vertical integral";
+  if (!density_of_water(quantity)) return "vertical integral";
+  return fmt::format("{} water path [g/m2]", quantity.substr(0, quantity.find('_')));
 }
 
 std::vector<double> column_integrals(const CloudField& field) {
@@ -160,7 +160,7 @@ std::vector<std::string> doubts_about(const CloudInfo& info) {
       add(fmt::format("the numbers are in {}; a scene needs cloud.scale = {:g}", grid.units, *scale));
       continue;
     }
-    if (grid.quantity == "liquid_water_content") add(doubt_water_content(grid.cloud->value.max));
+    if (density_of_water(grid.quantity)) add(doubt_water_content(grid.cloud->value.max, grid.quantity));
     add(doubt_optical_depth(grid.largest_voxel_depth));
   }
   return doubts;

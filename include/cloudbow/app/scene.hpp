@@ -36,8 +36,7 @@ struct SceneCloud {
   std::filesystem::path file;
   VdbReadOptions read;
   std::vector<std::string> more_grids;  ///< added to that of `read`
-  /// "extinction", "liquid_water_content" or "ice_water_content"; empty: as in the grid's metadata
-  std::string quantity;
+  std::string quantity;                 ///< "extinction" or one of water_contents(); empty: as in the grid's metadata
   std::optional<double> effective_radius_um;
   std::string effective_radius_grid;  ///< empty: none
   /// Given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.

@@ -15,8 +15,8 @@ inline constexpr double coldest_cloud_k = 150;
 inline constexpr double warmest_cloud_k = 350;
 
 /// A sentence about a water content above 20 g/m3; none below.
-/// @param phase "liquid" or "ice"
-std::optional<std::string> doubt_water_content(double largest_g_m3, const std::string& phase = "liquid");
+std::optional<std::string> doubt_water_content(double largest_g_m3,
+                                               const std::string& quantity = "liquid_water_content");
 
 /// A sentence about a voxel of an optical depth above 1e4, from its bottom to its top; none below.
 std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel);

@@ -1,6 +1,7 @@
 #include "app/assembly/open_cloud.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -146,12 +147,12 @@ std::string quantity_of(const Scene& scene, const SceneCloud& cloud, const VdbCl
   const std::string& stored = field.quantity;
   const std::string quantity = cloud.quantity.empty() ? stored : cloud.quantity;
   const std::string place = grid_place(cloud, cloud.read.grid);
-  if (quantity != "liquid_water_content" && quantity != "ice_water_content" && quantity != "extinction") {
+  if (quantity != "extinction" && !density_of_water(quantity)) {
     throw InputError(fmt::format(
-        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, liquid_water_content, "
-        "ice_water_content)",
+        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, {})",
         scene.where(cloud.key + ".quantity"), cloud.read.grid, cloud.file.string(),
-        quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity)));
+        quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity),
+        fmt::join(water_contents(), ", ")));
   }
   if (stored == quantity || stored.empty()) {
     const auto scale = scale_of_units(quantity, field.units);
@@ -206,14 +207,14 @@ OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t 
   auxiliary.scale = 1;
   const double class_error = scene.solver.class_tolerance.value_or(class_tolerance(scene.solver.accuracy));
   const std::string quantity = quantity_of(scene, cloud, field);
-  const bool is_ice = quantity == "ice_water_content", is_water = quantity != "extinction";
+  const bool is_water = quantity != "extinction";
   const auto doubt = [&](const std::optional<std::string>& sentence) {
     if (sentence) files.note(fmt::format("warning: {}: {}", grid_place(cloud, cloud.read.grid), *sentence));
   };
   if (is_water) {
     opened.figures.water_path_g_m2 = column_figures(field, 1);
     opened.figures.largest_water_content_g_m3 = largest_value(field);
-    doubt(doubt_water_content(largest_value(field), is_ice ? "ice" : "liquid"));
+    doubt(doubt_water_content(largest_value(field), quantity));
   }
 
   std::vector<float> radius;
@@ -248,11 +249,11 @@ OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t 
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
   } else if (is_water && cloud.effective_radius_um) {
-    opened.optics.extinction_per_value = is_ice ? extinction_per_ice(*cloud.effective_radius_um)
-                                                : extinction_per_liquid_water(*cloud.effective_radius_um);
+    opened.optics.extinction_per_value =
+        extinction_per_liquid_water(*cloud.effective_radius_um) / density_of_water(quantity).value();
   } else if (is_water && !radius.empty()) {
     water_to_extinction_by_radius(field, radius);
-    if (is_ice) opened.optics.extinction_per_value = 1 / ice_density_g_cm3;
+    opened.optics.extinction_per_value = 1 / density_of_water(quantity).value();
   } else if (is_water) {
     throw InputError(
         fmt::format("{}: missing (found quantity {}, allowed with effective_radius_um or effective_radius_grid)",

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/joined_fields.hpp"
@@ -62,11 +62,12 @@ VoxelTemperatures join_temperatures(const Scene& scene, const OpenedClouds& clou
   }
   if (joined.empty()) return joined;
   const CloudField& field = clouds.joined;
-  for (std::size_t row = 0; row + 1 < field.row_begin.size(); ++row) {
-    const auto k = static_cast<double>(row / static_cast<std::size_t>(field.cells[1]));
+  const auto rows = static_cast<std::size_t>(field.cells[1]);
+  for (int k = 0; k < field.cells[2]; ++k) {
     const double height_m = field.min_m[2] + (k + .5) * field.cell_size_m[2];
     const auto of_air = static_cast<float>(scene.atmosphere->air.temperature_at(height_m));
-    for (std::uint32_t s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
+    const std::size_t row = static_cast<std::size_t>(k) * rows;
+    for (std::uint32_t s = field.row_begin[row]; s < field.row_begin[row + rows]; ++s) {
       for (std::int32_t n = 0; n < field.spans[s].n; ++n) {
         float& here = joined[field.spans[s].offset + static_cast<std::size_t>(n)];
         if (here == none) here = of_air;
@@ -121,7 +122,7 @@ OpenedClouds open_clouds(const Scene& scene, CloudFiles& files) {
     phase_functions += clouds.constituents.back().varying_phase.size();
   }
   if (clouds.constituents.size() == 1) {
-    clouds.temperature_k = clouds.constituents.front().temperature_k;
+    clouds.temperature_k = std::move(clouds.constituents.front().temperature_k);
     clouds.phase_classes = clouds.constituents.front().phase_classes;
   } else if (clouds.constituents.size() > 1) {
     clouds.joined = join(scene, clouds.constituents);

@@ -9,6 +9,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/io/droplet_table_file.hpp"
 #include "cloudbow/io/phase_set_file.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/rayleigh.hpp"
@@ -303,8 +304,9 @@ void SceneReader::read_cloud(const ConfigReader& reader) {
   cloud.name = read_cloud_name(reader);
   cloud.file = existing_file(reader, "file");
   read_grids(reader, cloud);
-  cloud.quantity =
-      reader.find_choice("quantity", {"extinction", "liquid_water_content", "ice_water_content"}).value_or("");
+  std::vector<std::string> quantities = water_contents();
+  quantities.insert(quantities.begin(), "extinction");
+  cloud.quantity = reader.find_choice("quantity", quantities).value_or("");
   cloud.read.scale = reader.find_number("scale", positive, at_).value_or(1);
   cloud.read.up_axis = reader.find_choice("up_axis", {"x", "y", "z"}).value_or("z");
   if (const ConfigNode* size = reader.find("voxel_size_m"); size != nullptr && size->kind == ConfigNode::Kind::array) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/core/error.hpp"
@@ -203,6 +203,22 @@ TEST_F(Constituents, GridsOfOneAddUp) {
               AllOf(HasSubstr("grid \"snow\": cannot be added to the grid \"density\""),
                     HasSubstr("found ice_water_content in g/m3, allowed liquid_water_content in g/m3")));
   EXPECT_THAT(message(with_grids("[\"density\", \"hail\"]")), HasSubstr("hail"));
+}
+
+// By the names of an import: rain is water, snow is ice.
+TEST_F(Constituents, QuantitiesOfOneFile) {
+  for (const auto& [quantity, density] : {std::pair{"rain_water_content", 1.}, std::pair{"snow_water_content", .917}}) {
+    write("ice.vdb", {1, 1, 1}, {0, 0, 0}, {.5F}, quantity, {260});
+    const AssembledScene scene = assembled(ice_);
+    EXPECT_NEAR(scene.clouds.at(0).optical_depth.sum, 100 * .05 * .5 / density, 1e-6) << quantity;
+    EXPECT_NEAR(scene.clouds[0].water_path_g_m2->sum, 50, 1e-4);
+  }
+  // A radius by voxel gives the same.
+  const CloudField field = make_cloud_field({1, 1, 1}, {50, 50, 100}, {0, 0, 0}, {.5F}, "snow_water_content");
+  write_cloud_vdb(folder_ / "ice.vdb", field, {}, {{"reff", "effective_radius", "um", {30}}});
+  std::string by_voxel = ice_;
+  by_voxel.replace(by_voxel.find("effective_radius_um = 30"), 24, "effective_radius_grid = \"reff\"");
+  EXPECT_NEAR(assembled(by_voxel).clouds.at(0).optical_depth.sum, 100 * .05 * .5 / .917, 1e-6);
 }
 
 TEST_F(Constituents, OtherVoxelsAreErrors) {
