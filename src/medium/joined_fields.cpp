@@ -108,10 +108,11 @@ CloudField sum_of(std::span<const CloudField* const> fields) {
       assert(field->cells == sum.cells);
       for (std::uint32_t s = field->row_begin[r]; s < field->row_begin[r + 1]; ++s) {
         const RowSpan& span = field->spans[s];
-        for (std::int32_t n = 0; n < span.n; ++n) {
-          double& of_voxel = row[static_cast<std::size_t>(span.i + n)];
-          if (of_voxel == 0) filled.push_back(span.i + n);
-          of_voxel += static_cast<double>(field->value[span.offset + static_cast<std::size_t>(n)]);
+        const float* value = field->value.data() + span.offset;
+        for (std::int32_t i = span.i; i < span.i + span.n; ++i, ++value) {
+          double& of_voxel = row[static_cast<std::size_t>(i)];
+          if (of_voxel == 0) filled.push_back(i);
+          of_voxel += static_cast<double>(*value);
         }
       }
     }
