@@ -124,6 +124,7 @@ class ResultWriter : private SolutionWriter {
     write_profile(file);
     write_summary(file, *this);
     write_ledger(file, *this);
+    write_cloud(file, *this);
     write_thermal(file, *this);
     write_spectral(file, *this);
     write_solver(file, *this);

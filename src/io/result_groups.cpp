@@ -47,6 +47,23 @@ void write_ledger(hid_t file, const SolutionWriter& writer) {
   group.close();
 }
 
+void write_cloud(hid_t file, const SolutionWriter& writer) {
+  const std::vector<ConstituentInfo>& constituents = writer.info().constituents;
+  if (constituents.empty()) return;
+  hdf5::Handle group = netcdf4::create_group(file, "cloud");
+  std::string names;
+  for (const ConstituentInfo& constituent : constituents)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", constituent.name);
+  netcdf4::write_attribute(group, {"constituents", names});
+  for (const ConstituentInfo& constituent : constituents) {
+    if (!constituent.optical_depth.empty())
+      netcdf4::write_attribute(group, {"optical_depth_" + constituent.name, writer.each(constituent.optical_depth)});
+    if (!constituent.water_path_g_m2.empty())
+      netcdf4::write_attribute(group, {"water_path_" + constituent.name, writer.each(constituent.water_path_g_m2)});
+  }
+  group.close();
+}
+
 void write_thermal(hid_t file, const SolutionWriter& writer) {
   const std::vector<ThermalInfo>& thermal = writer.info().thermal;
   if (thermal.empty()) return;

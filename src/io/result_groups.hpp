@@ -9,6 +9,8 @@ namespace cloudbow {
 void write_summary(hid_t file, const SolutionWriter& writer);
 /// The energy ledger in W m-2.
 void write_ledger(hid_t file, const SolutionWriter& writer);
+/// Names and amounts of the constituents of the clouds; nothing if they have no names.
+void write_cloud(hid_t file, const SolutionWriter& writer);
 /// Spectral interval and temperatures of emission; nothing without them.
 void write_thermal(hid_t file, const SolutionWriter& writer);
 /// G-points of a sum over a gas model; nothing without one.

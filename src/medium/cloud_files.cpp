@@ -1,13 +1,29 @@
 #include "cloudbow/medium/cloud_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cstdint>
+
+#include "cloudbow/core/digest.hpp"
 
 namespace cloudbow {
 namespace {
 
-/// The options of reading that a scene can change from wavelength to wavelength; the rest is the same for one cloud.
-std::string key_of(const VdbReadOptions& options, double low, double high) {
-  return fmt::format("{} {} {} {} {}", options.grid, options.scale, low, high, options.auxiliary_quantity);
+/// All that the reading of a grid depends on, but the domain, which all clouds of a scene share.
+std::string key_of(const std::filesystem::path& file, const VdbReadOptions& options, double low, double high) {
+  return fmt::format("{}\n{}\n{} {} {} {} {} {}", file.string(), options.grid, options.scale, low, high,
+                     options.auxiliary_quantity, options.up_axis,
+                     fmt::join(options.voxel_size_m.value_or(std::array<double, 3>{}), " "));
+}
+
+/// Stands for the voxels of a field: constituents of one file have different ones.
+std::uint64_t voxels_of(const CloudField& field) {
+  Digest digest;
+  digest.add_bytes(field.row_begin.data(), field.row_begin.size() * sizeof(field.row_begin.front()));
+  digest.add_bytes(field.spans.data(), field.spans.size() * sizeof(RowSpan));
+  return digest.value();
 }
 
 }  // namespace
@@ -17,7 +33,7 @@ void CloudFiles::note(const std::string& sentence) {
 }
 
 VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptions& options) {
-  const std::string key = key_of(options, 0, 0);
+  const std::string key = key_of(file, options, 0, 0);
   if (const auto kept = field_.find(key); kept != field_.end()) return kept->second;
   VdbCloud field = read_cloud_vdb(file, options);
   for (const std::string& sentence : field.notes) note("note: " + sentence);
@@ -27,7 +43,7 @@ VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptio
 
 std::vector<float> CloudFiles::auxiliary(const std::filesystem::path& file, const CloudField& field,
                                          const VdbReadOptions& options, double low, double high) {
-  const std::string key = key_of(options, low, high);
+  const std::string key = fmt::format("{}\n{}", key_of(file, options, low, high), voxels_of(field));
   if (const auto kept = auxiliary_.find(key); kept != auxiliary_.end()) return kept->second;
   std::vector<float> value = read_auxiliary_vdb(file, field, options, low, high);
   if (keep_) auxiliary_.emplace(key, value);

@@ -6,6 +6,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/printable.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 
@@ -51,7 +52,8 @@ bool is_content(const std::string& quantity) {
 std::string column_integral_name(const std::string& quantity, const std::string& units) {
   if (scale_of_units(quantity, units).value_or(1) != 1) return "vertical integral";
   if (quantity == "extinction") return "optical depth";
-  if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
+  constexpr std::string_view content = "_water_content";
+  if (quantity.ends_with(content)) return quantity.substr(0, quantity.size() - content.size()) + " water path [g/m2]";
   return "vertical integral";
 }
 
@@ -159,7 +161,7 @@ std::vector<std::string> doubts_about(const CloudInfo& info) {
       add(fmt::format("the numbers are in {}; a scene needs cloud.scale = {:g}", grid.units, *scale));
       continue;
     }
-    if (grid.quantity == "liquid_water_content") add(doubt_water_content(grid.cloud->value.max));
+    if (density_of_water(grid.quantity)) add(doubt_water_content(grid.cloud->value.max, grid.quantity));
     add(doubt_optical_depth(grid.largest_voxel_depth));
   }
   return doubts;

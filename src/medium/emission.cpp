@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
-#include <optional>
 
 #include "cloudbow/core/parallel_errors.hpp"
+#include "row_cursor.hpp"
 
 namespace cloudbow {
 namespace {
@@ -28,28 +27,6 @@ Emission emission_between(double bottom_m, double top_m, const Temperature& temp
   // B is so curved in a cell with one very cold face that its chord could become negative.
   return {mean, std::clamp(top - bottom, -2 * mean, 2 * mean)};
 }
-
-/// Voxels of one row of a cloud, asked for from left to right.
-class RowCursor {
- public:
-  RowCursor() = default;
-  RowCursor(const CloudField& cloud, int k, int j) : cloud_(&cloud) {
-    if (k < 0 || k >= cloud.cells[2] || j < 0 || j >= cloud.cells[1]) return;
-    const std::size_t row = static_cast<std::size_t>(k) * static_cast<std::size_t>(cloud.cells[1]) + j;
-    span_ = cloud.row_begin[row];
-    end_ = cloud.row_begin[row + 1];
-  }
-  std::optional<std::size_t> voxel(int i) {
-    while (span_ < end_ && cloud_->spans[span_].i + cloud_->spans[span_].n <= i) ++span_;
-    if (span_ == end_ || cloud_->spans[span_].i > i) return std::nullopt;
-    return cloud_->spans[span_].offset + static_cast<std::size_t>(i - cloud_->spans[span_].i);
-  }
-
- private:
-  const CloudField* cloud_ = nullptr;
-  std::uint32_t span_ = 0;
-  std::uint32_t end_ = 0;
-};
 
 /// Rows of the cloud in and around those of the grid.
 class VoxelsOfCells {

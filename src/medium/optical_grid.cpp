@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "cloudbow/core/error.hpp"
+#include "row_cursor.hpp"
 
 namespace cloudbow {
 namespace {
@@ -378,6 +379,57 @@ class GridBuilder {
   OpticalGrid grid_;
 };
 
+/// Coefficients of single voxels: the sums over their constituents, voxel by voxel from left to right.
+class VoxelMixer {
+ public:
+  VoxelMixer(const std::vector<CloudConstituent>& constituents, int phase_functions)
+      : constituents_(constituents), rows_(constituents.size()), scattering_(phase_functions, 0.) {}
+
+  void begin_row(int k, int j) {
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c] = RowCursor(*constituents_[c].field, k, j);
+  }
+  /// Adds up what is in voxel i of the row.
+  void mix(int i) {
+    absorption_ = 0;
+    for (const int phase : phases_) scattering_[phase] = 0;
+    phases_.clear();
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+      if (const auto voxel = rows_[c].voxel(i)) add(*constituents_[c].field, *constituents_[c].optics, *voxel);
+    }
+  }
+  double absorption() const { return absorption_; }
+  /// The phase functions that scatter in the voxel; one may stand twice.
+  const std::vector<int>& phases() const { return phases_; }
+  double scattering(int phase) const { return scattering_[phase]; }
+
+ private:
+  void add(const CloudField& field, const CloudOptics& optics, std::size_t voxel) {
+    const double extinction = field.value[voxel] * optics.extinction_per_value;
+    const double ssa = optics.voxel_single_scattering_albedo.empty() ? optics.single_scattering_albedo
+                                                                     : optics.voxel_single_scattering_albedo[voxel];
+    const double scattering = ssa * extinction;
+    absorption_ += (1 - ssa) * extinction;
+    if (optics.voxel_phase_function.empty()) {
+      add_scattering(optics.phase_function, scattering);
+      return;
+    }
+    const int phase = optics.phase_function + optics.voxel_phase_function[voxel];
+    const double next = optics.voxel_next_share[voxel] * scattering;
+    add_scattering(phase, scattering - next);
+    if (next > 0) add_scattering(phase + 1, next);
+  }
+  void add_scattering(int phase, double coefficient) {
+    phases_.push_back(phase);
+    scattering_[phase] += coefficient;
+  }
+
+  const std::vector<CloudConstituent>& constituents_;
+  std::vector<RowCursor> rows_;     // [constituent]
+  std::vector<double> scattering_;  // [p] 1/m
+  std::vector<int> phases_;
+  double absorption_ = 0;  // 1/m
+};
+
 }  // namespace
 
 AirBlockWidth air_block_width(double depth, double distance_m, double column_m, int columns, double largest_error) {
@@ -441,9 +493,20 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
                               const std::vector<Layer>& layers, const std::array<double, 3>& domain_min_m,
                               const std::array<double, 3>& domain_max_m, bool periodic, int phase_functions,
                               const std::vector<double>& delta_m_fraction, const LevelOptions& options) {
+  CloudMatter clouds{cloud};
+  if (cloud != nullptr) clouds.constituents = {{cloud, &cloud_optics}};
+  return make_optical_grid(clouds, layers, domain_min_m, domain_max_m, periodic, phase_functions, delta_m_fraction,
+                           options);
+}
+
+OpticalGrid make_optical_grid(const CloudMatter& clouds, const std::vector<Layer>& layers,
+                              const std::array<double, 3>& domain_min_m, const std::array<double, 3>& domain_max_m,
+                              bool periodic, int phase_functions, const std::vector<double>& delta_m_fraction,
+                              const LevelOptions& options) {
   assert(static_cast<int>(delta_m_fraction.size()) == phase_functions);
   assert(domain_max_m[2] > domain_min_m[2]);
 
+  const CloudField* const cloud = clouds.voxels;
   const CloudPlanes planes(cloud);
   BoxGrid box;
   box.periodic = periodic;
@@ -479,6 +542,7 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
   GridBuilder builder(box, profile);
   OpticalGrid& grid = builder.grid();
   grid.air_error = air.error;
+  VoxelMixer mixer(clouds.constituents, phase_functions);
   for (int k = 0; k < box.nz(); ++k) {
     const bool has_layers = !profile.empty(k);
     const bool fills_rows = has_layers && !air_blocks;
@@ -489,6 +553,7 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
       if (fills_rows) builder.add_span(k, 0, box.nx);
       if (cloud_k >= 0 && j >= cloud_j && j < cloud_j + cloud->cells[1]) {
         const std::size_t row = static_cast<std::size_t>(cloud_k) * cloud->cells[1] + (j - cloud_j);
+        mixer.begin_row(cloud_k, j - cloud_j);
         for (std::uint32_t s = cloud->row_begin[row]; s < cloud->row_begin[row + 1]; ++s) {
           const RowSpan& span = cloud->spans[s];
           assert(span.i + cloud_i >= 0 && span.i + cloud_i + span.n <= box.nx);
@@ -498,21 +563,9 @@ OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_
             builder.add_span(k, span.i + cloud_i, span.n);
           }
           for (int n = 0; n < span.n; ++n) {
-            const std::size_t voxel = span.offset + static_cast<std::size_t>(n);
-            const double extinction = cloud->value[voxel] * cloud_optics.extinction_per_value;
-            const double ssa = cloud_optics.voxel_single_scattering_albedo.empty()
-                                   ? cloud_optics.single_scattering_albedo
-                                   : cloud_optics.voxel_single_scattering_albedo[voxel];
-            const double scattering = ssa * extinction;
-            builder.set_absorption(cell + n, k, (1 - ssa) * extinction);
-            if (cloud_optics.voxel_phase_function.empty()) {
-              builder.set_scattering(cell + n, k, cloud_optics.phase_function, scattering);
-              continue;
-            }
-            const int phase = cloud_optics.phase_function + cloud_optics.voxel_phase_function[voxel];
-            const double next = cloud_optics.voxel_next_share[voxel] * scattering;
-            builder.set_scattering(cell + n, k, phase, scattering - next);
-            if (next > 0) builder.set_scattering(cell + n, k, phase + 1, next);
+            mixer.mix(span.i + n);
+            builder.set_absorption(cell + n, k, mixer.absorption());
+            for (const int phase : mixer.phases()) builder.set_scattering(cell + n, k, phase, mixer.scattering(phase));
           }
         }
       }

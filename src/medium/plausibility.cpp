@@ -19,14 +19,19 @@ std::string bare(const std::string& units) {
   return result;
 }
 
+std::string words_of(std::string quantity) {
+  std::replace(quantity.begin(), quantity.end(), '_', ' ');
+  return quantity;
+}
+
 }  // namespace
 
-std::optional<std::string> doubt_water_content(double largest_g_m3) {
+std::optional<std::string> doubt_water_content(double largest_g_m3, const std::string& quantity) {
   if (!(largest_g_m3 > doubtful_water_content_g_m3)) return std::nullopt;
   return fmt::format(
-      "a liquid water content of {:.4g} g/m3 (clouds have up to about 5, above {} is doubted) is the grid in g/m3? "
+      "{} of {:.4g} g/m3 (clouds have up to about 5, above {} is doubted) is the grid in g/m3? "
       "cloud.scale makes it so",
-      largest_g_m3, doubtful_water_content_g_m3);
+      words_of(quantity), largest_g_m3, doubtful_water_content_g_m3);
 }
 
 std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel) {
@@ -51,7 +56,7 @@ std::optional<double> scale_of_units(const std::string& quantity, const std::str
   static const std::map<std::string, double> gram_per_cubic_metre{{"g/m3", 1},    {"gm-3", 1},     {"kg/m3", 1e3},
                                                                   {"kgm-3", 1e3}, {"mg/m3", 1e-3}, {"mgm-3", 1e-3}};
   const auto& known = quantity == "extinction" ? per_metre : gram_per_cubic_metre;
-  if (quantity != "extinction" && quantity != "liquid_water_content") return std::nullopt;
+  if (quantity != "extinction" && !quantity.ends_with("_water_content")) return std::nullopt;
   const auto found = known.find(bare(units));
   return found == known.end() ? std::nullopt : std::optional(found->second);
 }

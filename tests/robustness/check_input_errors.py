@@ -86,6 +86,16 @@ def scenes():
     yield "no light", SCENE.replace("[sun]\nzenith_deg = 60.0\nazimuth_deg = 0.0\n", ""), ["sun", "sky"]
     yield "domain off the voxel faces", SCENE + "[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [310.0, 300.0, 400.0]\n", ["310", "300", "350"]
     yield "domain smaller than the cloud", SCENE + "[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [200.0, 300.0, 400.0]\n", ["200", "300"]
+    liquid = SCENE[SCENE.index("file"):SCENE.index("[phase_function")]
+    both = replaced("[cloud]\n" + liquid, '[[cloud]]\nname = "liquid"\n' + liquid + '[[cloud]]\nname = "ice"\n' + liquid)
+    second = lambda old, new: both[:both.index('"ice"')] + both[both.index('"ice"'):].replace(old, new, 1)
+    yield "a table beside an array of tables", second('"ice"', '"ice"\n[cloud]'), ["scene.toml:12", "[[cloud]] for each constituent"]
+    yield "constituents of one name", second('"ice"', '"liquid"'), ["scene.toml:11: cloud.1.name", "already in use", "liquid"]
+    yield "a constituent without name", second('name = "ice"\n', "").replace('name = "ice"\n', ""), ["scene.toml:10: cloud.1.name", "missing"]
+    yield "unknown phase function of the second", second('"droplets"', '"crystals"'), ["scene.toml:17: cloud.1.phase_function", "crystals", "droplets"]
+    yield "constituents on other voxels", second("scale = 1.0", "scale = 1.0\nvoxel_size_m = 40.0"), ["scene.toml:12: cloud.1.file", '"ice"', '"liquid"', "along x", "40 m", "50 m", "resample"]
+    yield "an array of no tables", replaced("[cloud]\n" + liquid, "cloud = [1.0]\n"), ["scene.toml:2", "cloud", "[[cloud]]"]
+    yield "grids of which one is missing", replaced('"density"', '["density", "rain"]'), ["cloud.vdb", "rain", "density"]
     yield "more memory than the machine has", SCENE + ("[domain]\nmin_m = [0.0, 0.0, 0.0]\nmax_m = [1500000.0, 1500000.0, 400.0]\n[[layer]]\nname = 'air'\n"
            "bottom_m = 0.0\ntop_m = 400.0\noptical_depth = 0.1\nsingle_scattering_albedo = 1.0\nphase_function = 'rayleigh'\n"), ["memory"]
     thermal, air, warm = "[thermal]\nwavelength_um = 10.8\n", '[atmosphere]\nstandard = "us-1976"\n', "albedo = 0.05\ntemperature_k = 288.0"

@@ -160,6 +160,17 @@ def main():
         done = checker.run("--resume", checker.checkpoint, "--set", "sun.zenith_deg=59")
         checker.expect("with another sun", done.returncode == 0 and "begins with the light" in done.stderr, told(done))
         checker.output.unlink()
+        # The same voxels, so the same layout; the second constituent is part of the problem.
+        optics = 'file = "cloud.vdb", single_scattering_albedo = 0.99, phase_function = "droplets"'
+        both = "cloud=[" + ", ".join(f'{{name = "{name}", scale = {scale}, {optics}}}' for name, scale in (("liquid", "1.0"), ("ice", "0.125"))) + "]"
+        done = checker.run("--resume", checker.checkpoint, "--set", both)
+        checker.expect("with a second constituent", done.returncode == 0 and "begins with the light" in done.stderr, told(done))
+        done = checker.run("--checkpoint", folder / "both.h5", "--set", both)
+        done = checker.run("--resume", folder / "both.h5", "--set", both)
+        checker.expect("with the same two constituents", done.returncode == 0 and "goes on after sweep" in done.stderr, told(done))
+        done = checker.run("--resume", folder / "both.h5", "--set", both, "--set", "cloud.1.single_scattering_albedo=0.98")
+        checker.expect("with another albedo of the second", done.returncode == 0 and "begins with the light" in done.stderr, told(done))
+        checker.output.unlink()
 
         whole = checker.checkpoint.read_bytes()
         damaged = folder / "damaged.h5"

@@ -98,6 +98,19 @@ accuracy = "draft"
 fields = ["fluxes", "heating_rate", "optical_depth"]
 """
 BANDS = BROADBAND.replace('"model.nc"', '"model.nc"\nmethod = "columns"').replace('"heating_rate"', '"absorption", "bands"')
+CONSTITUENTS = """\
+[[cloud]]
+name = "NAME"
+file = "les.vdb"
+effective_radius_um = 10.0
+single_scattering_albedo = 0.99
+phase_function = "isotropic"
+[sun]
+zenith_deg = 30.0
+azimuth_deg = 0.0
+[solver]
+accuracy = "draft"
+"""
 SPECTRUM = "[spectrum]\nwavelengths_um = [0.55, 0.67]\n"
 
 
@@ -165,7 +178,7 @@ def main():
         write_gas_model(Path(folder) / "model.nc", "solar")
         write_bulk_table(Path(folder) / "bulk.nc")
         cloudbow("cloud", "import", "les.nc", "--temperature-grid", "-o", "les.vdb", "--quiet")
-        for name, text, options in (("one", SCENE, ["--compare"]), ("spectrum", SCENE + SPECTRUM, ["--compare"]),
+        for name, text, options in (("one", SCENE, ["--compare"]), ("spectrum", SCENE + SPECTRUM, ["--compare"]), ("constituents", CONSTITUENTS, []),
                                     ("goal", SCENE, ["--target-error", "90%", "--of", "columns", "--budget", "1000s"]),
                                     ("thermal", THERMAL + GROUND + WAVELENGTH, ["--compare"]), ("thermal_band", THERMAL + GROUND_MAP + BAND, []), ("broadband", BROADBAND, ["--clear-sky"]), ("bands", BANDS, [])):
             (Path(folder) / f"{name}.toml").write_text(text)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cloudbow/app/scene.hpp"
@@ -13,17 +14,18 @@
 
 namespace cloudbow {
 
-/// Numbers of phase functions of a droplet table or a set: those that the scene's voxels use, and those in the solve.
+/// Numbers of phase functions of droplet tables and sets: those that the scene's voxels use, and those in the solve.
 struct PhaseClassReport {
   int functions = 0;
   int classes = 0;
   double estimated_error = 0;  ///< of the classes, fraction of the incident light
 };
 
-/// Summary of a cloud, in which the user can notice a wrong unit.
+/// Summary of a constituent of the clouds, in which the user can notice a wrong unit.
 struct CloudFigures {
+  std::string name;  ///< as SceneCloud::name
   ColumnFigures optical_depth;
-  std::optional<ColumnFigures> water_path_g_m2;  ///< if the grid holds liquid water
+  std::optional<ColumnFigures> water_path_g_m2;  ///< if the grid holds liquid water or ice
   double largest_water_content_g_m3 = 0;
   std::optional<std::array<double, 2>> effective_radius_um;  ///< smallest and largest, if the scene names one
   std::optional<std::array<double, 2>> temperature_k;        ///< lowest and highest, if voxels have their own
@@ -34,7 +36,7 @@ struct AssembledScene {
   SolverOptions options;
   bool one_column = false;                        ///< as accuracy_options() takes it
   std::optional<PhaseClassReport> phase_classes;  ///< if droplets vary from voxel to voxel
-  std::optional<CloudFigures> cloud;
+  std::vector<CloudFigures> clouds;               ///< of each constituent
   std::vector<float> cloud_optical_depth;  ///< [y][x] of the problem's columns, without layers; empty: not asked for
 };
 

@@ -29,10 +29,14 @@ struct ScenePhaseSet {
   std::string index_grid;  ///< holds numbers from 1
 };
 
+/// A constituent of the clouds: [cloud], or one of [[cloud]].
 struct SceneCloud {
+  std::string name;  ///< as messages and results call it; empty: [cloud] without a name
+  std::string key;   ///< of its table: "cloud", or "cloud.0", ...
   std::filesystem::path file;
   VdbReadOptions read;
-  std::string quantity;  ///< "extinction" or "liquid_water_content"; empty: as in the grid's metadata
+  std::vector<std::string> more_grids;  ///< added to that of `read`
+  std::string quantity;                 ///< "extinction" or one of water_contents(); empty: as in the grid's metadata
   std::optional<double> effective_radius_um;
   std::string effective_radius_grid;  ///< empty: none
   /// Given or from a mie table; absent if single_scattering_albedo_grid or the voxels' droplets give it.
@@ -146,7 +150,7 @@ struct SceneOutput : OutputOptions {
   bool error_estimate = true;     ///< coarse solves estimate the errors of the fluxes
   bool errors = false;            ///< of single columns too
   bool heating_rate = false;      ///< of the air
-  bool optical_depth = false;     ///< of the cloud, by column
+  bool optical_depth = false;     ///< of the clouds, by column
   bool bands = false;             ///< domain means by band of the gas model
 };
 
@@ -158,8 +162,8 @@ struct Scene {
   std::vector<std::string> notes;       ///< values guessed or corrected in reading, to be reported to the user
   std::optional<double> wavelength_um;  ///< if the scene has a spectrum: the wavelength of all numbers below
   std::optional<SceneBroadband> broadband;
-  int gas_point = 0;  ///< with broadband: the g-point of all numbers below
-  std::optional<SceneCloud> cloud;
+  int gas_point = 0;                                ///< with broadband: the g-point of all numbers below
+  std::vector<SceneCloud> clouds;                   ///< constituents on the same voxels
   std::vector<ScenePhaseFunction> phase_functions;  ///< those in use, each once
   std::vector<Layer> layers;
   SceneDomain domain;

@@ -55,6 +55,13 @@ struct SpectralInfo {
   double residual = 0;         ///< of the choice, relative
 };
 
+/// A constituent of the clouds that has a name (`/cloud`). Means over the domain.
+struct ConstituentInfo {
+  std::string name;
+  std::vector<double> optical_depth{};    ///< of each solution; empty: of a sum over g-points, which has none
+  std::vector<double> water_path_g_m2{};  ///< of each solution; empty: the grid holds extinction
+};
+
 struct ResultInfo {
   std::string title;
   std::string source;  ///< program name and version
@@ -71,8 +78,9 @@ struct ResultInfo {
   std::vector<BandProfile> bands{};    ///< of a sum over a gas model (`/bands`), or none
   std::vector<Solution> clear_sky{};   ///< of each solution the same without clouds, on other levels, or none
   std::vector<ThermalInfo> thermal{};  ///< of each solution, or none; all of one spectral unit
-  std::vector<std::string> brightness_temperatures{};     ///< names of views and cameras; needs `thermal`
-  std::vector<HeatingRate> heating_rates{};               ///< of each solution, or none
+  std::vector<std::string> brightness_temperatures{};  ///< names of views and cameras; needs `thermal`
+  std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none
+  std::vector<ConstituentInfo> constituents{};
   std::vector<std::vector<float>> cloud_optical_depth{};  ///< [y][x] of each solution, or none
   std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
 };

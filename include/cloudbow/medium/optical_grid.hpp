@@ -189,6 +189,18 @@ struct CloudOptics {
   std::vector<float> voxel_next_share;
 };
 
+/// Matter of one kind in voxels, such as liquid or ice.
+struct CloudConstituent {
+  const CloudField* field = nullptr;
+  const CloudOptics* optics = nullptr;
+};
+
+/// The matter of a scene's voxels: constituents, which add up in a voxel by their coefficients.
+struct CloudMatter {
+  const CloudField* voxels = nullptr;            ///< all of them, as sum_of() joins fields; null: no cloud
+  std::vector<CloudConstituent> constituents{};  ///< fields in the same box, of some of these voxels each
+};
+
 /// Horizontally uniform matter between two heights.
 struct Layer {
   double bottom_m = 0;
@@ -256,16 +268,22 @@ struct LevelOptions {
 /// Between edges that all have, they are those of the grid with the finest levels there.
 std::vector<double> finest_levels(const std::vector<std::vector<double>>& levels_m);
 
-/// Joins cloud and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the
+/// Joins clouds and layers on one grid. Horizontally the cloud's cells (layers only: one cell of 1 m); vertically the
 /// faces of the voxel planes between the lowest and the highest active voxel, joined with the layers' edges; below and
 /// above them the layers' edges, subdivided as the optics require. Stretches without matter stay single levels. Edges
 /// closer than 1e-9 of the domain's height become one.
-/// @param cloud may be null.
+/// @param clouds their voxels may be null.
 /// @param domain_min_m, domain_max_m the corners of the domain. They lie on voxel faces (horizontally) and contain the
 /// active voxels and the layers.
 /// @param delta_m_fraction [p] forward fraction f of each phase function, used to choose the subdivision.
 /// @throws InputError if sizes exceed the range of indices or the memory limit; if an extinction is not finite; if a
 /// layer reaches outside the domain or is thinner than the distance at which edges merge.
+OpticalGrid make_optical_grid(const CloudMatter& clouds, const std::vector<Layer>& layers,
+                              const std::array<double, 3>& domain_min_m, const std::array<double, 3>& domain_max_m,
+                              bool periodic, int phase_functions, const std::vector<double>& delta_m_fraction,
+                              const LevelOptions& options);
+
+/// The same with one constituent. @param cloud may be null.
 OpticalGrid make_optical_grid(const CloudField* cloud, const CloudOptics& cloud_optics,
                               const std::vector<Layer>& layers, const std::array<double, 3>& domain_min_m,
                               const std::array<double, 3>& domain_max_m, bool periodic, int phase_functions,

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "app/assembly/gas_layers.hpp"
-#include "app/assembly/open_cloud.hpp"
+#include "app/assembly/open_clouds.hpp"
 #include "app/assembly/thermal.hpp"
 #include "app/process/cache_directory.hpp"
 #include "app/scene/accuracy.hpp"
@@ -149,7 +149,8 @@ void check_asks_no_azimuths(const Scene& scene) {
 SolverOptions solver_options(const Scene& scene, bool one_column) {
   const SceneSolver& solver = scene.solver;
   const bool measured =
-      (scene.cloud && (scene.cloud->droplets != nullptr || scene.cloud->phase_set != nullptr)) ||
+      std::any_of(scene.clouds.begin(), scene.clouds.end(),
+                  [](const SceneCloud& cloud) { return cloud.droplets != nullptr || cloud.phase_set != nullptr; }) ||
       std::any_of(scene.phase_functions.begin(), scene.phase_functions.end(), [](const auto& p) { return p.measured; });
   SolverOptions options = accuracy_options(solver.accuracy, one_column, measured);
   if (solver.delta_m_order) {
@@ -188,8 +189,8 @@ SolverOptions solver_options(const Scene& scene, bool one_column) {
 // the same way.
 void solve_layers_without_iteration(const Scene& scene, const Problem& problem, SolverOptions& options) {
   const SceneSolver& solver = scene.solver;
-  if (scene.cloud || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 || solver.control_points ||
-      solver.directions || solver.delta_m_order || solver.fit)
+  if (!scene.clouds.empty() || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 ||
+      solver.control_points || solver.directions || solver.delta_m_order || solver.fit)
     return;
   SolverOptions by_columns = options;
   by_columns.independent_columns = true;
@@ -222,18 +223,21 @@ std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, con
   }
 }
 
-/// Values of the columns of a field on those of the box, which has the same faces: 0 beside the field.
-std::vector<float> onto_columns(const std::vector<double>& of_field, const CloudField& field, const BoxGrid& box) {
-  const auto first_i = std::lround((field.min_m[0] - box.x_min_m) / box.dx_m);
-  const auto first_j = std::lround((field.min_m[1] - box.y_min_m) / box.dy_m);
-  std::vector<float> values(box.columns(), 0.F);
-  for (long j = std::max(0L, first_j); j < std::min<long>(box.ny, first_j + field.cells[1]); ++j) {
-    for (long i = std::max(0L, first_i); i < std::min<long>(box.nx, first_i + field.cells[0]); ++i) {
-      values[static_cast<std::size_t>(j * box.nx + i)] =
-          static_cast<float>(of_field[static_cast<std::size_t>((j - first_j) * field.cells[0] + i - first_i)]);
+/// Optical depths of the box's columns, which have faces in common with those of the constituents: 0 beside the clouds.
+std::vector<float> optical_depth_of_columns(const OpenedClouds& clouds, const BoxGrid& box) {
+  std::vector<double> sum(box.columns(), 0.);
+  for (const OpenedCloud& cloud : clouds.constituents) {
+    const ColumnDepths& depths = cloud.column_optical_depth;
+    const auto [nx, ny] = depths.columns;
+    const auto first_i = std::lround((depths.min_m[0] - box.x_min_m) / box.dx_m);
+    const auto first_j = std::lround((depths.min_m[1] - box.y_min_m) / box.dy_m);
+    for (long j = std::max(0L, first_j); j < std::min<long>(box.ny, first_j + ny); ++j) {
+      for (long i = std::max(0L, first_i); i < std::min<long>(box.nx, first_i + nx); ++i)
+        sum[static_cast<std::size_t>(j * box.nx + i)] +=
+            depths.value[static_cast<std::size_t>((j - first_j) * nx + i - first_i)];
     }
   }
-  return values;
+  return {sum.begin(), sum.end()};
 }
 
 }  // namespace
@@ -245,9 +249,8 @@ AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
 
 AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, CloudFiles& files,
                         const std::vector<double>& levels_m) {
-  OpenedCloud cloud;
-  if (given.cloud) cloud = open_cloud(given, files);
-  const CloudField* field = given.cloud ? &cloud.field : nullptr;
+  const OpenedClouds clouds = open_clouds(given, files);
+  const CloudField* const field = clouds.field();
   std::optional<Scene> with_gas;
   if (given.broadband) {
     with_gas = given;
@@ -267,9 +270,11 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   AssembledScene assembled;
   Problem& problem = assembled.problem;
   for (const ScenePhaseFunction& phase : scene.phase_functions) problem.phase.push_back(phase.function);
-  problem.phase.insert(problem.phase.end(), cloud.varying_phase.begin(), cloud.varying_phase.end());
-  assembled.phase_classes = cloud.phase_classes;
-  if (scene.cloud) assembled.cloud = cloud.figures;
+  for (const OpenedCloud& cloud : clouds.constituents) {
+    problem.phase.insert(problem.phase.end(), cloud.varying_phase.begin(), cloud.varying_phase.end());
+    assembled.clouds.push_back(cloud.figures);
+  }
+  assembled.phase_classes = clouds.phase_classes;
   if (scene.sun)
     problem.sun = Sun{travel_from(scene.sun->zenith_deg, scene.sun->azimuth_deg), scene.sun->irradiance_w_m2};
   problem.sky_radiance = scene.sky_radiance;
@@ -300,7 +305,7 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   }
   levels.edges_m = scene.output.heights_m;
   const std::array<double, 2> z_m{domain.min_m[2], domain.max_m[2]};
-  const std::vector<double> of_emission = emission_levels(scene, cloud, z_m);
+  const std::vector<double> of_emission = emission_levels(scene, field, z_m);
   levels.edges_m.insert(levels.edges_m.end(), of_emission.begin(), of_emission.end());
   if (scene.atmosphere && (scene.thermal || scene.output.heating_rate)) {
     if (const auto doubt = doubt_atmosphere(scene, z_m)) files.note(*doubt);
@@ -310,18 +315,17 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   // Layers without a cloud are the same everywhere: they have no sides.
   const bool periodic = scene.domain.periodic || field == nullptr;
   try {
-    problem.grid = make_optical_grid(field, cloud.optics, scene.layers, domain.min_m, domain.max_m, periodic,
+    problem.grid = make_optical_grid(clouds.matter(), scene.layers, domain.min_m, domain.max_m, periodic,
                                      static_cast<int>(problem.phase.size()), forward_fraction, levels);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
-  if (!cloud.column_optical_depth.empty())
-    assembled.cloud_optical_depth = onto_columns(cloud.column_optical_depth, *field, problem.grid.box);
+  if (scene.output.optical_depth) assembled.cloud_optical_depth = optical_depth_of_columns(clouds, problem.grid.box);
   if (!scene.albedo_map.empty()) {
     problem.surface.albedo_map = albedo_of_columns(scene, problem.grid.box, domain);
   }
   if (scene.thermal) {
-    add_emission(scene, cloud, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]}, problem);
+    add_emission(scene, clouds, {domain.max_m[0] - domain.min_m[0], domain.max_m[1] - domain.min_m[1]}, problem);
   }
   for (const double height : scene.output.heights_m) {
     const int level = nearest_edge(problem.grid.box.z_edge_m, height);

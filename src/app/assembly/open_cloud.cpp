@@ -1,6 +1,7 @@
 #include "app/assembly/open_cloud.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "app/scene/accuracy.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/cloud_amounts.hpp"
+#include "cloudbow/medium/joined_fields.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/optics/phase_family.hpp"
 
@@ -78,9 +80,41 @@ std::string grid_place(const SceneCloud& cloud, const std::string& grid) {
   return fmt::format("{}: grid \"{}\"", cloud.file.string(), grid);
 }
 
-std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, const CloudField& field,
+/// The grid of a constituent, or the sum of its grids.
+VdbCloud read_field(const Scene& scene, const SceneCloud& cloud, VdbReadOptions options, CloudFiles& files) {
+  VdbCloud field = files.field(cloud.file, options);
+  if (cloud.more_grids.empty()) return field;
+  std::vector<VdbCloud> more;
+  for (const std::string& grid : cloud.more_grids) {
+    options.grid = grid;
+    more.push_back(files.field(cloud.file, options));
+    const auto fail = [&](const std::string& found, const std::string& allowed) {
+      throw InputError(
+          fmt::format("{}: cannot be added to the grid \"{}\" (found {}, allowed {}) make a [[cloud]] of "
+                      "each",
+                      grid_place(cloud, grid), cloud.read.grid, found, allowed));
+    };
+    const auto described = [](const VdbCloud& of) {
+      return fmt::format("{}{}", of.quantity.empty() ? "no quantity" : of.quantity,
+                         of.units.empty() ? "" : fmt::format(" in {}", of.units));
+    };
+    if (described(more.back()) != described(field)) fail(described(more.back()), described(field));
+    if (const auto difference = difference_of_voxels(more.back(), field)) fail(*difference, "the same voxels");
+  }
+  std::vector<CloudField*> fields{&field};
+  for (VdbCloud& other : more) fields.push_back(&other);
+  try {
+    share_box(fields);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.where(cloud.key + ".file"), error.what()));
+  }
+  const std::vector<const CloudField*> parts(fields.begin(), fields.end());
+  static_cast<CloudField&>(field) = sum_of(parts);
+  return field;
+}
+
+std::vector<float> read_effective_radius(const SceneCloud& cloud, CloudFiles& files, const CloudField& field,
                                          VdbReadOptions options) {
-  const SceneCloud& cloud = *scene.cloud;
   options.grid = cloud.effective_radius_grid;
   options.auxiliary_quantity = "effective_radius";
   constexpr double rounding = 1e-6;  // of grids of floats
@@ -96,35 +130,36 @@ std::vector<float> read_effective_radius(const Scene& scene, CloudFiles& files, 
   return radius;
 }
 
-VoxelTemperatures read_temperature(const Scene& scene, CloudFiles& files, const CloudField& field,
-                                   VdbReadOptions options) {
-  options.grid = scene.cloud->temperature_grid;
+VoxelTemperatures read_temperature(const Scene& scene, const SceneCloud& cloud, CloudFiles& files,
+                                   const CloudField& field, VdbReadOptions options) {
+  options.grid = cloud.temperature_grid;
   options.auxiliary_quantity = "temperature";
   try {
-    return files.auxiliary(scene.cloud->file, field, options, coldest_cloud_k, warmest_cloud_k);
+    return files.auxiliary(cloud.file, field, options, coldest_cloud_k, warmest_cloud_k);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.where("cloud.temperature_grid"), error.what()));
+    throw InputError(fmt::format("{}: {}", scene.where(cloud.key + ".temperature_grid"), error.what()));
   }
 }
 
 /// Quantity of the grid's numbers, after the scale. A scale can convert liquid water to extinction: it is then the
 /// extinction of 1 g/m3, which the radius of droplets bounds.
-std::string quantity_of(const Scene& scene, const VdbCloud& field) {
-  const SceneCloud& cloud = *scene.cloud;
+std::string quantity_of(const Scene& scene, const SceneCloud& cloud, const VdbCloud& field) {
   const std::string& stored = field.quantity;
   const std::string quantity = cloud.quantity.empty() ? stored : cloud.quantity;
   const std::string place = grid_place(cloud, cloud.read.grid);
-  if (quantity != "liquid_water_content" && quantity != "extinction") {
+  if (quantity != "extinction" && !density_of_water(quantity)) {
     throw InputError(fmt::format(
-        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, liquid_water_content)",
-        scene.where("cloud.quantity"), cloud.read.grid, cloud.file.string(),
-        quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity)));
+        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, {})",
+        scene.where(cloud.key + ".quantity"), cloud.read.grid, cloud.file.string(),
+        quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity),
+        fmt::join(water_contents(), ", ")));
   }
   if (stored == quantity || stored.empty()) {
     const auto scale = scale_of_units(quantity, field.units);
     if (cloud.read.scale == 1 && scale.value_or(1) != 1) {
-      throw InputError(fmt::format("{}: not in the units of {} (found \"{}\", allowed {}) set cloud.scale = {:g}",
-                                   place, quantity, field.units, quantity == "extinction" ? "1/m" : "g/m3", *scale));
+      throw InputError(fmt::format("{}: not in the units of {} (found \"{}\", allowed {}) set {}.scale = {:g}", place,
+                                   quantity, field.units, quantity == "extinction" ? "1/m" : "g/m3", cloud.key,
+                                   *scale));
     }
     return quantity;
   }
@@ -132,12 +167,12 @@ std::string quantity_of(const Scene& scene, const VdbCloud& field) {
   const bool by_scale = cloud.read.scale <= extinction_per_liquid_water(smallest_effective_radius_um) &&
                         cloud.read.scale >= extinction_per_liquid_water(largest_effective_radius_um);
   if (water_to_extinction && cloud.read.scale != 1 && by_scale) return quantity;
-  throw InputError(
-      fmt::format("{}: contradicts the grid \"{}\" of {} (found {}, the grid's metadata say {}) leave the key out, or "
-                  "name the grid "
-                  "that holds {}{}",
-                  scene.where("cloud.quantity"), cloud.read.grid, cloud.file.string(), quantity, stored, quantity,
-                  water_to_extinction ? "; cloud.effective_radius_um makes extinction of liquid water" : ""));
+  throw InputError(fmt::format(
+      "{}: contradicts the grid \"{}\" of {} (found {}, the grid's metadata say {}) leave the key out, or "
+      "name the grid "
+      "that holds {}{}",
+      scene.where(cloud.key + ".quantity"), cloud.read.grid, cloud.file.string(), quantity, stored, quantity,
+      water_to_extinction ? fmt::format("; {}.effective_radius_um makes extinction of liquid water", cloud.key) : ""));
 }
 
 /// The corners of the scene's domain, if it has both.
@@ -162,35 +197,37 @@ double onto_face(const CloudField& field, int axis, double value_m) {
   return field.min_m[axis] + std::round(faces_from_corner(field, axis, value_m)) * field.cell_size_m[axis];
 }
 
-OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
-  const SceneCloud& cloud = *scene.cloud;
+OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t first_varying, CloudFiles& files) {
   VdbReadOptions read = cloud.read;
   read.domain_m = given_domain(scene.domain);
-  OpenedCloud opened{files.field(cloud.file, read), {}, {}, {}, {}, {}, {}};
+  OpenedCloud opened{read_field(scene, cloud, read, files), {}, {}, {}, {}, {}, {}};
+  opened.figures.name = cloud.name;
   VdbCloud& field = opened.field;
   VdbReadOptions auxiliary = read;
   auxiliary.scale = 1;
   const double class_error = scene.solver.class_tolerance.value_or(class_tolerance(scene.solver.accuracy));
-  const bool is_water = quantity_of(scene, field) == "liquid_water_content";
+  const std::string quantity = quantity_of(scene, cloud, field);
+  const bool is_water = quantity != "extinction";
   const auto doubt = [&](const std::optional<std::string>& sentence) {
     if (sentence) files.note(fmt::format("warning: {}: {}", grid_place(cloud, cloud.read.grid), *sentence));
   };
   if (is_water) {
     opened.figures.water_path_g_m2 = column_figures(field, 1);
     opened.figures.largest_water_content_g_m3 = largest_value(field);
-    doubt(doubt_water_content(largest_value(field)));
+    doubt(doubt_water_content(largest_value(field), quantity));
   }
 
   std::vector<float> radius;
   const bool has_radius_grid = !cloud.effective_radius_grid.empty();
   if (!is_water && cloud.droplets == nullptr && !cloud.extinction_m2_per_g) {
     if (has_radius_grid || cloud.effective_radius_um) {
-      files.note(fmt::format("note: {}: not used: the grid \"{}\" holds extinction, and phase_function is no Mie table",
-                             scene.where(has_radius_grid ? "cloud.effective_radius_grid" : "cloud.effective_radius_um"),
-                             cloud.read.grid));
+      files.note(
+          fmt::format("note: {}: not used: the grid \"{}\" holds extinction, and phase_function is no Mie table",
+                      scene.where(cloud.key + (has_radius_grid ? ".effective_radius_grid" : ".effective_radius_um")),
+                      cloud.read.grid));
     }
   } else if (has_radius_grid) {
-    radius = read_effective_radius(scene, files, field, auxiliary);
+    radius = read_effective_radius(cloud, files, field, auxiliary);
     const auto [least, largest] = std::minmax_element(radius.begin(), radius.end());
     opened.figures.effective_radius_um = {*least, *largest};
   } else if (cloud.effective_radius_um) {
@@ -198,39 +235,43 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
   }
   if (scene.broadband && !is_water && cloud.droplets != nullptr) {
     throw InputError(fmt::format(
-        "{}: extinction has no spectrum (found radii by voxel beside it, allowed liquid_water_content, or one radius)",
-        scene.where("cloud.quantity")));
+        "{}: extinction has no spectrum (found radii by voxel beside it, allowed a water content, or one radius)",
+        scene.where(cloud.key + ".quantity")));
   }
   if (!is_water && cloud.relative_extinction) {
-    files.note(fmt::format("{}: the extinction is taken to be that at {} um", scene.where("cloud.file"),
+    files.note(fmt::format("{}: the extinction is taken to be that at {} um", scene.where(cloud.key + ".file"),
                            SceneCloud::visible_um));
     opened.optics.extinction_per_value = *cloud.relative_extinction;
   } else if (cloud.droplets != nullptr) {
-    if (!cloud.visible_m2_per_g.empty()) opened.column_optical_depth = visible_column_depths(cloud, field, radius);
+    if (!cloud.visible_m2_per_g.empty())
+      opened.column_optical_depth.value = visible_column_depths(cloud, field, radius);
     take_droplets(*cloud.droplets, radius, is_water, class_error, opened);
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
   } else if (is_water && cloud.effective_radius_um) {
-    opened.optics.extinction_per_value = extinction_per_liquid_water(*cloud.effective_radius_um);
+    opened.optics.extinction_per_value =
+        extinction_per_liquid_water(*cloud.effective_radius_um) / density_of_water(quantity).value();
   } else if (is_water && !radius.empty()) {
     water_to_extinction_by_radius(field, radius);
+    opened.optics.extinction_per_value = 1 / density_of_water(quantity).value();
   } else if (is_water) {
     throw InputError(
-        fmt::format("{}: missing (found quantity liquid_water_content, allowed with effective_radius_um "
-                    "or effective_radius_grid)",
-                    scene.where("cloud.effective_radius_um")));
+        fmt::format("{}: missing (found quantity {}, allowed with effective_radius_um or effective_radius_grid)",
+                    scene.where(cloud.key + ".effective_radius_um"), quantity));
   }
   const double per_value = opened.optics.extinction_per_value;
   opened.figures.optical_depth = column_figures(field, per_value);
-  if (scene.output.optical_depth && opened.column_optical_depth.empty()) {
-    opened.column_optical_depth = column_integrals(field);
-    for (double& depth : opened.column_optical_depth) depth *= per_value / cloud.relative_extinction.value_or(1);
+  ColumnDepths& depths = opened.column_optical_depth;
+  depths.min_m = {field.min_m[0], field.min_m[1]};
+  depths.columns = {field.cells[0], field.cells[1]};
+  if (scene.output.optical_depth && depths.value.empty()) {
+    depths.value = column_integrals(field);
+    for (double& depth : depths.value) depth *= per_value / cloud.relative_extinction.value_or(1);
   }
   doubt(doubt_optical_depth(largest_value(field) * per_value * field.cell_size_m[2]));
 
-  opened.optics.phase_function = cloud.droplets == nullptr && cloud.phase_set == nullptr
-                                     ? cloud.phase_function
-                                     : static_cast<int>(scene.phase_functions.size());
+  opened.optics.phase_function =
+      cloud.droplets == nullptr && cloud.phase_set == nullptr ? cloud.phase_function : static_cast<int>(first_varying);
   if (!cloud.single_scattering_albedo_grid.empty()) {
     auxiliary.grid = cloud.single_scattering_albedo_grid;
     auxiliary.auxiliary_quantity = "single_scattering_albedo";
@@ -248,7 +289,7 @@ OpenedCloud open_cloud(const Scene& scene, CloudFiles& files) {
     take_phase_set(*cloud.phase_set, number, class_error, grid_place(cloud, auxiliary.grid), opened);
   }
   if (!cloud.temperature_grid.empty()) {
-    opened.temperature_k = read_temperature(scene, files, field, auxiliary);
+    opened.temperature_k = read_temperature(scene, cloud, files, field, auxiliary);
     const auto [least, largest] = std::minmax_element(opened.temperature_k.begin(), opened.temperature_k.end());
     opened.figures.temperature_k = {*least, *largest};
   }

@@ -44,7 +44,7 @@ std::vector<float> planck_of_columns(const Scene& scene, const BoxGrid& box, con
 
 }  // namespace
 
-std::vector<double> emission_levels(const Scene& scene, const OpenedCloud& cloud, const std::array<double, 2>& z_m) {
+std::vector<double> emission_levels(const Scene& scene, const CloudField* clouds, const std::array<double, 2>& z_m) {
   std::vector<double> levels;
   if (!scene.thermal || scene.domain.vertical_cells > 0) return levels;
   const Atmosphere& air = scene.atmosphere->air;
@@ -54,20 +54,20 @@ std::vector<double> emission_levels(const Scene& scene, const OpenedCloud& cloud
         air, scene.thermal->planck, std::max(layer.bottom_m, z_m[0]), std::min(layer.top_m, z_m[1]), linearity);
     levels.insert(levels.end(), of_layer.begin(), of_layer.end());
   }
-  if (scene.cloud) {
-    const std::array<double, 2> voxels = heights_of_voxels(cloud.field);
+  if (clouds != nullptr) {
+    const std::array<double, 2> voxels = heights_of_voxels(*clouds);
     std::erase_if(levels, [&voxels](double z) { return z > voxels[0] && z < voxels[1]; });
   }
   return levels;
 }
 
-void add_emission(const Scene& scene, const OpenedCloud& cloud, const std::array<double, 2>& extent_m,
+void add_emission(const Scene& scene, const OpenedClouds& clouds, const std::array<double, 2>& extent_m,
                   Problem& problem) {
   const Atmosphere& air = scene.atmosphere->air;
   const auto& planck = scene.thermal->planck;
   set_emission(
-      problem.grid, [&air](double z) { return air.temperature_at(z); }, planck, scene.cloud ? &cloud.field : nullptr,
-      cloud.temperature_k.empty() ? nullptr : &cloud.temperature_k);
+      problem.grid, [&air](double z) { return air.temperature_at(z); }, planck, clouds.field(),
+      clouds.temperature_k.empty() ? nullptr : &clouds.temperature_k);
   if (!scene.temperature_map.empty()) problem.surface.planck_map = planck_of_columns(scene, problem.grid.box, extent_m);
   const std::vector<float>& of_cells = problem.grid.planck;
   const double of_matter =

@@ -1,6 +1,7 @@
 #include "app/commands/run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -92,31 +93,35 @@ std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
                                       : fmt::format("; ground {}", scene.temperature_map.filename().string());
   text += fmt::format("; air {:.5g} K at the bottom, {:.5g} K at the top", air.temperature_at(box.z_edge_m.front()),
                       air.temperature_at(box.z_edge_m.back()));
-  if (assembled.cloud && assembled.cloud->temperature_k) {
-    const auto [lowest, highest] = *assembled.cloud->temperature_k;
-    text += fmt::format("; cloud {:.5g} to {:.5g} K", lowest, highest);
+  for (const CloudFigures& cloud : assembled.clouds) {
+    if (!cloud.temperature_k) continue;
+    const auto [lowest, highest] = *cloud.temperature_k;
+    text += fmt::format("; {} {:.5g} to {:.5g} K", cloud.name.empty() ? "cloud" : cloud.name, lowest, highest);
   }
   return text;
+}
+
+void print_cloud(const CloudFigures& cloud, double columns) {
+  const std::string of = cloud.name.empty() ? "" : cloud.name + ": ";
+  fmt::print("cloud     {}optical depth: {}\n", of, figures_text(cloud.optical_depth, columns, ""));
+  if (cloud.water_path_g_m2) {
+    fmt::print("water     {}path: {}; content up to {:.4g} g/m3\n", of,
+               figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
+  }
+  if (cloud.effective_radius_um) {
+    const auto [least, largest] = *cloud.effective_radius_um;
+    fmt::print("radius    {}{}{:.4g} um\n", of, least < largest ? fmt::format("{:.4g} to ", least) : "", largest);
+  }
 }
 
 /// By these a wrong unit is seen.
 void print_figures(const Scene& scene, const AssembledScene& assembled) {
   const BoxGrid& box = assembled.problem.grid.box;
   const double x_max = box.x_min_m + box.nx * box.dx_m, y_max = box.y_min_m + box.ny * box.dy_m;
-  if (assembled.cloud) {
+  if (!assembled.clouds.empty()) {
     fmt::print("domain    {:.10g} to {:.10g} m, {:.10g} to {:.10g} m, {:.10g} to {:.10g} m along x, y, z\n",
                box.x_min_m, x_max, box.y_min_m, y_max, box.z_edge_m.front(), box.z_edge_m.back());
-    const auto columns = static_cast<double>(box.columns());
-    const CloudFigures& cloud = *assembled.cloud;
-    fmt::print("cloud     optical depth: {}\n", figures_text(cloud.optical_depth, columns, ""));
-    if (cloud.water_path_g_m2) {
-      fmt::print("water     path: {}; content up to {:.4g} g/m3\n",
-                 figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
-    }
-    if (cloud.effective_radius_um) {
-      const auto [least, largest] = *cloud.effective_radius_um;
-      fmt::print("radius    {}{:.4g} um\n", least < largest ? fmt::format("{:.4g} to ", least) : "", largest);
-    }
+    for (const CloudFigures& cloud : assembled.clouds) print_cloud(cloud, static_cast<double>(box.columns()));
   } else {
     fmt::print("domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
   }
@@ -212,6 +217,15 @@ void print_summaries(const std::vector<Scene>& scenes, const Solved& solved, con
   }
 }
 
+/// Names of the grids from which clouds have their own temperature, each once.
+std::string temperature_grids(const Scene& scene) {
+  std::set<std::string> names;
+  for (const SceneCloud& cloud : scene.clouds) {
+    if (!cloud.temperature_grid.empty()) names.insert(cloud.temperature_grid);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 /// Emission and heating rates, for the result. Absorbed power that only these needed is given up.
 void add_thermal(const std::vector<Scene>& scenes, Solved& solved, ResultInfo& info) {
   for (std::size_t n = 0; n < scenes.size(); ++n) {
@@ -224,7 +238,7 @@ void add_thermal(const std::vector<Scene>& scenes, Solved& solved, ResultInfo& i
     if (!scene.thermal) continue;
     info.thermal.push_back({scene.thermal->black_body, scene.thermal->wavelength_um, scene.thermal->band_um,
                             scene.atmosphere->source, scene.surface_temperature_k, scene.temperature_map.filename(),
-                            scene.cloud ? scene.cloud->temperature_grid : "", scene.sky_temperature_k});
+                            temperature_grids(scene), scene.sky_temperature_k});
   }
   for (const SceneRadiance& radiance : scenes.front().radiances) {
     if (radiance.brightness_temperature) info.brightness_temperatures.push_back(radiance.name);
@@ -233,11 +247,29 @@ void add_thermal(const std::vector<Scene>& scenes, Solved& solved, ResultInfo& i
   info.brightness_temperatures.insert(info.brightness_temperatures.end(), cameras.begin(), cameras.end());
 }
 
-/// The wavelength of the cloud's optical depth, if g-points have different ones and the result holds that of visible
+/// Constituents that have names, for the result. @param columns of the domain
+std::vector<ConstituentInfo> constituents_of(const Scene& scene, const Solved& solved, double columns) {
+  std::vector<ConstituentInfo> constituents;
+  for (std::size_t n = 0; n < scene.clouds.size(); ++n) {
+    if (scene.clouds[n].name.empty()) continue;
+    ConstituentInfo info{scene.clouds[n].name};
+    for (const std::vector<CloudFigures>& of_solve : solved.clouds) {
+      const CloudFigures& cloud = of_solve[n];
+      if (!scene.broadband) info.optical_depth.push_back(cloud.optical_depth.sum / columns);
+      if (cloud.water_path_g_m2) info.water_path_g_m2.push_back(cloud.water_path_g_m2->sum / columns);
+    }
+    constituents.push_back(std::move(info));
+  }
+  return constituents;
+}
+
+/// The wavelength of the clouds' optical depth, if g-points have different ones and the result holds that of visible
 /// light.
 std::optional<double> visible_depth_um(const Scene& scene) {
-  if (!scene.cloud || (!scene.cloud->relative_extinction && scene.cloud->visible_m2_per_g.empty())) return std::nullopt;
-  return SceneCloud::visible_um;
+  const bool visible = std::any_of(scene.clouds.begin(), scene.clouds.end(), [](const SceneCloud& cloud) {
+    return cloud.relative_extinction || !cloud.visible_m2_per_g.empty();
+  });
+  return visible ? std::optional(SceneCloud::visible_um) : std::nullopt;
 }
 
 /// Exit code.
@@ -363,6 +395,8 @@ int run(const RunOptions& options) {
   }
   info.cloud_optical_depth = std::move(solved.cloud_optical_depth);
   info.cloud_optical_depth_um = visible_depth_um(scenes.front());
+  info.constituents =
+      constituents_of(scenes.front(), solved, static_cast<double>(solved.solutions.front().box.columns()));
   add_thermal(scenes, solved, info);
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);

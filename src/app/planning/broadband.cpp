@@ -242,6 +242,7 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
                   run.bands[static_cast<std::size_t>(bands.of_point[static_cast<std::size_t>(points.point[n])])]);
     if (scene.output.optical_depth && n == 0)
       run.solved.cloud_optical_depth.push_back(planned.scene->cloud_optical_depth);
+    if (n == 0) run.solved.clouds.push_back(planned.scene->clouds);
     if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
     InterruptGuard::check();
   }

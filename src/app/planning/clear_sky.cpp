@@ -15,7 +15,7 @@ namespace cloudbow {
 namespace {
 
 Scene without_cloud(Scene scene) {
-  scene.cloud.reset();
+  scene.clouds.clear();
   // Its horizontal extent and the height of its voxel faces have no meaning without voxels.
   scene.radiances.clear();
   scene.cameras.clear();
@@ -30,7 +30,7 @@ Scene without_cloud(Scene scene) {
 }  // namespace
 
 void check_clear_sky(const Scene& scene) {
-  const char* const found = !scene.cloud                               ? "no [cloud]"
+  const char* const found = scene.clouds.empty()                       ? "no [cloud]"
                             : scene.layers.empty() && !scene.broadband ? "a cloud alone"
                             : !scene.albedo_map.empty()                ? "surface.albedo_map"
                             : !scene.temperature_map.empty()           ? "surface.temperature_map"

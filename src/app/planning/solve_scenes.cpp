@@ -62,6 +62,7 @@ Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunO
                                         : solve_shown(planned.plan.with(by_columns(assembled.options)), nullptr));
     }
     if (scene.output.optical_depth) solved.cloud_optical_depth.push_back(assembled.cloud_optical_depth);
+    solved.clouds.push_back(assembled.clouds);
     if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
     InterruptGuard::check();
   }

@@ -15,6 +15,7 @@ struct Solved {
   std::vector<Solution> solutions;
   std::vector<Solution> by_columns;                     ///< of each the same as independent columns, or none
   std::vector<PhaseClassReport> phase_classes;          ///< of each, or none
+  std::vector<std::vector<CloudFigures>> clouds;        ///< of each, by constituent
   std::vector<ErrorEstimate> errors;                    ///< of each, or none
   std::vector<std::vector<float>> cloud_optical_depth;  ///< of each, by column, or none
 };

@@ -74,7 +74,7 @@ Level make_level(const std::string& name, const TradeoffOptions& options) {
 
 /// If they do not, the draft is the level of independent columns.
 bool columns_exchange_light(const Scene& scene) {
-  const bool one_column = !scene.cloud && scene.albedo_map.empty();
+  const bool one_column = scene.clouds.empty() && scene.albedo_map.empty();
   return !one_column &&
          (scene.solver.mode == SolveMode::automatic || scene.solver.mode == SolveMode::three_dimensional);
 }

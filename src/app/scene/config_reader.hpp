@@ -47,6 +47,8 @@ class ConfigReader {
   const ConfigNode* find(const std::string& key) const { return table_.find(key); }
   bool has(const std::string& key) const { return find(key) != nullptr; }
   const std::string& place() const { return table_.place; }
+  /// The table's dotted name.
+  const std::string& path() const { return path_; }
   /// Location of the key, or that of the table if the key is absent.
   const std::string& place_of(const std::string& key) const;
 

@@ -94,7 +94,7 @@ Scene SceneReader::read() {
   if (const auto atmosphere = root_.find_table("atmosphere")) read_atmosphere_table(*atmosphere);
   if (const auto thermal = root_.find_table("thermal")) read_thermal(*thermal);
   read_phase_functions();
-  if (const auto cloud = root_.find_table("cloud")) read_cloud(*cloud);
+  for (const ConfigReader& cloud : cloud_tables()) read_cloud(cloud);
   for (const ConfigReader& layer : root_.tables("layer")) read_layer(layer);
   if (const auto domain = root_.find_table("domain")) read_domain(*domain);
   if (const auto sun = root_.find_table("sun")) read_sun(*sun);
@@ -155,7 +155,7 @@ void SceneReader::read_domain(const ConfigReader& reader) {
     }
   }
   domain.vertical_cells = reader.find_integer("vertical_cells", 1, max_vertical_cells).value_or(0);
-  if (domain.vertical_cells > 0 && scene_.cloud) {
+  if (domain.vertical_cells > 0 && !scene_.clouds.empty()) {
     reader.fail("vertical_cells", "only for scenes without [cloud]", std::to_string(domain.vertical_cells),
                 "no such key: the cloud's voxels give the levels");
   }
@@ -266,7 +266,7 @@ void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
   const std::string file = reader.spectral_texts("albedo_map", at_).front();
   if (reader.has("albedo")) reader.fail("albedo_map", "stands beside `albedo`", file, "one of the two");
   if (scene_.surface.tilt.slope_deg > 0) reader.fail("albedo_map", "stands beside `slope_deg`", file, "one of the two");
-  if (!scene_.cloud) {
+  if (scene_.clouds.empty()) {
     reader.fail("albedo_map", "needs a cloud, whose columns it covers", file, "`albedo` where there are layers alone");
   }
   scene_.albedo_map = existing_spectral_file(reader, "albedo_map");
@@ -280,7 +280,7 @@ void SceneReader::check_whole() {
     remember(root_, "atmosphere");
     scene_.broadband->molecules_phase_function = add_phase_function("rayleigh", PhaseFunction::rayleigh(), false);
   }
-  if (!scene_.cloud && scene_.layers.empty() && !scene_.broadband) {
+  if (scene_.clouds.empty() && scene_.layers.empty() && !scene_.broadband) {
     throw InputError(
         fmt::format("{}: nothing that light could meet (found neither [cloud] nor [[layer]], allowed one or both)",
                     scene_.path.string()));

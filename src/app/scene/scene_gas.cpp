@@ -61,18 +61,31 @@ const BulkTable& SceneReader::bulk_table_of_file(const ConfigReader& reader) {
   return found->second;
 }
 
-const BulkTable& SceneReader::bulk_table_by_mie(const ConfigReader& reader) {
+std::vector<double> SceneReader::radii_of(const std::string& name) const {
+  std::vector<double> radii;
+  for (const ConfigReader& cloud : cloud_tables()) {
+    if (cloud.find_text("phase_function") != name) continue;
+    const auto radius = cloud.find_number("effective_radius_um", positive);
+    if (!radius) return {};
+    radii.push_back(*radius);
+  }
+  std::sort(radii.begin(), radii.end());
+  radii.erase(std::unique(radii.begin(), radii.end()), radii.end());
+  return radii;
+}
+
+const BulkTable& SceneReader::bulk_table_by_mie(const std::string& name, const ConfigReader& reader) {
   const std::string substance = *reader.find_choice("substance", {"water", "ice"});
   // Mie theory takes long for large radii: those of the scene alone, if it says so.
-  std::vector<double> radii{3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30};
-  auto radius = reader.find_number("effective_radius_um", positive);
-  if (const auto cloud = root_.find_table("cloud"); !radius && cloud)
-    radius = cloud->find_number("effective_radius_um", positive);
+  std::vector<double> radii = radii_of(name);
+  const auto radius = reader.find_number("effective_radius_um", positive);
   if (radius) radii = {*radius};
-  const std::filesystem::path key = fmt::format("{} {}", substance, radius.value_or(0));
+  const bool given = !radii.empty();
+  if (!given) radii = {3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30};
+  const std::filesystem::path key = fmt::format("{} {}", substance, fmt::join(radii, " "));
   auto found = bulk_tables_->find(key);
   if (found == bulk_tables_->end()) {
-    reader.with_place(radius ? "effective_radius_um" : "substance", [&] {
+    reader.with_place(given ? "effective_radius_um" : "substance", [&] {
       const auto [shortest, longest] = wavelengths_of(*scene_.broadband->model);
       const MieBulkRecipe recipe{substance == "water" ? Substance::water : Substance::ice, DistributionKind::gamma, .1};
       std::vector<double> wavelengths = mie_wavelengths(shortest, longest);
@@ -87,7 +100,7 @@ const BulkTable& SceneReader::bulk_table_by_mie(const ConfigReader& reader) {
   return found->second;
 }
 
-SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& reader) {
+SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const std::string& name, const ConfigReader& reader) {
   reader.check_keys({"type", "file", "substance", "effective_radius_um"});
   if (!scene_.broadband)
     reader.fail("type", "needs spectrum.gas_model, whose g-points it is averaged over", "bulk",
@@ -98,7 +111,7 @@ SceneReader::DefinedPhaseFunction SceneReader::read_bulk(const ConfigReader& rea
     reader.fail_missing("file", "file = \"TABLE.nc\", or substance = \"water\" or \"ice\" for spheres by Mie theory");
   DefinedPhaseFunction defined;
   defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
-  const BulkTable& table = reader.has("file") ? bulk_table_of_file(reader) : bulk_table_by_mie(reader);
+  const BulkTable& table = reader.has("file") ? bulk_table_of_file(reader) : bulk_table_by_mie(name, reader);
   reader.with_place(reader.has("file") ? "file" : "substance", [&] {
     const SpectralWeight weight = weight_of_point(*scene_.broadband->model, scene_.gas_point);
     defined.bulk = BulkOfPoint{&table, average_over(table, weight.wavenumber_cm1, weight.weight)};

@@ -9,6 +9,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/io/droplet_table_file.hpp"
 #include "cloudbow/io/phase_set_file.hpp"
+#include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "cloudbow/optics/rayleigh.hpp"
@@ -39,11 +40,12 @@ void SceneReader::read_phase_functions() {
   for (const std::string& name : root_.find("phase_function")->keys) {
     const ConfigReader reader = *table->find_table(name);
     if (defined_.count(name) != 0) table->fail(name, "already defined", name, "a name that is not built in");
-    defined_.emplace(name, read_phase_function(reader));
+    defined_.emplace(name, read_phase_function(name, reader));
   }
 }
 
-SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const ConfigReader& reader) {
+SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const std::string& name,
+                                                                   const ConfigReader& reader) {
   const std::string type = reader.text("type");
   if (type == "isotropic" || type == "rayleigh") {
     reader.check_keys({"type"});
@@ -66,7 +68,7 @@ SceneReader::DefinedPhaseFunction SceneReader::read_phase_function(const ConfigR
   }
   if (type == "mie") return read_mie(reader);
   if (type == "set") return read_set(reader);
-  if (type == "bulk") return read_bulk(reader);
+  if (type == "bulk") return read_bulk(name, reader);
   reader.fail("type", "not one of the choices", fmt::format("\"{}\"", type),
               "isotropic, rayleigh, henyey-greenstein, double-henyey-greenstein, legendre, table, mie, set, bulk");
 }
@@ -211,20 +213,24 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
 
 void SceneReader::read_optical_depth() {
   if (!scene_.output.optical_depth) return;
-  if (!scene_.cloud) {
+  if (scene_.clouds.empty()) {
     throw InputError(fmt::format(
         "{}: optical_depth is that of the cloud alone (found no [cloud], allowed a scene that has one) leave "
         "it out: layers have the optical_depth of [[layer]]",
         scene_.where("output.fields")));
   }
-  const DefinedPhaseFunction& defined = find_phase_function(*root_.find_table("cloud")).second;
-  if (scene_.cloud->droplets == nullptr || !defined.bulk) return;
-  try {
-    for (const BulkOptics& optics : visible_optics(*defined.bulk->table))
-      scene_.cloud->visible_m2_per_g.push_back(optics.extinction_m2_per_g);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: optical_depth is that at {} um: {}", scene_.where("output.fields"),
-                                 SceneCloud::visible_um, error.what()));
+  const std::vector<ConfigReader> tables = cloud_tables();
+  for (std::size_t n = 0; n < tables.size(); ++n) {
+    const DefinedPhaseFunction& defined = find_phase_function(tables[n]).second;
+    SceneCloud& cloud = scene_.clouds[n];
+    if (cloud.droplets == nullptr || !defined.bulk) continue;
+    try {
+      for (const BulkOptics& optics : visible_optics(*defined.bulk->table))
+        cloud.visible_m2_per_g.push_back(optics.extinction_m2_per_g);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: optical_depth is that at {} um: {}", scene_.where("output.fields"),
+                                   SceneCloud::visible_um, error.what()));
+    }
   }
 }
 
@@ -249,14 +255,58 @@ void SceneReader::read_layer_optics(const ConfigReader& reader, Layer& layer) {
   layer.phase_function = add_phase_function(name, optics.phase_function, true);
 }
 
+std::vector<ConfigReader> SceneReader::cloud_tables() const {
+  const ConfigNode* const clouds = root_.find("cloud");
+  if (clouds == nullptr) return {};
+  if (clouds->kind == ConfigNode::Kind::array) return root_.tables("cloud");
+  return {*root_.find_table("cloud")};
+}
+
+std::string SceneReader::read_cloud_name(const ConfigReader& reader) const {
+  const bool several = root_.find("cloud")->kind == ConfigNode::Kind::array;
+  if (!reader.has("name")) {
+    if (several) reader.fail_missing("name", "a name of the constituent, such as liquid, ice, rain");
+    return "";
+  }
+  const std::string name = reader.text("name");
+  check_name(reader, name);
+  const auto same = [&name](const SceneCloud& cloud) { return cloud.name == name; };
+  if (std::any_of(scene_.clouds.begin(), scene_.clouds.end(), same))
+    reader.fail("name", "already in use", name, "another name, such as liquid, ice, rain");
+  return name;
+}
+
+void SceneReader::read_grids(const ConfigReader& reader, SceneCloud& cloud) const {
+  const ConfigNode* const grid = reader.find("grid");
+  if (grid == nullptr) return;
+  if (grid->kind != ConfigNode::Kind::array) {
+    cloud.read.grid = reader.text("grid");
+    return;
+  }
+  std::vector<std::string> grids = *reader.find_texts("grid");
+  for (std::size_t n = 0; n < grids.size(); ++n) {
+    if (grids[n].empty()) reader.fail("grid", "empty", "\"\"", "strings that are not empty");
+    if (std::find(grids.begin(), grids.begin() + static_cast<std::ptrdiff_t>(n), grids[n]) !=
+        grids.begin() + static_cast<std::ptrdiff_t>(n))
+      reader.fail("grid", "stands twice in the list", fmt::format("\"{}\"", grids[n]), "each grid once");
+  }
+  if (grids.empty()) reader.fail("grid", "empty", "[]", "a name, or a list of names");
+  cloud.read.grid = grids.front();
+  cloud.more_grids.assign(grids.begin() + 1, grids.end());
+}
+
 void SceneReader::read_cloud(const ConfigReader& reader) {
-  reader.check_keys({"file", "grid", "quantity", "scale", "voxel_size_m", "up_axis", "effective_radius_um",
+  reader.check_keys({"name", "file", "grid", "quantity", "scale", "voxel_size_m", "up_axis", "effective_radius_um",
                      "effective_radius_grid", "single_scattering_albedo", "single_scattering_albedo_grid",
                      "temperature_grid", "phase_function"});
   SceneCloud cloud;
+  cloud.key = reader.path();
+  cloud.name = read_cloud_name(reader);
   cloud.file = existing_file(reader, "file");
-  if (reader.has("grid")) cloud.read.grid = reader.text("grid");
-  cloud.quantity = reader.find_choice("quantity", {"extinction", "liquid_water_content"}).value_or("");
+  read_grids(reader, cloud);
+  std::vector<std::string> quantities = water_contents();
+  quantities.insert(quantities.begin(), "extinction");
+  cloud.quantity = reader.find_choice("quantity", quantities).value_or("");
   cloud.read.scale = reader.find_number("scale", positive, at_).value_or(1);
   cloud.read.up_axis = reader.find_choice("up_axis", {"x", "y", "z"}).value_or("z");
   if (const ConfigNode* size = reader.find("voxel_size_m"); size != nullptr && size->kind == ConfigNode::Kind::array) {
@@ -283,7 +333,7 @@ void SceneReader::read_cloud(const ConfigReader& reader) {
   }
   read_cloud_optics(reader, cloud);
   for (const char* key : {"file", "quantity", "effective_radius_um", "temperature_grid"}) remember(reader, key);
-  scene_.cloud = std::move(cloud);
+  scene_.clouds.push_back(std::move(cloud));
 }
 
 void SceneReader::read_layer(const ConfigReader& reader) {

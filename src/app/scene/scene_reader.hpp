@@ -82,7 +82,7 @@ class SceneReader {
   void note(const ConfigReader& reader, const std::string& key, std::span<const std::string> notes);
 
   void read_phase_functions();
-  DefinedPhaseFunction read_phase_function(const ConfigReader& reader);
+  DefinedPhaseFunction read_phase_function(const std::string& name, const ConfigReader& reader);
   DefinedPhaseFunction read_legendre(const ConfigReader& reader);
   /// A function alone in a text file, by one of the readers of phase_function_file.hpp.
   DefinedPhaseFunction read_function_file(const ConfigReader& reader,
@@ -90,9 +90,11 @@ class SceneReader {
   DefinedPhaseFunction read_mie(const ConfigReader& reader);
   DefinedPhaseFunction read_set(const ConfigReader& reader);
   /// Optics by wavenumber and radius, from a file or by Mie theory, averaged over the g-point.
-  DefinedPhaseFunction read_bulk(const ConfigReader& reader);
+  DefinedPhaseFunction read_bulk(const std::string& name, const ConfigReader& reader);
   const BulkTable& bulk_table_of_file(const ConfigReader& reader);
-  const BulkTable& bulk_table_by_mie(const ConfigReader& reader);
+  const BulkTable& bulk_table_by_mie(const std::string& name, const ConfigReader& reader);
+  /// Radii of the constituents whose phase function has this name, ascending; none if one of them has a grid of radii.
+  std::vector<double> radii_of(const std::string& name) const;
   const std::pair<const std::string, DefinedPhaseFunction>& find_phase_function(const ConfigReader& reader) const;
   /// Index in the scene of a function that may already be there.
   int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
@@ -101,7 +103,12 @@ class SceneReader {
   /// Checks that the field optical_depth can be written, and finds the optics that only it needs.
   void read_optical_depth();
   void read_layer_optics(const ConfigReader& reader, Layer& layer);
+  /// The tables of the constituents, in the order of Scene::clouds: [cloud], or those of [[cloud]].
+  std::vector<ConfigReader> cloud_tables() const;
   void read_cloud(const ConfigReader& reader);
+  std::string read_cloud_name(const ConfigReader& reader) const;
+  /// One grid, or several that are added up.
+  void read_grids(const ConfigReader& reader, SceneCloud& cloud) const;
   void read_layer(const ConfigReader& reader);
   /// Ratio of the optical depth at this wavelength to that at the wavelength for which the layer gives one.
   double rayleigh_ratio(const ConfigReader& reader, const Layer& layer) const;
@@ -134,6 +141,8 @@ class SceneReader {
   /// Checks that the field bands has bands, and all their g-points.
   void check_bands() const;
 
+  /// @throws InputError for a name that variables and attributes of results cannot have.
+  static void check_name(const ConfigReader& reader, const std::string& name);
   /// Name of an image in results and pictures.
   std::string read_image_name(const ConfigReader& reader) const;
   void read_radiance(const ConfigReader& reader);

@@ -22,10 +22,14 @@ constexpr int max_rays = 16;
 
 }  // namespace
 
-std::string SceneReader::read_image_name(const ConfigReader& reader) const {
-  const std::string name = reader.text("name");
+void SceneReader::check_name(const ConfigReader& reader, const std::string& name) {
   const auto is_word = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
   if (!std::all_of(name.begin(), name.end(), is_word)) reader.fail("name", "not a name", name, "letters, digits and _");
+}
+
+std::string SceneReader::read_image_name(const ConfigReader& reader) const {
+  const std::string name = reader.text("name");
+  check_name(reader, name);
   const auto same = [&](const auto& other) { return other.name == name; };
   if (name == "field" || std::any_of(scene_.radiances.begin(), scene_.radiances.end(), same) ||
       std::any_of(scene_.cameras.begin(), scene_.cameras.end(), same)) {

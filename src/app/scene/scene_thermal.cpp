@@ -141,7 +141,7 @@ void SceneReader::read_surface_temperature(const ConfigReader& reader) {
     const std::string file = reader.text("temperature_map");
     if (reader.has("temperature_k"))
       reader.fail("temperature_map", "stands beside `temperature_k`", file, "one of the two");
-    if (!scene_.cloud) {
+    if (scene_.clouds.empty()) {
       reader.fail("temperature_map", "needs a cloud, whose columns it covers", file,
                   "`temperature_k` with layers alone");
     }

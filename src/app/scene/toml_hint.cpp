@@ -58,6 +58,8 @@ std::string hint_of_value(std::string_view value, std::string_view key) {
 
 std::string toml_hint(std::string_view problem, std::string_view line, std::size_t column) {
   const auto says = [problem](std::string_view words) { return problem.find(words) != std::string_view::npos; };
+  if (says("redefine") && (trimmed(line).starts_with("[cloud]") || trimmed(line).starts_with("[[cloud]]")))
+    return "clouds stand in [cloud] alone, or [[cloud]] for each constituent";
   if (says("redefine")) return "each key and each [table] stands once";
   if (says("expected '='")) return "a line is KEY = VALUE";
   if (says("table header") || (says("parsing key:") && trimmed(line).starts_with('[')))

@@ -35,5 +35,14 @@ TEST(CloudAmounts, SumsOverColumns) {
   EXPECT_EQ(largest_value(water()), 1);
 }
 
+TEST(CloudAmounts, IceIsLighterThanWater) {
+  EXPECT_EQ(density_of_water("liquid_water_content"), 1);
+  EXPECT_EQ(density_of_water("rain_water_content"), 1);
+  for (const char* quantity : {"ice_water_content", "snow_water_content", "graupel_water_content"})
+    EXPECT_EQ(density_of_water(quantity), .917) << quantity;
+  EXPECT_FALSE(density_of_water("extinction"));
+  EXPECT_EQ(water_contents().size(), 5U);
+}
+
 }  // namespace
 }  // namespace cloudbow

@@ -42,6 +42,27 @@ TEST_F(CloudFilesTest, KeptGridsNeedNoFile) {
   EXPECT_THROW(files.auxiliary(path_, field, {}, 0, 2), InputError);  // never read with these bounds
 }
 
+// Two fields of one file, with different voxels, have different values of one auxiliary grid.
+TEST_F(CloudFilesTest, AuxiliaryValuesBelongToAField) {
+  const CloudField field = make_cloud_field({2, 1, 1}, {10, 10, 10}, {0, 0, 0}, {0.5F, 0.25F}, "extinction");
+  write_cloud_vdb(path_, field, {}, {{"T", "temperature", "K", {270, 260}}});
+  const CloudField right = make_cloud_field({2, 1, 1}, {10, 10, 10}, {0, 0, 0}, {0, 0.25F}, "extinction");
+  VdbReadOptions temperature;
+  temperature.grid = "T";
+  CloudFiles files(true);
+  EXPECT_EQ(files.auxiliary(path_, field, temperature, 0, 400), (std::vector<float>{270, 260}));
+  EXPECT_EQ(files.auxiliary(path_, right, temperature, 0, 400), (std::vector<float>{260}));
+}
+
+TEST_F(CloudFilesTest, TwoFilesAreTwo) {
+  const std::filesystem::path other = path_.string() + ".other.vdb";
+  write_cloud_vdb(other, make_cloud_field({1, 1, 1}, {10, 10, 10}, {0, 0, 0}, {2}, "extinction"));
+  CloudFiles files(true);
+  EXPECT_EQ(files.field(path_, {}).value, (std::vector<float>{0.5F, 0.25F}));
+  EXPECT_EQ(files.field(other, {}).value, (std::vector<float>{2}));
+  std::filesystem::remove(other);
+}
+
 TEST_F(CloudFilesTest, WithoutKeepingEachIsReadAnew) {
   CloudFiles files(false);
   files.field(path_, {});

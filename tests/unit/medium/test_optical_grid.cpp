@@ -201,6 +201,50 @@ TEST(OpticalGrid, AlbedoByVoxel) {
   }
 }
 
+// Liquid in the voxels 0 and 1, ice in 1 and 2, of three; the ice has the second and third phase function by shares.
+// All numbers are powers of two.
+TEST(OpticalGrid, ConstituentsAddUpInAVoxel) {
+  const std::array<double, 3> cell{10, 10, 10};
+  const CloudField liquid = make_cloud_field({3, 1, 1}, cell, origin, {.5F, .25F, 0}, "");
+  const CloudField ice = make_cloud_field({3, 1, 1}, cell, origin, {0, .125F, .0625F}, "");
+  const CloudField all = make_cloud_field({3, 1, 1}, cell, origin, {1, 1, 1}, "");
+  CloudOptics drops, crystals;
+  drops.single_scattering_albedo = .75;
+  drops.extinction_per_value = 2;
+  crystals.voxel_single_scattering_albedo = {.5, .25};
+  crystals.phase_function = 1;
+  crystals.voxel_phase_function = {0, 0};
+  crystals.voxel_next_share = {.25F, 0};
+  const OpticalGrid grid = make_optical_grid({&all, {{&liquid, &drops}, {&ice, &crystals}}}, {{0, 10, 2.5, .5, 2}},
+                                             origin, {30, 10, 10}, true, 3, {0, 0, 0}, LevelOptions{});
+  ASSERT_EQ(grid.active_cells(), 3U);
+  constexpr float layer = .125F;
+  EXPECT_EQ(grid.absorption, (std::vector<float>{.25F + layer, .125F + .0625F + layer, .046875F + layer}));
+  EXPECT_EQ(grid.scattering[0], (std::vector<float>{.75F, .375F, 0}));
+  EXPECT_EQ(grid.scattering[1], (std::vector<float>{0, .046875F, .015625F}));
+  EXPECT_EQ(grid.scattering[2], (std::vector<float>{layer, .015625F + layer, layer}));
+}
+
+// The same function of two constituents.
+TEST(OpticalGrid, ConstituentsMayShareAPhaseFunction) {
+  const CloudField cloud = small_cloud();
+  CloudOptics third, rest;
+  third.extinction_per_value = .25;
+  third.single_scattering_albedo = .5;
+  rest.extinction_per_value = .75;
+  rest.single_scattering_albedo = .5;
+  CloudOptics whole;
+  whole.single_scattering_albedo = .5;
+  const OpticalGrid parts = make_optical_grid({&cloud, {{&cloud, &third}, {&cloud, &rest}}}, {}, {0, 0, 60},
+                                              {40, 60, 210}, true, 1, {0}, LevelOptions{});
+  const OpticalGrid one = make_optical_grid(&cloud, whole, {}, {0, 0, 60}, {40, 60, 210}, true, 1, {0}, LevelOptions{});
+  ASSERT_EQ(parts.active_cells(), one.active_cells());
+  for (std::size_t cell = 0; cell < one.active_cells(); ++cell) {
+    EXPECT_FLOAT_EQ(parts.absorption[cell], one.absorption[cell]);
+    EXPECT_FLOAT_EQ(parts.scattering[0][cell], one.scattering[0][cell]);
+  }
+}
+
 TEST(OpticalGrid, LayersOnlyIsTheLayersAsOneColumn) {
   const CloudField cloud = small_cloud();
   const OpticalGrid grid =

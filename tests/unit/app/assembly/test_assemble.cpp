@@ -204,10 +204,10 @@ TEST_F(AssembleTest, RadiiOfNoDropletAreErrors) {
 TEST_F(AssembleTest, FiguresOfTheCloud) {
   write_cloud("liquid_water_content");
   const AssembledScene scene = assembled("", "effective_radius_um = 10\nsingle_scattering_albedo = 1");
-  ASSERT_TRUE(scene.cloud.has_value());
-  EXPECT_NEAR(scene.cloud->water_path_g_m2->sum, 0.5, 1e-7);
-  EXPECT_NEAR(scene.cloud->optical_depth.largest, 0.075, 1e-8);
-  EXPECT_EQ(*scene.cloud->effective_radius_um, (std::array<double, 2>{10, 10}));
+  ASSERT_EQ(scene.clouds.size(), 1U);
+  EXPECT_NEAR(scene.clouds[0].water_path_g_m2->sum, 0.5, 1e-7);
+  EXPECT_NEAR(scene.clouds[0].optical_depth.largest, 0.075, 1e-8);
+  EXPECT_EQ(*scene.clouds[0].effective_radius_um, (std::array<double, 2>{10, 10}));
 }
 
 // The domain begins 2 columns before the cloud's box in x and 1 column within it in y. The voxel has .02 times 25 m.
@@ -239,7 +239,7 @@ TEST_F(AssembleTest, OpticalDepthSumsTheLevels) {
     EXPECT_EQ(scene.cloud_optical_depth[c], 2 * 16 * (dense[c] + dense[12 + c])) << "powers of two are exact";
     sum += scene.cloud_optical_depth[c];
   }
-  EXPECT_EQ(scene.cloud->optical_depth.sum, sum);
+  EXPECT_EQ(scene.clouds[0].optical_depth.sum, sum);
 }
 
 TEST_F(AssembleTest, DoubtsAndNotesAreToldOnce) {
@@ -266,7 +266,7 @@ TEST_F(AssembleTest, ARadiusThatNothingUsesIsTold) {
                           key + "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n"));
     const AssembledScene assembled = assemble(scene, memory, files, {});
     EXPECT_THAT(told, testing::ElementsAre(AllOf(HasSubstr("cloud.effective_radius"), HasSubstr("not used"))));
-    EXPECT_FALSE(assembled.cloud->effective_radius_um);
+    EXPECT_FALSE(assembled.clouds.at(0).effective_radius_um);
   }
 }
 
@@ -537,7 +537,7 @@ TEST_F(AssembleTest, TemperaturesBecomePlanckRadiances) {
   const std::string cloud = "single_scattering_albedo = 0.9\ntemperature_grid = ";
   const AssembledScene of_grid = assembled(emission, cloud + "\"T\"");
   EXPECT_NEAR(of_grid.problem.grid.planck[0] / planck(275), 1, rounding);
-  EXPECT_EQ(of_grid.cloud->temperature_k, (std::array<double, 2>{275, 275}));
+  EXPECT_EQ(of_grid.clouds.at(0).temperature_k, (std::array<double, 2>{275, 275}));
   EXPECT_THAT(message(emission, cloud + "\"C\""),
               AllOf(HasSubstr("scene.toml:5: cloud.temperature_grid"), HasSubstr("has the value 2 (150 to 350")));
   EXPECT_THAT(message(emission, cloud + "\"absent\""), AllOf(HasSubstr("temperature_grid"), HasSubstr("absent")));

@@ -263,6 +263,33 @@ TEST(CommandLine, DryRunShowsWhatAWrongUnitWouldChange) {
   EXPECT_THAT(thousand.errors, AllOf(HasSubstr("cloudbow: warning: "), HasSubstr("500 g/m3")));
 }
 
+// The same water, and ice of .917 g/m3 and 30 um beside it: 91.7 g/m2 and an optical depth of 5 in one of four columns.
+TEST(CommandLine, DryRunShowsEachConstituent) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& file, const std::vector<float>& dense, const std::string& quantity) {
+    write_cloud_vdb(folder / file, make_cloud_field({2, 2, 1}, {50, 50, 100}, {0, 0, 400}, dense, quantity));
+  };
+  write("liquid.vdb", {0.5F, 0, 0, 0}, "liquid_water_content");
+  write("ice.vdb", {0, 0.917F, 0, 0}, "ice_water_content");
+  const auto constituent = [](const std::string& name, const std::string& radius) {
+    return "[[cloud]]\nname = \"" + name + "\"\nfile = \"" + name +
+           ".vdb\"\nphase_function = \"isotropic\"\nsingle_scattering_albedo = 1\neffective_radius_um = " + radius +
+           "\n";
+  };
+  const Outcome outcome = cloudbow({"run",
+                                    folder.write("scene.toml", constituent("liquid", "10") + constituent("ice", "30") +
+                                                                   "[sun]\nzenith_deg = 30\nazimuth_deg = 0\n"),
+                                    "--dry-run"});
+  EXPECT_EQ(outcome.errors, "");
+  EXPECT_THAT(outcome.output,
+              AllOf(HasSubstr("cloud     liquid: optical depth: mean of all columns 1.875, largest of a column 7.5\n"),
+                    HasSubstr("water     liquid: path: mean of all columns 12.5 g/m2, largest of a column 50 g/m2"),
+                    HasSubstr("radius    liquid: 10 um\n"),
+                    HasSubstr("cloud     ice: optical depth: mean of all columns 1.25, largest of a column 5\n"),
+                    HasSubstr("water     ice: path: mean of all columns 22.92 g/m2, largest of a column 91.7 g/m2"),
+                    HasSubstr("radius    ice: 30 um\n")));
+}
+
 TEST(CommandLine, CloudInfoDoubtsAndRefuses) {
   const TemporaryFolder folder;
   const CloudField field = make_cloud_field({1, 1, 1}, {50, 50, 100}, {0, 0, 0}, {2005}, "liquid_water_content");

@@ -72,7 +72,7 @@ TEST(Scene, EveryValueArrives) {
   const Scene scene = read_scene(folder.write("scene.toml", layers_toml));
   EXPECT_EQ(scene.title, "three layers");
   EXPECT_EQ(scene.text, layers_toml);
-  EXPECT_FALSE(scene.cloud);
+  EXPECT_TRUE(scene.clouds.empty());
   ASSERT_EQ(scene.layers.size(), 2u);
   EXPECT_EQ(scene.layers[0].bottom_m, 500);
   EXPECT_EQ(scene.layers[0].top_m, 1000);
@@ -136,15 +136,15 @@ flux_levels = [100, 0, 250.5]
 fields = ["fluxes", "actinic", "errors", "optical_depth"]
 error_estimate = false
 )"));
-  ASSERT_TRUE(scene.cloud);
-  EXPECT_EQ(scene.cloud->file, folder / "cloud.vdb");
-  EXPECT_EQ(scene.cloud->read.grid, "lwc");
-  EXPECT_EQ(scene.cloud->quantity, "liquid_water_content");
-  EXPECT_EQ(scene.cloud->read.scale, 2);
-  EXPECT_EQ(scene.cloud->read.voxel_size_m, (std::array<double, 3>{10, 20, 30.5}));
-  EXPECT_EQ(scene.cloud->read.up_axis, "y");
-  EXPECT_EQ(scene.cloud->effective_radius_um, 12.5);
-  EXPECT_EQ(scene.cloud->single_scattering_albedo_grid, "ssa");
+  ASSERT_EQ(scene.clouds.size(), 1U);
+  EXPECT_EQ(scene.clouds[0].file, folder / "cloud.vdb");
+  EXPECT_EQ(scene.clouds[0].read.grid, "lwc");
+  EXPECT_EQ(scene.clouds[0].quantity, "liquid_water_content");
+  EXPECT_EQ(scene.clouds[0].read.scale, 2);
+  EXPECT_EQ(scene.clouds[0].read.voxel_size_m, (std::array<double, 3>{10, 20, 30.5}));
+  EXPECT_EQ(scene.clouds[0].read.up_axis, "y");
+  EXPECT_EQ(scene.clouds[0].effective_radius_um, 12.5);
+  EXPECT_EQ(scene.clouds[0].single_scattering_albedo_grid, "ssa");
   EXPECT_DOUBLE_EQ(scene.phase_functions.at(0).function.asymmetry_parameter(), 0.75 * 0.9 - 0.25 * 0.5);
   EXPECT_FALSE(scene.domain.periodic);
   EXPECT_EQ(scene.domain.min_m, (std::array<double, 3>{0, 0, -10}));
@@ -169,6 +169,81 @@ error_estimate = false
   EXPECT_TRUE(scene.output.errors);
   EXPECT_TRUE(scene.output.optical_depth);
   EXPECT_FALSE(scene.output.error_estimate);
+}
+
+constexpr const char* constituents_toml = R"(
+[[cloud]]
+name = "liquid"
+file = "cloud.vdb"
+grid = ["ql", "qr"]
+single_scattering_albedo = 1
+phase_function = "rayleigh"
+[[cloud]]
+name = "ice"
+file = "ice.vdb"
+quantity = "ice_water_content"
+effective_radius_um = 30
+single_scattering_albedo = 0.9
+phase_function = "isotropic"
+[sun]
+zenith_deg = 0
+azimuth_deg = 0
+)";
+
+TEST(Scene, Constituents) {
+  const TemporaryFolder folder;
+  folder.write("cloud.vdb", "");
+  folder.write("ice.vdb", "");
+  const Scene scene = read_scene(folder.write("scene.toml", constituents_toml));
+  ASSERT_EQ(scene.clouds.size(), 2U);
+  EXPECT_EQ(scene.clouds[0].name, "liquid");
+  EXPECT_EQ(scene.clouds[0].key, "cloud.0");
+  EXPECT_EQ(scene.clouds[0].read.grid, "ql");
+  EXPECT_EQ(scene.clouds[0].more_grids, (std::vector<std::string>{"qr"}));
+  EXPECT_EQ(scene.clouds[1].name, "ice");
+  EXPECT_EQ(scene.clouds[1].file, folder / "ice.vdb");
+  EXPECT_EQ(scene.clouds[1].quantity, "ice_water_content");
+  EXPECT_EQ(scene.clouds[1].read.grid, "density");
+  EXPECT_EQ(scene.clouds[1].phase_function, 1);
+  EXPECT_EQ(scene.phase_functions.size(), 2U);
+  EXPECT_THAT(scene.where("cloud.1.quantity"), HasSubstr("scene.toml:11: cloud.1.quantity"));
+}
+
+TEST(Scene, MistakesInConstituents) {
+  const TemporaryFolder folder;
+  folder.write("cloud.vdb", "");
+  folder.write("ice.vdb", "");
+  const auto message = [&](const std::string& from, const std::string& to,
+                           const std::vector<std::string>& overrides = {}) -> std::string {
+    std::string text = constituents_toml;
+    text.replace(text.find(from), from.size(), to);
+    try {
+      read_scene(folder.write("scene.toml", text), overrides);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message("", ""), "no error");
+  EXPECT_THAT(message("\"ice\"", "\"liquid\""),
+              AllOf(HasSubstr("scene.toml:9: cloud.1.name: already in use"), HasSubstr("liquid")));
+  EXPECT_THAT(message("name = \"ice\"\n", ""),
+              AllOf(HasSubstr("scene.toml:8: cloud.1.name: missing"), HasSubstr("liquid, ice, rain")));
+  EXPECT_THAT(message("\"ice\"", "\"i c e\""), HasSubstr("scene.toml:9: cloud.1.name: not a name"));
+  EXPECT_THAT(message("\"isotropic\"", "\"crystals\""),
+              AllOf(HasSubstr("scene.toml:14: cloud.1.phase_function: no phase function"), HasSubstr("crystals")));
+  EXPECT_THAT(message("\"ice.vdb\"", "\"none.vdb\""), HasSubstr("scene.toml:10: cloud.1.file"));
+  EXPECT_THAT(message("[[cloud]]\nname = \"ice\"", "[cloud]"),
+              AllOf(HasSubstr("scene.toml:8"), HasSubstr("[cloud] alone, or [[cloud]] for each constituent")));
+  EXPECT_THAT(message("[[cloud]]\nname = \"liquid\"", "[cloud]"),
+              AllOf(HasSubstr("scene.toml:7"), HasSubstr("[cloud] alone, or [[cloud]] for each constituent")));
+  EXPECT_THAT(message("[\"ql\", \"qr\"]", "[\"ql\", \"ql\"]"),
+              AllOf(HasSubstr("scene.toml:5: cloud.0.grid"), HasSubstr("twice")));
+  EXPECT_THAT(message("[\"ql\", \"qr\"]", "[]"), HasSubstr("scene.toml:5: cloud.0.grid: empty"));
+  EXPECT_THAT(message("[\"ql\", \"qr\"]", "[1]"), HasSubstr("scene.toml:5: cloud.0.grid: not a string"));
+  EXPECT_THAT(message("", "", {"cloud.scale=2"}), HasSubstr("cloud.scale: no such entry"));
+  EXPECT_EQ(message("", "", {"cloud.1.scale=2"}), "no error");
+  EXPECT_THAT(message("", "", {"cloud.1.scael=2"}), HasSubstr("cloud.1.scael: unknown key"));
 }
 
 TEST(Scene, MomentsAndTablesFromFiles) {

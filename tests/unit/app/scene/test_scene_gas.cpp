@@ -109,7 +109,7 @@ TEST_F(GasScene, BulkOpticsAreAveragedOverThePoint) {
   const double visible = gas_scene::bulk_extinction(1e4 / .55);
   for (const Scene& scene : read(gas_scene::cloud + solar)) {
     const double middle = gas_scene::first_interval_cm1 + 4000 * (scene.gas_point + .5);
-    const SceneCloud& cloud = *scene.cloud;
+    const SceneCloud& cloud = scene.clouds.at(0);
     EXPECT_NEAR(*cloud.extinction_m2_per_g, gas_scene::bulk_extinction(middle), rounding);
     EXPECT_NEAR(*cloud.relative_extinction, gas_scene::bulk_extinction(middle) / visible, 1e-9);
     EXPECT_NEAR(*cloud.single_scattering_albedo, .9, rounding);
@@ -187,6 +187,63 @@ TEST_F(GasScene, OpticalDepthOfWaterIsVisible) {
   };
   expect_depths("effective_radius_grid = \"reff\"", 50 * .5 * 1.5 * (1 / 8. + 1 / 10.), 50 * .25 * 1.5 / 12);
   expect_depths("effective_radius_um = 10", 50 * 1. * 1.5 / 10, 50 * .25 * 1.5 / 10);
+}
+
+// Droplets of extinction .02 per metre and crystals of 8 and 12 um in .5 g/m3 of ice share a voxel; a second voxel has
+// crystals alone. Molecules scatter by a function of their own.
+TEST_F(GasScene, ConstituentsHaveTheirOpticsAtEachPoint) {
+  write_water_table(files_.folder / "ice.nc", {1000, 30000});
+  const std::array<double, 3> voxel{100, 100, 50};
+  write_cloud_vdb(files_.folder / "cloud.vdb",
+                  make_cloud_field({2, 1, 1}, voxel, {0, 0, 500}, {.02F, 0}, "extinction"));
+  write_cloud_vdb(files_.folder / "ice.vdb",
+                  make_cloud_field({2, 1, 1}, voxel, {0, 0, 500}, {.5F, .5F}, "ice_water_content"), {},
+                  {{"reff", "effective_radius", "um", {8, 12}}});
+  const std::string clouds =
+      "[[cloud]]\nname = \"liquid\"\nfile = \"cloud.vdb\"\neffective_radius_um = 10\nphase_function = \"drops\"\n"
+      "[[cloud]]\nname = \"ice\"\nfile = \"ice.vdb\"\neffective_radius_grid = \"reff\"\n"
+      "phase_function = \"crystals\"\n[phase_function.drops]\ntype = \"bulk\"\nfile = \"bulk.nc\"\n"
+      "[phase_function.crystals]\ntype = \"bulk\"\nfile = \"ice.nc\"\n";
+  const double visible_cm1 = 1e4 / SceneCloud::visible_um;
+  for (const Scene& scene : read(clouds + wants_depth + solar)) {
+    const double middle = gas_scene::first_interval_cm1 + 4000 * (scene.gas_point + .5);
+    const AssembledScene assembled = assemble(scene, std::uint64_t{1} << 30);
+    const OpticalGrid& grid = assembled.problem.grid;
+    const auto molecules = static_cast<std::size_t>(scene.broadband->molecules_phase_function);
+    std::vector<double> scattering;
+    grid.for_each_span([&](int, int, const RowSpan& span) {
+      for (std::uint32_t cell = span.offset; cell < span.offset + static_cast<std::uint32_t>(span.n); ++cell) {
+        double sum = 0;
+        for (std::size_t p = 0; p < grid.scattering.size(); ++p) sum += p == molecules ? 0 : grid.scattering[p][cell];
+        if (sum > 0) scattering.push_back(sum);
+      }
+    });
+    const double liquid = .9 * .02 * gas_scene::bulk_extinction(middle) / gas_scene::bulk_extinction(visible_cm1);
+    const auto ice = [&](double radius_um) { return .9 * .5 * 1.5 / radius_um * middle / visible_cm1; };
+    constexpr double of_float = 1e-6;
+    ASSERT_EQ(scattering.size(), 2U);
+    EXPECT_NEAR(scattering[0] / (liquid + ice(8)), 1, of_float) << "g-point " << scene.gas_point;
+    EXPECT_NEAR(scattering[1] / ice(12), 1, of_float) << "g-point " << scene.gas_point;
+    EXPECT_NEAR(assembled.cloud_optical_depth.at(0) / (50 * (.02 + .5 * 1.5 / 8)), 1, of_float);
+    EXPECT_NEAR(assembled.cloud_optical_depth.at(1) / (50 * .5 * 1.5 / 12), 1, of_float);
+  }
+}
+
+// Spheres of two radii by one name: a table with both rows. Each constituent has the optics of its radius alone, but
+// for the sizes at which the table is computed.
+TEST_F(GasScene, ConstituentsShareATableByMieTheory) {
+  const auto constituent = [](const std::string& name, const std::string& radius) {
+    return "[[cloud]]\nname = \"" + name + "\"\nfile = \"cloud.vdb\"\neffective_radius_um = " + radius +
+           "\nphase_function = \"drops\"\n";
+  };
+  const std::string drops = "[phase_function.drops]\ntype = \"bulk\"\nsubstance = \"water\"\n";
+  const Scene both = read(constituent("small", "3") + constituent("large", "4") + drops + solar)[1];
+  for (std::size_t n = 0; n < 2; ++n) {
+    const Scene one = read(constituent("alone", n == 0 ? "3" : "4") + drops + solar)[1];
+    EXPECT_NEAR(*both.clouds.at(n).extinction_m2_per_g / *one.clouds.at(0).extinction_m2_per_g, 1, 1e-3);
+    EXPECT_NEAR(*both.clouds.at(n).single_scattering_albedo, *one.clouds.at(0).single_scattering_albedo, 1e-5);
+  }
+  EXPECT_GT(*both.clouds[0].extinction_m2_per_g, *both.clouds[1].extinction_m2_per_g);
 }
 
 // A model of 600 to 900 cm-1 can do with a table that ends long before the visible; the optical depth cannot.
