@@ -25,6 +25,7 @@ struct PhaseClassReport {
 struct CloudFigures {
   std::string name;  ///< as SceneCloud::name
   ColumnFigures optical_depth;
+  std::optional<double> optical_depth_um;        ///< its wavelength, if that is not the scene's
   std::optional<ColumnFigures> water_path_g_m2;  ///< if the grid holds liquid water or ice
   double largest_water_content_g_m3 = 0;
   std::optional<std::array<double, 2>> effective_radius_um;  ///< smallest and largest, if the scene names one

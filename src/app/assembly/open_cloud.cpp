@@ -260,14 +260,19 @@ OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t 
                     scene.where(cloud.key + ".effective_radius_um"), quantity));
   }
   const double per_value = opened.optics.extinction_per_value;
-  opened.figures.optical_depth = column_figures(field, per_value);
   ColumnDepths& depths = opened.column_optical_depth;
+  if (cloud.relative_extinction || !depths.value.empty()) opened.figures.optical_depth_um = SceneCloud::visible_um;
   depths.min_m = {field.min_m[0], field.min_m[1]};
   depths.columns = {field.cells[0], field.cells[1]};
-  if (scene.output.optical_depth && depths.value.empty()) {
+  if (depths.value.empty()) {
     depths.value = column_integrals(field);
     for (double& depth : depths.value) depth *= per_value / cloud.relative_extinction.value_or(1);
   }
+  for (const double depth : depths.value) {
+    opened.figures.optical_depth.sum += depth;
+    opened.figures.optical_depth.largest = std::max(opened.figures.optical_depth.largest, depth);
+  }
+  if (!scene.output.optical_depth) depths.value.clear();
   doubt(doubt_optical_depth(largest_value(field) * per_value * field.cell_size_m[2]));
 
   opened.optics.phase_function =

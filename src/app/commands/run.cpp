@@ -101,9 +101,12 @@ std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
   return text;
 }
 
-void print_cloud(const CloudFigures& cloud, double columns) {
+void print_cloud(const CloudFigures& cloud, bool has_g_points, double columns) {
   const std::string of = cloud.name.empty() ? "" : cloud.name + ": ";
-  fmt::print("cloud     {}optical depth: {}\n", of, figures_text(cloud.optical_depth, columns, ""));
+  const std::string at = cloud.optical_depth_um ? fmt::format(" at {} um", *cloud.optical_depth_um)
+                         : has_g_points         ? " at the first g-point"
+                                                : "";
+  fmt::print("cloud     {}optical depth{}: {}\n", of, at, figures_text(cloud.optical_depth, columns, ""));
   if (cloud.water_path_g_m2) {
     fmt::print("water     {}path: {}; content up to {:.4g} g/m3\n", of,
                figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
@@ -121,7 +124,8 @@ void print_figures(const Scene& scene, const AssembledScene& assembled) {
   if (!assembled.clouds.empty()) {
     fmt::print("domain    {:.10g} to {:.10g} m, {:.10g} to {:.10g} m, {:.10g} to {:.10g} m along x, y, z\n",
                box.x_min_m, x_max, box.y_min_m, y_max, box.z_edge_m.front(), box.z_edge_m.back());
-    for (const CloudFigures& cloud : assembled.clouds) print_cloud(cloud, static_cast<double>(box.columns()));
+    for (const CloudFigures& cloud : assembled.clouds)
+      print_cloud(cloud, scene.broadband.has_value(), static_cast<double>(box.columns()));
   } else {
     fmt::print("domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
   }

@@ -142,9 +142,14 @@ TEST_F(GasScene, OpticalDepthIsVisible) {
     std::vector<float> expected(12, 0.F);
     expected[4 + 1] = 2;
     expected[4 + 2] = .5F;
-    const std::vector<float> found = assemble(scene, std::uint64_t{1} << 30).cloud_optical_depth;
+    const AssembledScene assembled = assemble(scene, std::uint64_t{1} << 30);
+    const std::vector<float>& found = assembled.cloud_optical_depth;
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t c = 0; c < found.size(); ++c) EXPECT_FLOAT_EQ(found[c], expected[c]);
+    ASSERT_EQ(assembled.clouds.size(), 1U);
+    EXPECT_EQ(assembled.clouds[0].optical_depth_um, SceneCloud::visible_um);
+    EXPECT_NEAR(assembled.clouds[0].optical_depth.sum, 2.5, 1e-6);
+    EXPECT_NEAR(assembled.clouds[0].optical_depth.largest, 2, 1e-6);
   }
 }
 
