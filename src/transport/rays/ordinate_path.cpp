@@ -9,10 +9,12 @@ namespace cloudbow {
 namespace {
 
 // Measured, in runs of cells crossed: looking whether a row of a block has cells at a segment; fetching and putting
-// back a cell that has another place along x; eight rays in air.
+// back a cell that has another place along x; eight rays in air; eight columns whose light goes into a march sideways
+// and out of it.
 constexpr double cost_of_a_look = .3;
 constexpr double cost_of_a_turned_cell = .15;
 constexpr double cost_of_rays_in_air = .25;
+constexpr double cost_of_moved_rays = 2;
 
 double runs_crossed(const PathPattern& pattern, const Sheets& sheets, int first_row, int last_row) {
   double runs = 0;
@@ -51,7 +53,8 @@ double sideways_cost(const SidewaysPath& path, const TransposedCells<Real>& tran
   const double blocks = std::ceil(1. + (path.levels.last - path.levels.first) / static_cast<double>(path.block));
   return runs_crossed(path.pattern, sheets, path.levels.first, path.levels.last) + cost_of_rays_in_air * in_air +
          cost_of_a_look * blocks * static_cast<double>(path.pattern.segments.size()) +
-         (path.axis == 0 ? cost_of_a_turned_cell * static_cast<double>(cells) : 0.);
+         (path.axis == 0 ? cost_of_a_turned_cell * static_cast<double>(cells) : 0.) +
+         cost_of_moved_rays * sheets.count * sheets.columns / lanes;
 }
 
 }  // namespace
