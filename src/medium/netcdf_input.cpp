@@ -231,6 +231,13 @@ double NetcdfInput::packing_step(const NetcdfVariable& variable) const {
   return is_integer(type) ? std::abs(number_attribute(variable, "scale_factor").value_or(0)) : 0;
 }
 
+std::size_t NetcdfInput::chunk_length(const NetcdfVariable& variable, std::size_t dimension) const {
+  int storage = NC_CONTIGUOUS;
+  std::vector<std::size_t> chunk(variable.length.size(), 1);
+  if (nc_inq_var_chunking(id_, variable.id, &storage, chunk.data()) != NC_NOERR || storage != NC_CHUNKED) return 1;
+  return std::max<std::size_t>(1, chunk[dimension]);
+}
+
 /// netCDF User's Guide, "Attribute Conventions": all of these are of the stored numbers, with one exception. A valid
 /// range of floating type for packed integers is of the unpacked ones.
 ValidValues NetcdfInput::valid_values(const NetcdfVariable& variable) const {

@@ -16,6 +16,7 @@ struct NetcdfVariable {
   std::vector<std::size_t> length;     ///< of the dimensions
   std::string units;                   ///< empty if the file does not say
   bool is_float32 = false;
+  std::size_t file = 0;  ///< of several files, counted by those who open them
 };
 
 /// Whether the first bytes are those of netCDF, classic or netCDF-4; such a file may still be damaged.
@@ -43,6 +44,9 @@ class NetcdfInput {
   std::optional<double> global_number(const char* name) const;
   /// 0 if the variable is not packed: the distance of two numbers that its integers can represent.
   double packing_step(const NetcdfVariable& variable) const;
+
+  /// Values along a dimension that are stored together, so that reading fewer costs as much; 1 if they are not.
+  std::size_t chunk_length(const NetcdfVariable& variable, std::size_t dimension) const;
 
   /// A part of a numeric variable, scale_factor and add_offset applied. Values that the attributes _FillValue,
   /// missing_value, valid_range, valid_min or valid_max exclude become NaN, as do values that were never written.

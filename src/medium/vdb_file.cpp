@@ -133,8 +133,8 @@ CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
 }
 
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                     const std::vector<VdbAuxiliary>& auxiliaries) {
-  vdb_module().write_cloud(path, field, options, auxiliaries);
+                     const std::vector<VdbAuxiliary>& auxiliaries, const std::vector<VdbCloudGrid>& others) {
+  vdb_module().write_cloud(path, field, options, auxiliaries, others);
 }
 
 void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,

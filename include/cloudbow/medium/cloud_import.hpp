@@ -29,6 +29,12 @@ struct CloudImportOptions {
   std::string quantity;
 
   // LES files; names that are empty are guessed.
+  std::string model = "auto";                 ///< whose layout the file has: one of les_model_names(), or "auto"
+  std::vector<std::filesystem::path> with{};  ///< files with variables that the first one lacks
+  std::filesystem::path profile{};            ///< density, or pressure and temperature, by height
+  /// "liquid", "ice", "rain", "snow", "graupel", or "all" that the file has; empty: liquid water alone.
+  std::vector<std::string> species{};
+  bool may_be_clear = false;        ///< a field without any cloud is no error: one moment of a series
   std::string variable;             ///< liquid water
   std::string units;                ///< of it, instead of the file's
   std::size_t time = 0;             ///< index on the time axis
@@ -52,13 +58,22 @@ struct CloudImportOptions {
 
 const std::vector<std::string>& cloud_import_formats();
 
+/// Models whose layouts `model` may name, without "auto".
+const std::vector<std::string>& les_model_names();
+
+/// Length of the time axis of an LES file, 1 if it has none. @throws InputError as import_cloud
+std::size_t count_times(const CloudImportOptions& options);
+
 /// That of the options, or what the file's first bytes say: one of cloud_import_formats(), not "auto".
 /// @throws InputError for a file of another kind
 std::string cloud_import_format(const CloudImportOptions& options);
 
 struct ImportedCloud {
-  CloudField field;
-  std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index", "temperature"
+  std::string grid = "density";           ///< name of the field's grid
+  CloudField field;                       ///< without columns if there is no cloud (may_be_clear)
+  std::vector<VdbAuxiliary> auxiliaries;  ///< "reff", "single_scattering_albedo", "phase_index", "temperature"
+  /// Other species, each on the voxels that it fills, in the same box; then the temperature of all their voxels.
+  std::vector<VdbCloudGrid> others;
   std::vector<std::vector<double>> moments;  ///< [phase function][l] if the file holds them, without the factor 2l+1
   std::vector<std::string> notes;            ///< findings and guesses, for the user to check
 };

@@ -83,11 +83,19 @@ struct VdbAuxiliary {
   std::vector<float> value;  ///< in the order of CloudField::value
 };
 
+/// A further field of a file, with grids on its voxels.
+struct VdbCloudGrid {
+  std::string grid;
+  CloudField field;
+  std::vector<VdbAuxiliary> auxiliaries;
+};
+
 /// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator. The file has a temporary
 /// name beside `path` until it is complete. Cell (0, 0, 0) is voxel (0, 0, 0). Auxiliary grids are stored as float.
+/// @param others fields with voxels of their own, such as ice.
 /// @throws InputError if the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
-                     const std::vector<VdbAuxiliary>& auxiliaries = {});
+                     const std::vector<VdbAuxiliary>& auxiliaries = {}, const std::vector<VdbCloudGrid>& others = {});
 
 /// Positions of the voxels of fields: nx, ny, nz cells of cell_size_m from the corner min_m on, z up.
 struct VdbBox {
