@@ -65,14 +65,14 @@ bool is_mystic(const std::string& start) {
 std::string detect_format(const std::filesystem::path& file, const std::string& start) {
   if (start.empty()) fail_import(file, "the file is empty");
   if (start.starts_with("CDF") || start.starts_with("\x89HDF")) return "les";
-  if (start.starts_with("\x93NUMPY")) return "numpy";
+  if (start.starts_with("\x93NUMPY") || start.starts_with("PK\x03\x04")) return "numpy";
   if (start.starts_with(" BDV")) {
     fail_import(file,
                 "an OpenVDB file already (found nothing to import, allowed netCDF, text, or NumPy's .npy): a scene "
                 "takes it as cloud.file, cloudbow cloud info describes it");
   }
   if (start.find('\0') != std::string::npos) {
-    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5 that netCDF-4 wrote, NumPy's .npy, text)");
+    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5, NumPy's .npy and .npz, text)");
   }
   const std::string first_line = start.substr(0, start.find('\n'));
   const std::string lower = lower_case(first_line);
@@ -377,8 +377,8 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 max_import_cells);
   }
-  // Five fields of floats, and two of doubles, of which one is being read.
-  const double bytes_per_cell = options.temperature_grid ? 40 : 36;
+  // Five fields of floats, and two of doubles, of which one is being read; water and radius of further species.
+  const double bytes_per_cell = (options.temperature_grid ? 40 : 36) + 8 * static_cast<double>(options.species.size());
   const double allowed =
       static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {

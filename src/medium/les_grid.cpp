@@ -24,6 +24,16 @@ bool counts_cells(const std::vector<double>& value, bool has_unit) {
   return true;
 }
 
+/// The lowest level last, and the reverse.
+void reverse_levels(std::vector<double>& value, std::size_t columns) {
+  const std::size_t levels = value.size() / columns;
+  for (std::size_t k = 0; k < levels / 2; ++k) {
+    const auto low = value.begin() + static_cast<std::ptrdiff_t>(k * columns);
+    const auto high = value.begin() + static_cast<std::ptrdiff_t>((levels - 1 - k) * columns);
+    std::swap_ranges(low, low + static_cast<std::ptrdiff_t>(columns), high);
+  }
+}
+
 /// The number that was meant: 0.42 for the float next to it, not 0.41999998688697815.
 double decimal_of(float value) { return number_in(fmt::format("{}", value)).value_or(value); }
 
@@ -46,7 +56,6 @@ LevelledCloud LesGrid::empty_cloud() const {
   cloud.x_min_m = low_m_[0];
   cloud.y_min_m = low_m_[1];
   cloud.z_edge_m = z_edge_m_;
-  cloud.column_edge_m = column_edge_m_;
   return cloud;
 }
 
@@ -345,52 +354,45 @@ std::optional<std::size_t> LesGrid::vertical_dimension(const NetcdfVariable& var
   return vertical;
 }
 
-/// Heights of levels from a field, the sum of two variables if there is a base.
+/// Heights of levels from a field, the sum of two variables if there is a base. They may descend.
 LesGrid::Heights LesGrid::field_of_heights(const std::string& name, const NetcdfVariable& variable,
                                            const NetcdfVariable* base, double unit_m) const {
-  const std::size_t rank = variable.length.size(), vertical = *vertical_dimension(variable);
-  std::vector<std::size_t> start(rank, 0), count = variable.length;
-  std::size_t inner = 1, outer = 1;
-  for (std::size_t n = 0; n < rank; ++n) {
-    if (role_of(variable, n) == 3) {
-      start[n] = file_.options.time;
-      count[n] = 1;
+  const std::size_t levels = variable.length[*vertical_dimension(variable)], count = columns();
+  const auto values = [&](const NetcdfVariable& of) {
+    std::vector<double> value = gather<double>(of, levels, "heights");
+    for (const double z : value) {
+      if (!std::isfinite(z)) file_.fail("'{}': a height is not finite or missing (found {})", of.name, z);
     }
-    if (n > vertical) inner *= count[n];
-    if (n < vertical) outer *= count[n];
-  }
-  std::vector<double> height = file_.input.read(variable, start, count);
+    return value;
+  };
+  std::vector<double> height = values(variable);
   if (base != nullptr) {
-    const std::vector<double> more = file_.input.read(*base, start, count);
+    const std::vector<double> more = values(*base);
     for (std::size_t n = 0; n < height.size(); ++n) height[n] += more[n];
   }
-  const std::size_t levels = count[vertical];
-  std::vector<double> mean(levels, 0), lowest(levels, INFINITY), highest(levels, -INFINITY);
-  for (std::size_t o = 0; o < outer; ++o) {
-    for (std::size_t k = 0; k < levels; ++k) {
-      for (std::size_t i = 0; i < inner; ++i) {
-        const double z = height[(o * levels + k) * inner + i];
-        if (!std::isfinite(z)) file_.fail("'{}': a height is not finite or missing (found {})", variable.name, z);
-        mean[k] += z / static_cast<double>(outer * inner);
-        lowest[k] = std::min(lowest[k], z);
-        highest[k] = std::max(highest[k], z);
-      }
-    }
+  if (is_reversed_[2]) reverse_levels(height, count);  // as it is in the file
+  std::vector<double> mean(levels, 0);
+  std::vector<bool> is_flat(levels, true);
+  for (std::size_t k = 0; k < levels; ++k) {
+    const auto begin = height.begin() + static_cast<std::ptrdiff_t>(k * count);
+    const auto end = begin + static_cast<std::ptrdiff_t>(count);
+    for (auto z = begin; z != end; ++z) mean[k] += *z / static_cast<double>(count);
+    const auto [lowest, highest] = std::minmax_element(begin, end);
+    const double spacing = levels == 1 || k == 0 ? INFINITY : std::abs(mean[k] - mean[k - 1]);
+    // Flat to the rounding of 32-bit numbers, and of the sum of two.
+    const double rounding = 2.5e-7 * std::max(std::abs(*lowest), std::abs(*highest));
+    is_flat[k] = *highest - *lowest <= std::max(std::isfinite(spacing) ? 1e-6 * spacing : 0, rounding);
+    if (*highest == *lowest) mean[k] = *lowest;  // without the rounding of the sum
   }
   Heights heights{name, {}, levels == axes_[2].length + 1};
-  for (std::size_t k = 0; k < levels; ++k) {
-    // Flat to the rounding of 32-bit numbers, and of the sum of two.
-    const double spacing = levels == 1 ? 0 : std::abs(k == 0 ? mean[1] - mean[0] : mean[k] - mean[k - 1]);
-    const double rounding = 2.5e-7 * std::max(std::abs(lowest[k]), std::abs(highest[k]));
-    if (highest[k] - lowest[k] > std::max(1e-6 * spacing, rounding)) heights.variable = &variable;
-    if (highest[k] == lowest[k]) mean[k] = lowest[k];  // without the rounding of the sum
-  }
-  if (heights.variable != nullptr && levels > 1) heights.base = base;
-  heights.unit_m = unit_m;
+  const bool are_flat = std::all_of(is_flat.begin(), is_flat.end(), [](bool flat) { return flat; });
   for (const double z : mean) {
-    const bool is_decimal = base == nullptr && variable.is_float32 && heights.variable == nullptr;
+    const bool is_decimal = base == nullptr && variable.is_float32 && are_flat;
     heights.value.push_back(unit_m * (is_decimal ? decimal_of(static_cast<float>(z)) : z));
   }
+  if (are_flat || levels == 1) return heights;
+  for (double& z : height) z *= unit_m;
+  heights.of_columns_m = std::move(height);
   return heights;
 }
 
@@ -498,18 +500,14 @@ void LesGrid::set_levels() {
   if (!heights->are_edges) point_m_ = level;
   file_.note("levels: '{}', {} {}", heights->name, level.size(),
              heights->are_edges ? "edges of cells" : "centres of cells that meet halfway");
-  if (heights->variable != nullptr) set_levels_of_columns(*heights);
+  if (!heights->of_columns_m.empty()) set_levels_of_columns(*heights);
 }
 
 /// Edges of the levels of every column.
-void LesGrid::set_levels_of_columns(const Heights& heights) {
-  const std::size_t levels = heights.value.size(), nz = axes_[2].length;
-  std::vector<double> height = gather<double>(*heights.variable, levels, "heights");
-  if (heights.base != nullptr) {
-    const std::vector<double> more = gather<double>(*heights.base, levels, "heights");
-    for (std::size_t n = 0; n < height.size(); ++n) height[n] += more[n];
-  }
-  for (double& z : height) z *= heights.unit_m;
+void LesGrid::set_levels_of_columns(Heights& heights) {
+  const std::size_t nz = axes_[2].length;
+  std::vector<double>& height = heights.of_columns_m;
+  if (is_reversed_[2]) reverse_levels(height, columns());
   for (std::size_t n = columns(); n < height.size(); ++n) {
     if (height[n] > height[n - columns()]) continue;
     const std::size_t column = n % columns();

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "les_file.hpp"
@@ -26,6 +27,8 @@ class LesGrid {
   double height_m(std::size_t level, std::size_t column) const;
   /// Height for which the file has the values of the cell: of its own coordinate, else the middle.
   double point_m(std::size_t level, std::size_t column) const;
+  /// LevelledCloud::column_edge_m; heights are not known afterwards.
+  std::vector<double> take_column_edges() { return std::move(column_edge_m_); }
   /// Sizes and corner of the columns, edges of the levels; not the fields.
   LevelledCloud empty_cloud() const;
 
@@ -47,10 +50,7 @@ class LesGrid {
     std::string name;
     std::vector<double> value;
     bool are_edges = false;
-    // Of heights that differ from column to column: the variables whose sum they are, and the size of their unit.
-    const NetcdfVariable* variable = nullptr;
-    const NetcdfVariable* base = nullptr;
-    double unit_m = 1;
+    std::vector<double> of_columns_m{};  ///< [level][j][i] in the order of the file, if columns differ
   };
   /// Part of a variable that belongs to the cells: its place in the file, and steps between values by axis.
   struct Selection {
@@ -78,7 +78,7 @@ class LesGrid {
   std::vector<double> edges_by_bounds(const NetcdfVariable& variable) const;
   Heights field_of_heights(const std::string& name, const NetcdfVariable& variable, const NetcdfVariable* base,
                            double unit_m) const;
-  void set_levels_of_columns(const Heights& heights);
+  void set_levels_of_columns(Heights& heights);
   void set_sizes_by_degrees();
   std::vector<double> degrees(std::size_t axis, const NetcdfVariable& variable) const;
   /// Axis of a dimension of a variable, `single`, or -1.

@@ -55,6 +55,7 @@ class LesReader {
     if (options_.temperature_grid) add_temperature();
     report_species();
     check_ground();
+    cloud_.column_edge_m = grid_.take_column_edges();
     cloud_.notes = std::move(file_.notes);
     return std::move(cloud_);
   }

@@ -454,8 +454,33 @@ class ByCf:
         return {"liquid": path(rho * f["a"][0], edges), "ice": path(1e-3 * rho * f["b"][0], edges)}
 
 
+class Npz:
+    title, species = "NumPy archive", ["liquid"]
+
+    def write(self, folder):
+        np.savez_compressed(folder / "cloud.npz", lwc=1e3 * WATER * density(CENTRES)[:, None, None], reff=np.full(WATER.shape, 8.0), x=CENTRES_X, y=CENTRES_Y,
+                            z=EDGES)
+        return ["cloud.npz"]
+
+    def read(self, folder):
+        with np.load(folder / "cloud.npz") as arrays:
+            return {"liquid": path(1e-3 * arrays["lwc"], arrays["z"])}
+
+
+class NpzStored(Npz):
+    title = "NumPy archive, not compressed"
+
+    def write(self, folder):
+        np.savez(folder / "cloud.npz", field=(1e3 * WATER).astype("f4"), other=np.zeros((2, 2)))
+        return ["cloud.npz", "--variable", "field", "--quantity", "liquid_water_content", "--voxel-size-m", "100", "100", "40"]
+
+    def read(self, folder):
+        with np.load(folder / "cloud.npz") as arrays:
+            return {"liquid": path(1e-3 * arrays["field"].astype(float), 40.0 * np.arange(NZ + 1))}
+
+
 LAYOUTS = [Wrf(), Cm1(), Sam(), Dales(), MicroHh(), Palm(), Uclales(), MesoNh(), Icon(), IconCentres(), Cosmo(), Monc(), Rams(), Oceananigans(), Era5(),
-           ByCf()]
+           ByCf(), Npz(), NpzStored()]
 
 
 def run(arguments, folder):
@@ -468,7 +493,8 @@ def run(arguments, folder):
 def row_of(layout, options, folder):
     """A row of the table: the model, how it was recognised, options that were needed, species, columns, and the largest difference."""
     needed = layout.write(folder)
-    command = [options.cloudbow, "cloud", "import", *needed, "--species", ",".join(layout.species), "-o", "cloud.vdb"]
+    species = ["--species", ",".join(layout.species)] if len(layout.species) > 1 else []
+    command = [options.cloudbow, "cloud", "import", *needed, *species, "-o", "cloud.vdb"]
     recognised = re.search(r"^model: (.*)$", run([*command, "--dry-run"], folder), re.MULTILINE)
     if (folder / "cloud.vdb").exists():
         raise Failure("--dry-run has written a file")
@@ -488,6 +514,30 @@ def row_of(layout, options, folder):
         raise Failure(f"a column differs by {worst:.2g}")
     shown = f"`{' '.join(needed[1:])}`" if needed[1:] else "none"
     return [layout.title, recognised[1] if recognised else "no model, by names", shown, ", ".join(layout.species), str(columns)], worst
+
+
+def check_series(options, folder):
+    """`--time all`: a numbered file for each moment with cloud, and none over an input."""
+    def refused(name, arguments, *words):
+        done = subprocess.run([options.cloudbow, "cloud", "import", *arguments], cwd=folder, capture_output=True, text=True, timeout=120)
+        lines = done.stderr.strip().splitlines()
+        if done.returncode != 2 or len(lines) != 1 or any(word not in lines[0] for word in words):
+            raise Failure(f"{name}: exit code {done.returncode}, {done.stderr}")
+
+    with File(folder / "series.nc", {"time": 3, "z": NZ, "y": NY, "x": NX}) as file:
+        file.add("x", ("x",), CENTRES_X, "m").add("y", ("y",), CENTRES_Y, "m").add("z", ("z",), CENTRES, "m")
+        file.add("rho", ("z",), density(CENTRES), "kg/m3").add("qc", ("time", "z", "y", "x"), np.stack([WATER, 0 * WATER, 2 * WATER]), "kg/kg")
+    said = run([options.cloudbow, "cloud", "import", "series.nc", "--time", "all", "-o", "s.vdb"], folder)
+    written = sorted(path.name for path in folder.glob("s*.vdb"))
+    if written != ["s_0000.vdb", "s_0002.vdb"] or "time 1: no cloud, no file" not in said:
+        raise Failure(f"files {written} of a series; {said}")
+    first, last = (run([options.column_paths, name, "density"], folder) for name in written)
+    if not np.allclose(2 * np.array(first.split(), float), np.array(last.split(), float), rtol=1e-6):
+        raise Failure("the moments of the series are mixed up")
+    (folder / "t_0002.vdb").write_bytes((folder / "series.nc").read_bytes())
+    refused("series over a further file", ["series.nc", "--time", "all", "--with", "t_0002.vdb", "-o", "t.vdb"], "overwrite an input")
+    refused("no output", ["series.nc"], "--output")
+    refused("a moment beyond the last", ["series.nc", "--time", "3", "--dry-run"], "--time is beyond the time axis", "0 to 2")
 
 
 def main():
@@ -513,6 +563,12 @@ def main():
         table.append("| " + " | ".join(row) + " |")
         largest = max(largest, worst)
         print(f"{table[-1]}  {worst:.1e}", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            check_series(options, Path(folder))
+        except Failure as failure:
+            print(f"FAIL  series: {failure}")
+            failures += 1
     print(f"{len(LAYOUTS)} layouts, {failures} failures, largest relative difference of a column {largest:.1e}")
     text = "\n".join([BEGIN, *table, END])
     for page in filter(None, (options.check, options.write)):

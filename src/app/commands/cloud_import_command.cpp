@@ -47,7 +47,7 @@ const std::vector<OptionOfFormats>& options_of_formats() {
                                                     {"--with", les},
                                                     {"--profile", les},
                                                     {"--species", les},
-                                                    {"--variable", les},
+                                                    {"--variable", {"les", "numpy"}},
                                                     {"--units", les},
                                                     {"--time", les},
                                                     {"--x-axis", les},
