@@ -51,7 +51,8 @@ bool is_content(const std::string& quantity) {
 std::string column_integral_name(const std::string& quantity, const std::string& units) {
   if (scale_of_units(quantity, units).value_or(1) != 1) return "vertical integral";
   if (quantity == "extinction") return "optical depth";
-  if (quantity == "liquid_water_content") return "liquid water path [g/m2]";
+  constexpr std::string_view content = "_water_content";
+  if (quantity.ends_with(content)) return quantity.substr(0, quantity.size() - content.size()) + " water path [g/m2]";
   return "vertical integral";
 }
 

@@ -51,7 +51,7 @@ std::optional<double> scale_of_units(const std::string& quantity, const std::str
   static const std::map<std::string, double> gram_per_cubic_metre{{"g/m3", 1},    {"gm-3", 1},     {"kg/m3", 1e3},
                                                                   {"kgm-3", 1e3}, {"mg/m3", 1e-3}, {"mgm-3", 1e-3}};
   const auto& known = quantity == "extinction" ? per_metre : gram_per_cubic_metre;
-  if (quantity != "extinction" && quantity != "liquid_water_content") return std::nullopt;
+  if (quantity != "extinction" && !quantity.ends_with("_water_content")) return std::nullopt;
   const auto found = known.find(bare(units));
   return found == known.end() ? std::nullopt : std::optional(found->second);
 }

@@ -23,7 +23,7 @@ std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel);
 /// A sentence about radii outside the range above; none inside.
 std::optional<std::string> doubt_effective_radius(double smallest_um, double largest_um);
 
-/// The `cloud.scale` that converts the units of a file: an extinction to 1/m, a liquid water content to g/m3. None if
+/// The `cloud.scale` that converts the units of a file: an extinction to 1/m, a water content to g/m3. None if
 /// these units are not recognised.
 std::optional<double> scale_of_units(const std::string& quantity, const std::string& units);
 

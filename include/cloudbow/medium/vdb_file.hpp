@@ -129,8 +129,8 @@ struct Spread {
   double max = 0;
 };
 
-/// Name of vertical integrals of a quantity in these units: "optical depth", "liquid water path [g/m2]" or, in other
-/// units, "vertical integral".
+/// Name of vertical integrals of a quantity in these units: "optical depth", "liquid water path [g/m2]" (ice, rain,
+/// snow, graupel likewise) or, in other units, "vertical integral".
 std::string column_integral_name(const std::string& quantity, const std::string& units);
 
 /// Content of a grid that is read as a cloud with z up.
@@ -177,8 +177,10 @@ std::vector<double> column_integrals(const CloudField& field);
 
 /// Grids of an effective radius, a single-scattering albedo or a phase index are read without their background. It
 /// belongs to the voxels of another grid.
-/// @throws InputError if the file as a whole cannot be read.
-CloudInfo describe_cloud_vdb(const std::filesystem::path& path);
+/// @param grid the only one that is described; empty: all. @param up_axis as in VdbReadOptions.
+/// @throws InputError if the file as a whole cannot be read, or the grid is not in it.
+CloudInfo describe_cloud_vdb(const std::filesystem::path& path, const std::string& grid = {},
+                             const std::string& up_axis = "z");
 
 /// Several lines for a terminal, each ended by a newline.
 std::string format_cloud_info(const CloudInfo& info);

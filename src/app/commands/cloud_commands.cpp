@@ -61,8 +61,8 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
   });
 }
 
-void plot_columns(const std::filesystem::path& file, const std::filesystem::path& image) {
-  const VdbCloud field = read_cloud_vdb(file);
+void plot_columns(const std::filesystem::path& file, const VdbReadOptions& read, const std::filesystem::path& image) {
+  const VdbCloud field = read_cloud_vdb(file, read);
   ColumnPlot plot;
   plot.title = file.filename().string();
   plot.label = column_integral_name(field.quantity, field.units);
@@ -78,21 +78,32 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
   struct Options {
     std::filesystem::path file;
     std::filesystem::path plot;
+    std::string grid;
+    std::string up_axis = "z";
   };
   auto options = std::make_shared<Options>();
   CLI::App* app =
       cloud_app.add_subcommand("info", "Grids, size, voxel size, active voxels, values, column optical depth, fill");
   app->add_option("file", options->file, "VDB file")->type_name("FILE")->required();
-  app->add_option("--plot", options->plot, "Map (one row: curve) of the columns of the grid \"density\" (PNG)")
+  app->add_option("--plot", options->plot,
+                  "Map (one row: curve) of the columns of the grid \"density\", or --grid (PNG)")
       ->type_name("FILE");
+  app->add_option("--grid", options->grid, "This grid alone")->type_name("NAME");
+  app->add_option("--up-axis", options->up_axis, "Axis of the file that points up: x, y (renderers) or z")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"x", "y", "z"}));
   app->callback([&action, options] {
     action = [options] {
       check_outputs({{options->plot, "the plot", OutputKind::plot}}, std::span(&options->file, 1));
-      const CloudInfo info = describe_cloud_vdb(options->file);
+      const CloudInfo info = describe_cloud_vdb(options->file, options->grid, options->up_axis);
       fmt::print("{}", format_cloud_info(info));
       for (const std::string& doubt : doubts_about(info)) tell("cloudbow: warning: {}\n", printable(doubt));
       check_effective_radii(info);
-      if (!options->plot.empty()) plot_columns(options->file, options->plot);
+      if (options->plot.empty()) return exit_done;
+      VdbReadOptions read;
+      if (!options->grid.empty()) read.grid = options->grid;
+      read.up_axis = options->up_axis;
+      plot_columns(options->file, read, options->plot);
       return exit_done;
     };
   });
