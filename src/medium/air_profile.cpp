@@ -115,7 +115,7 @@ std::vector<double> last_profile(const NetcdfInput& input, const NetcdfVariable&
 }
 
 std::optional<AirProfile> density_of_netcdf(const std::filesystem::path& file) {
-  const NetcdfInput input(file);
+  const NetcdfInput input(file, true);  // MicroHH has groups
   for (const std::string& name : density_names) {
     const NetcdfVariable* density = input.find(name);
     if (density == nullptr || density->length.empty()) continue;

@@ -71,6 +71,9 @@ std::string detect_format(const std::filesystem::path& file, const std::string& 
                 "an OpenVDB file already (found nothing to import, allowed netCDF, text, or NumPy's .npy): a scene "
                 "takes it as cloud.file, cloudbow cloud info describes it");
   }
+  if (start.starts_with("GRIB")) {
+    fail_import(file, "a GRIB file (found no netCDF) convert it first, as 'cdo -f nc4 copy' or 'grib_to_netcdf' do");
+  }
   if (start.find('\0') != std::string::npos) {
     fail_import(file, "of an unknown kind (allowed: netCDF, HDF5, NumPy's .npy and .npz, text)");
   }
@@ -400,7 +403,10 @@ double uniform_spacing(const std::filesystem::path& file, const std::string& axi
   for (std::size_t n = 1; n < centre.size(); ++n) {
     const double step = centre[n] - centre[n - 1];
     if (!(spacing > 0) || !(std::abs(step - spacing) <= 1e-3 * spacing)) {
-      fail_import(file, "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g})",
+      fail_import(file,
+                  "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g}) "
+                  "interpolate, or give "
+                  "--voxel-size-m",
                   axis, centre[n], centre[n - 1], std::abs(spacing));
     }
   }

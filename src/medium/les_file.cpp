@@ -5,8 +5,8 @@
 namespace cloudbow {
 
 LesInputs::LesInputs(const std::filesystem::path& first, const std::vector<std::filesystem::path>& others) {
-  inputs_.push_back(std::make_unique<NetcdfInput>(first));
-  for (const auto& other : others) inputs_.push_back(std::make_unique<NetcdfInput>(other));
+  inputs_.push_back(std::make_unique<NetcdfInput>(first, true));
+  for (const auto& other : others) inputs_.push_back(std::make_unique<NetcdfInput>(other, true));
   for (std::size_t f = 0; f < inputs_.size(); ++f) {
     for (NetcdfVariable variable : inputs_[f]->variables()) {
       variable.file = f;

@@ -75,8 +75,10 @@ std::string LesGrid::cell_text(std::size_t n) const {
 void LesGrid::assign_axes(const NetcdfVariable& variable) {
   const std::size_t rank = variable.length.size();
   if (rank < 1 || rank > 4) {
-    file_.fail("'{}': wrong number of dimensions (found {}, allowed z; z, x; z, y, x; with or without time)",
-               variable.name, rank);
+    file_.fail(
+        "'{}': wrong number of dimensions (found {}, allowed z; z, x; z, y, x; with or without time) cut one out, as "
+        "'ncks -d' does",
+        variable.name, rank);
   }
   std::vector<int> role(rank, -1);
   for (std::size_t n = 0; n < rank; ++n) role[n] = axis_of_dimension(variable.dimension[n]);
@@ -478,8 +480,9 @@ void LesGrid::set_levels() {
     return;
   }
   if (!heights) {
-    file_.fail("no heights of '{}' in metres ({}, allowed m, km) give --voxel-size-m DX DY DZ", axes_[2].name,
-               height_problem_.empty() ? "found no variable of this name and length" : height_problem_);
+    file_.fail(
+        "no heights of '{}' in metres ({}, allowed m, km) give --voxel-size-m DX DY DZ, or --with FILE that has them",
+        axes_[2].name, height_problem_.empty() ? "found no variable of this name and length" : height_problem_);
   }
   std::vector<double>& level = heights->value;
   if (level.size() == 1) {

@@ -125,10 +125,14 @@ class LesReader {
       return *water.front();
     }
     if (!extinction.empty() && options_.quantity.empty()) return *extinction.front();
-    std::string tried;
+    std::string tried, other;
     for (const std::string& name : water_names.names) tried += (tried.empty() ? "" : ", ") + name;
-    file_.fail("no variable of liquid water (looked for {}; fields in the file: {}) name it with --variable", tried,
-               file_.fields_there());
+    for (const Species& species : species_names) {
+      if (species.option == nullptr || file_.first_of(*species.names) == nullptr) continue;
+      other += fmt::format(", or give --species {} for its {}", species.option, species.what);
+    }
+    file_.fail("no variable of liquid water (looked for {}; fields in the file: {}) name it with --variable{}", tried,
+               file_.fields_there(), other);
   }
 
   /// Two variables of liquid water that differ: the user must choose.

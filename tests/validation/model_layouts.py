@@ -215,11 +215,12 @@ class MicroHh:
                 file.add("x", ("x",), CENTRES_X, "m").add("y", ("y",), CENTRES_Y, "m").add("z", ("z",), CENTRES, "m")
                 file.add(name, ("time", "z", "y", "x"), values, "kg kg-1")
         with File(folder / "default.nc", {"time": 2, "z": NZ}) as file:
-            file.add("z", ("z",), CENTRES, "m", kind="f8").add("rhoref", ("z",), density(CENTRES), "kg m-3", kind="f8")
+            file.add("z", ("z",), CENTRES, "m", kind="f8").add("thermo/rhoref", ("z",), density(CENTRES), "kg m-3", kind="f8")
         return ["ql.nc", "--with", "qr.nc", "--profile", "default.nc", "--model", "microhh"]
 
     def read(self, folder):
-        air = opened(folder / "default.nc")
+        with netCDF4.Dataset(folder / "default.nc") as file:
+            air = {"z": file["z"][...], "rhoref": file["thermo/rhoref"][...]}
         found = {}
         for species, name in (("liquid", "ql"), ("rain", "qr")):
             f = opened(folder / f"{name}.nc")

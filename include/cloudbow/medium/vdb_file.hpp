@@ -129,8 +129,8 @@ struct Spread {
   double max = 0;
 };
 
-/// Name of vertical integrals of a quantity in these units: "optical depth", "liquid water path [g/m2]" (ice, rain,
-/// snow, graupel likewise) or, in other units, "vertical integral".
+/// Name of vertical integrals of a quantity in these units: "optical depth" or, for each species,
+/// "liquid water path [g/m2]". In other units it is "vertical integral".
 std::string column_integral_name(const std::string& quantity, const std::string& units);
 
 /// Content of a grid that is read as a cloud with z up.

@@ -303,6 +303,23 @@ TEST_F(LesImport, LevelsOfPressureAndGeopotentialAreRead) {
   EXPECT_NEAR(cloud.field.cell_size_m[2], 40, 1e-3);
 }
 
+TEST_F(LesImport, FilesOfOtherKindsSayWhatToDo) {
+  CloudImportOptions options = with([](NetcdfBuilder& file) { add_water(file, "qi"); }, false);
+  EXPECT_THAT(error_of(options), HasSubstr("or give --species ice for its cloud ice"));
+  options.file = folder_ / "a.grib";
+  std::ofstream(options.file) << "GRIB and more";
+  EXPECT_THAT(error_of(options), HasSubstr("convert it first"));
+}
+
+TEST_F(LesImport, VariablesOfGroupsAreRead) {
+  const CloudImportOptions options = with([](NetcdfBuilder& file) {
+    file.group("air");
+    file.variable("rho", {"z"}, "kg/m3", profile(density));
+    file.variable("qc", {"z"}, "kg/kg", profile([](int) { return 7; }));  // the file's own counts
+  });
+  expect_truth(import_cloud(options));
+}
+
 TEST_F(LesImport, UnstructuredGridsAreRefusedWithTheWayOut) {
   NetcdfBuilder file(folder_ / "cells.nc");
   file.dimension("height", nz);
