@@ -300,14 +300,30 @@ CloudField empty_field(const LevelledCloud& cloud, const UniformLevels& levels, 
   return field;
 }
 
-/// Calls a function with i, j, k, the parts of the voxel, and the writer of its row.
+/// Lowest and highest edge of the levels with cloud.
+std::pair<double, double> heights_of_cloud(const LevelledCloud& cloud) {
+  int first = 0, last = cloud.nz() - 1;
+  while (first < last && !has_cloud(cloud, first)) ++first;
+  while (last > first && !has_cloud(cloud, last)) --last;
+  if (cloud.column_edge_m.empty()) return {cloud.z_edge_m[first], cloud.z_edge_m[last + 1]};
+  const auto edges = [&](int k) {
+    const auto begin = cloud.column_edge_m.begin() + static_cast<std::ptrdiff_t>(cloud.cell(0, 0, k));
+    return std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(cloud.columns()));
+  };
+  return {*edges(first).first, *edges(last + 1).second};
+}
+
+/// Calls a function with i, j, k, the parts of the voxel, and the writer of its row; not for voxels beyond the cloud.
 template <class Function>
 void fill_rows(CloudField& field, const LevelledCloud& cloud, const UniformLevels& levels, Function function) {
   PartsOfVoxels parts(cloud, levels);
   RowSpanWriter rows(field);
+  const auto [lowest, highest] = heights_of_cloud(cloud);
   for (int k = 0; k < levels.count; ++k) {
+    const bool is_clear =
+        levels.bottom_m + (k + 2) * levels.size_m < lowest || levels.bottom_m + (k - 1) * levels.size_m > highest;
     for (int j = 0; j < cloud.ny; ++j) {
-      for (int i = 0; i < cloud.nx; ++i) function(i, j, k, parts, rows);
+      for (int i = 0; i < cloud.nx && !is_clear; ++i) function(i, j, k, parts, rows);
       rows.end_row();
     }
   }
@@ -380,13 +396,15 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 max_import_cells);
   }
-  // Five fields of floats, and two of doubles, of which one is being read; water and radius of further species.
-  const double bytes_per_cell = (options.temperature_grid ? 40 : 36) + 8 * static_cast<double>(options.species.size());
+  // Five fields of floats and one of doubles; water and radius of further species.
+  const double bytes_per_cell = (options.temperature_grid ? 32 : 28) + 8 * static_cast<double>(options.species.size());
   const double allowed =
       static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {
-    fail_import(options.file, "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all)", nx, ny, nz,
-                allowed / bytes_per_cell);
+    fail_import(options.file,
+                "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all) cut out a part, or give "
+                "--vertical-size-m",
+                nx, ny, nz, allowed / bytes_per_cell);
   }
 }
 
@@ -427,7 +445,9 @@ void check_plausible(const LevelledCloud& cloud, const CloudImportOptions& optio
   constexpr double most_water = 20;                       // g/m3
   constexpr double smallest_um = 0.1, largest_um = 5000;  // effective radius
   constexpr double rim = 1e-3;                            // of the densest cell: less may be traces with any radius
-  for (std::size_t k = 0; k + 1 < cloud.z_edge_m.size(); ++k) {
+  int highest = cloud.nz() - 1;                           // above the cloud levels may be as thick as they like
+  while (highest > 0 && !has_cloud(cloud, highest)) --highest;
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(highest); ++k) {
     const double thickness = cloud.z_edge_m[k + 1] - cloud.z_edge_m[k];
     if (thickness >= thinnest && thickness <= thickest) continue;
     fail_import(options.file,
@@ -446,6 +466,11 @@ void check_plausible(const LevelledCloud& cloud, const CloudImportOptions& optio
                   "{}: {} holds {:.6g} g/m3 of liquid water (allowed up to {} g/m3): is it in the unit that the file "
                   "says?{}",
                   cloud.source, cell_text(n), cloud.density[n], most_water, cloud.source_hint);
+    }
+    for (const LevelledSpecies& other : cloud.others) {
+      if (other.density[n] <= most_water) continue;
+      fail_import(options.file, "{}: {} holds {:.6g} g/m3 (allowed up to {} g/m3): is its unit right in the file?",
+                  other.quantity, cell_text(n), other.density[n], most_water);
     }
     if (cloud.effective_radius_um.empty() || cloud.density[n] <= rim * densest) continue;
     const double radius = cloud.effective_radius_um[n];

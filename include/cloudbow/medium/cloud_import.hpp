@@ -78,7 +78,8 @@ struct ImportedCloud {
   std::vector<std::string> notes;            ///< findings and guesses, for the user to check
 };
 
-/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass. Each voxel is the
+/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass, to 1e-6. Heights may
+/// differ from column to column. Species and temperature have voxels of the same box. Each voxel is the
 /// mean of the levels in it by thickness. Temperature is the mean by mass. An effective radius is the mean that keeps
 /// mass and mass / radius, an albedo the one that keeps scattering.
 /// @throws InputError naming file and variable, line or cell: missing or damaged file, missing variable or axis, unit
