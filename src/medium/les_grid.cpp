@@ -419,6 +419,12 @@ std::vector<double> LesGrid::edges_by_bounds(const NetcdfVariable& variable) con
 
 std::optional<LesGrid::Heights> LesGrid::find_heights() {
   const std::size_t levels = axes_[2].length;
+  for (const std::string& name : file_.model == nullptr ? Names{} : file_.model->heights) {
+    const NetcdfVariable* of_cells = file_.input.find(name);
+    if (of_cells == nullptr || of_cells->length.size() < 2 || !vertical_dimension(*of_cells)) continue;
+    if (const auto unit = factor_of(length_units, of_cells->units))
+      return field_of_heights(name, *of_cells, nullptr, *unit);
+  }
   if (const NetcdfVariable* own = coordinate_variable(2)) {
     Coordinates found = coordinates(2, own);
     if (!found.value.empty()) {
@@ -503,7 +509,28 @@ void LesGrid::set_levels() {
   if (!heights->are_edges) point_m_ = level;
   file_.note("levels: '{}', {} {}", heights->name, level.size(),
              heights->are_edges ? "edges of cells" : "centres of cells that meet halfway");
-  if (!heights->of_columns_m.empty()) set_levels_of_columns(*heights);
+  if (!heights->of_columns_m.empty()) {
+    set_levels_of_columns(*heights);
+  } else {
+    report_terrain(heights->name);
+  }
+}
+
+/// Levels of one height over ground of another: the model's terrain is lost.
+void LesGrid::report_terrain(const std::string& heights) const {
+  for (const char* name : {"ZS", "zs", "HGT", "HSURF", "topography_c", "orog"}) {
+    const NetcdfVariable* ground = file_.input.find(name);
+    if (ground == nullptr || ground->length.size() < 2 || !holds(*ground) || !factor_of(length_units, ground->units))
+      continue;
+    const std::vector<float> value = gather<float>(*ground, 1, "ground");
+    const auto [low, high] = std::minmax_element(value.begin(), value.end());
+    if (!(*high - *low > 1)) continue;
+    file_.note(
+        "CHECK the heights: the ground '{}' reaches from {:.6g} to {:.6g}, the levels '{}' are flat; --with FILE adds "
+        "a "
+        "field of heights",
+        name, *low, *high, heights);
+  }
 }
 
 /// Edges of the levels of every column.

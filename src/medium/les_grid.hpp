@@ -79,6 +79,7 @@ class LesGrid {
   Heights field_of_heights(const std::string& name, const NetcdfVariable& variable, const NetcdfVariable* base,
                            double unit_m) const;
   void set_levels_of_columns(Heights& heights);
+  void report_terrain(const std::string& heights) const;
   void set_sizes_by_degrees();
   std::vector<double> degrees(std::size_t axis, const NetcdfVariable& variable) const;
   /// Axis of a dimension of a variable, `single`, or -1.

@@ -23,6 +23,7 @@ struct LesModel {
   NamesOfWords names;            ///< of its variables, tried before all others
   NamesOfWords others;           ///< names that mean something else than usual, and are not tried
   Names liquid_potential;        ///< liquid water potential temperature, whatever the name suggests
+  Names heights{};               ///< of all cells: a coordinate of levels holds over flat ground alone
 
   Names names_of(const Words& words) const;
   bool means_other(const Words& words, const std::string& variable) const;

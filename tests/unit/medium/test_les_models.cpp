@@ -77,6 +77,19 @@ class Terrain : public LesImport {
     }
     return path;
   }
+  /// Of levels that meet halfway between the centres.
+  static std::vector<double> paths_between_centres() {
+    std::vector<double> wanted;
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        const auto centre = [&](int k) { return 0.5 * (terrain_edge(k, j, i) + terrain_edge(k + 1, j, i)); };
+        wanted.push_back(0);
+        for (int k = 3; k <= 6; ++k)
+          wanted.back() += stored(1e3 * water(k, j, i)) * 0.5 * (centre(k + 1) - centre(k - 1));
+      }
+    }
+    return wanted;
+  }
 };
 
 TEST_F(Terrain, EveryColumnKeepsItsWaterWhateverTheVoxels) {
@@ -118,17 +131,37 @@ TEST_F(Terrain, AVoxelIsTheMeanOfTheLevelsInIt) {
 }
 
 TEST_F(Terrain, CentresMeetHalfwayInEveryColumn) {
-  const ImportedCloud cloud = import_cloud(over_hill(true, false));
-  std::vector<double> wanted;
-  for (int j = 0; j < ny; ++j) {
-    for (int i = 0; i < nx; ++i) {
-      const auto centre = [&](int k) { return 0.5 * (terrain_edge(k, j, i) + terrain_edge(k + 1, j, i)); };
-      wanted.push_back(0);
-      for (int k = 3; k <= 6; ++k)
-        wanted.back() += stored(1e3 * water(k, j, i)) * 0.5 * (centre(k + 1) - centre(k - 1));
+  expect_paths(import_cloud(over_hill(true, false)), paths_between_centres());
+}
+
+TEST_F(Terrain, HeightsOfCellsHoldOverThoseOfTheCoordinate) {
+  const auto meso_nh = [&](bool has_heights) {
+    NetcdfBuilder file(folder_ / "mesonh.nc");
+    file.dimension("level", nz);
+    file.dimension("nj", ny);
+    file.dimension("ni", nx);
+    file.variable("level", {"level"}, "m", profile(height));
+    file.variable("nj", {"nj"}, "m", {50, 150, 250});
+    file.variable("ni", {"ni"}, "m", {50, 150});
+    file.variable("ZS", {"nj", "ni"}, "m", {0, 35, 10, 45, 20, 55});
+    const std::vector<std::string> whole{"level", "nj", "ni"};
+    file.variable("RCT", whole, "g/m3", field([](int k, int j, int i) { return 1e3 * water(k, j, i); }));
+    file.variable("THT", {"level"}, "K", profile([](int) { return theta; }));
+    if (has_heights) {
+      file.variable("ALT", whole, "m", field([](int k, int j, int i) {
+                      return 0.5 * (terrain_edge(k, j, i) + terrain_edge(k + 1, j, i));
+                    }),
+                    NC_DOUBLE);
     }
-  }
-  expect_paths(cloud, wanted);
+    CloudImportOptions options;
+    options.file = file.close();
+    return import_cloud(options);
+  };
+  EXPECT_THAT(notes_of(meso_nh(false)),
+              HasSubstr("CHECK the heights: the ground 'ZS' reaches from 0 to 55, the levels"));
+  const ImportedCloud cloud = meso_nh(true);
+  EXPECT_THAT(notes_of(cloud), Not(HasSubstr("CHECK")));
+  expect_paths(cloud, paths_between_centres());
 }
 
 TEST_F(Terrain, LevelsOfAColumnThatCrossAreRefused) {
