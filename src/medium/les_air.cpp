@@ -171,6 +171,8 @@ void LesAir::fail_without_density() const {
 
 /// The pressure to which a perturbation is to be added: PB beside P, as WRF writes them, and the like.
 const NetcdfVariable* LesAir::base_of(const NetcdfVariable& pressure) const {
+  if (const std::string& given = file_.options.base_pressure; !given.empty())
+    return &file_.named(given, "--base-pressure");
   constexpr std::array<std::pair<const char*, const char*>, 3> pairs{{{"P", "PB"}, {"p", "pb"}, {"prspert", "prs0"}}};
   for (const auto& [perturbation, base] : pairs) {
     if (pressure.name == perturbation) return file_.input.find(base);
@@ -232,7 +234,7 @@ LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
   if (base == nullptr && file_.is_perturbation(*variable)) {
     file_.fail(
         "'{}' is a perturbation of pressure by its attributes (found no base pressure, allowed the pressure "
-        "itself) {}",
+        "itself) name --base-pressure, or {}",
         variable->name, name_density);
   }
   Pressure result{variable->name, {}};
@@ -261,7 +263,8 @@ LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
 }
 
 const NetcdfVariable* LesAir::temperature_variable() const {
-  const std::string& given = file_.options.temperature;
+  const std::string &given = file_.options.temperature, &potential = file_.options.potential_temperature;
+  if (!potential.empty()) return &file_.named(potential, "--potential-temperature");
   if (const NetcdfVariable* variable = file_.find(given, temperature_names, "--temperature")) return variable;
   if (const NetcdfVariable* variable = file_.first_of(potential_temperature_names)) return variable;
   return file_.first_of(liquid_potential_temperature_names);
@@ -306,6 +309,7 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   const NetcdfVariable* reference = reference_of(file_, variable, lowest);
   const bool is_potential =
       is_from_300 || says_potential || is_liquid_potential(variable) || reference != nullptr ||
+      variable.name == file_.options.potential_temperature ||
       std::find(potential_names.begin(), potential_names.end(), variable.name) != potential_names.end();
   const auto celsius = factor_of(celsius_units, variable.units);
   if (!celsius) file_.factor(variable, kelvin_units, 1, "K");

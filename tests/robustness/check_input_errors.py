@@ -247,11 +247,12 @@ def import_commands(folder):
     yield "archive without a cloud", [other, *size], ["other.npz", "arrays in the file: a, b", "--variable"]
     yield "archive without the array", [other, *size, "--variable", "c"], ["no array 'c'", "a, b"]
     yield "array with --variable", [array, *size, "--variable", "c"], ["array.npy", "--variable", ".npz"]
-    for option, value in (("--with", les), ("--profile", columns), ("--species", "ice"), ("--model", "wrf")):
+    for option, value in (("--with", les), ("--profile", columns), ("--species", "ice"), ("--model", "wrf"), ("--base-pressure", "p"), ("--potential-temperature", "t")):
         yield f"NumPy with {option}", [array, *size, option, value], [f"{option}:", "numpy", "allowed les"]
     yield "--time that is no number", [les, "--time", "last"], ["--time", "last", "or all"]
     yield "unknown species", [les, "--species", "liquid,hail"], ["--species", "hail"]
     yield "unknown model", [les, "--model", "mm5"], ["--model", "mm5", "wrf"]
+    yield "two temperatures", [les, "--temperature", "t", "--potential-temperature", "th"], ["--temperature", "--potential-temperature"]
     yield "profile and density", [les, "--profile", columns, "--air-density", "1"], ["--profile", "--air-density", "leave out one"]
     yield "AT3D with --quantity", [at3d, "--quantity", "extinction"], ["--quantity:", "at3d", "les, columns, numpy"]
     yield "LES with --columns", [les, "--columns", "4", "4"], ["--columns:", "les.nc", "les", "columns, optics-csv"]

@@ -41,7 +41,9 @@ struct CloudImportOptions {
   std::array<std::string, 4> axes;  ///< dimensions x, y, z, time
   std::string air_density;          ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
   std::string pressure;             ///< with temperature, in place of air density
+  std::string base_pressure{};  ///< is added to the pressure, which then is a perturbation
   std::string temperature;
+  std::string potential_temperature{};  ///< in place of temperature
   bool temperature_grid = false;  ///< brings the temperature as a grid; LES files alone have one
   std::string droplet_number;     ///< for the effective radius
   std::string effective_radius;   ///< in place of droplet number

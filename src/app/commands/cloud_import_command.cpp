@@ -56,7 +56,9 @@ const std::vector<OptionOfFormats>& options_of_formats() {
                                                     {"--time-axis", les},
                                                     {"--air-density", les},
                                                     {"--pressure", les},
+                                                    {"--base-pressure", les},
                                                     {"--temperature", les},
+                                                    {"--potential-temperature", les},
                                                     {"--temperature-grid", les},
                                                     {"--fill", les},
                                                     {"--droplet-number", les},
@@ -325,7 +327,11 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   app->add_option("--air-density", options.air_density,
                   "LES: air density, a variable or a number [kg/m3] or us-1976 (the standard atmosphere)");
   app->add_option("--pressure", options.pressure, "LES: pressure, with temperature in place of air density");
-  app->add_option("--temperature", options.temperature, "LES: temperature, or potential temperature");
+  app->add_option("--base-pressure", options.base_pressure, "LES: what is added to --pressure, a perturbation");
+  auto* temperature =
+      app->add_option("--temperature", options.temperature, "LES: temperature, or potential temperature");
+  app->add_option("--potential-temperature", options.potential_temperature, "LES: potential temperature")
+      ->excludes(temperature);
   app->add_flag("--temperature-grid", options.temperature_grid,
                 "LES: bring the temperature too, as a grid of the same voxels, for thermal emission");
   app->add_option("--fill", options.fill, "LES: cells with missing water are an error, or clear air")

@@ -241,6 +241,22 @@ TEST_F(LesImport, ThePressureOfPalmIsAPerturbation) {
   EXPECT_THAT(error_of(options), AllOf(HasSubstr("needs the air's density"), HasSubstr("--profile FILE")));
 }
 
+TEST_F(LesImport, BaseAndPotentialTemperatureMayBeNamed) {
+  CloudImportOptions options = with([](NetcdfBuilder& file) {
+    file.variable("dp", {"z", "y", "x"}, "Pa", field([](int k, int, int) { return 3.0 * k; }));
+    file.text("dp", "long_name", "pressure deviation");
+    file.variable("p_mean", {"z"}, "hPa", profile([](int k) { return (pressure(k) - 3.0 * k) / 100; }), NC_DOUBLE);
+    file.variable("warmth", {"z"}, "K", profile([](int) { return theta; }));
+  });
+  options.pressure = "dp";
+  options.potential_temperature = "warmth";
+  EXPECT_THAT(error_of(options), HasSubstr("--base-pressure"));
+  options.base_pressure = "p_mean";
+  expect_truth(import_cloud(options));
+  options.base_pressure = "p_base";
+  EXPECT_THAT(error_of(options), HasSubstr("no variable 'p_base' (as --base-pressure says"));
+}
+
 TEST_F(LesImport, TheExnerFunctionGivesThePressure) {
   // RAMS: PI = c_p (p / 1e5 Pa)^(2/7), T = THETA PI / c_p.
   expect_truth(import_cloud(with(
