@@ -41,13 +41,13 @@ struct CloudImportOptions {
   std::array<std::string, 4> axes;  ///< dimensions x, y, z, time
   std::string air_density;          ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
   std::string pressure;             ///< with temperature, in place of air density
-  std::string base_pressure{};  ///< is added to the pressure, which then is a perturbation
+  std::string base_pressure{};      ///< is added to the pressure, which then is a perturbation
   std::string temperature;
   std::string potential_temperature{};  ///< in place of temperature
-  bool temperature_grid = false;  ///< brings the temperature as a grid; LES files alone have one
-  std::string droplet_number;     ///< for the effective radius
-  std::string effective_radius;   ///< in place of droplet number
-  double droplet_number_cm3 = 0;  ///< the same everywhere, in place of a variable; 0: none
+  bool temperature_grid = false;        ///< brings the temperature as a grid; LES files alone have one
+  std::string droplet_number;           ///< for the effective radius
+  std::string effective_radius;         ///< in place of droplet number
+  double droplet_number_cm3 = 0;        ///< the same everywhere, in place of a variable; 0: none
   /// (r_volume / r_effective)^3 of the droplets' spectrum; 0.8 is that of maritime stratocumulus (Martin, Johnson &
   /// Spice 1994, doi 10.1175/1520-0469(1994)051<1823:TMAPOE>2.0.CO;2)
   double radius_ratio_cubed = 0.8;
