@@ -312,6 +312,9 @@ void LesGrid::set_sizes_by_degrees() {
   low_m_ = {0, 0};
   file_.note("columns: {:.6g} x {:.6g} m, from '{}' and '{}' in degrees at the mean latitude {:.6g}, from 0 on",
              size_m_[0], size_m_[1], of_x->name, of_y->name, mean);
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (is_reversed_[a]) file_.note("columns: the field is turned so that {} ascends", axis_names[a]);
+  }
 }
 
 /// Lengths that are 0, 1, 2, ... along all axes count cells, whatever the unit.

@@ -73,7 +73,11 @@ class LesReader {
     };
     const bool wants_all = is_wanted("all");
     const bool has_liquid = !options_.variable.empty() || !file_.candidates(water_names).empty();
-    bool wants_liquid = options_.species.empty() || is_wanted("liquid") || (wants_all && has_liquid);
+    const bool wants_liquid = options_.species.empty() || is_wanted("liquid") || (wants_all && has_liquid);
+    if (!options_.species.empty() && options_.quantity == "extinction")
+      file_.fail("--species: of water alone (found --quantity extinction) leave out one of the two");
+    if (!wants_liquid && !options_.variable.empty())
+      file_.fail("--species: without liquid (found --variable, which names liquid water) leave out one of the two");
     for (const Species& species : species_names) {
       if (species.option == nullptr) continue;
       const bool is_there = file_.first_of(*species.names) != nullptr;

@@ -238,7 +238,7 @@ int import_to_vdb(const CLI::App& app, const ImportCommand& command) {
   const auto moments = phase_functions_of(command, cloud);
   if (!moments.empty()) check_indices(cloud, moments.size());
   if (command.dry_run) {
-    print_dry_run(cloud);
+    if (!command.quiet) print_dry_run(cloud);
     return exit_done;
   }
   if (!moments.empty()) {

@@ -532,6 +532,12 @@ TEST_F(SpeciesImport, IceAloneIsTheCloud) {
 TEST_F(SpeciesImport, WhatTheFileLacksIsNamed) {
   EXPECT_THAT(error_of(cold({"liquid", "snow"})),
               AllOf(HasSubstr("no variable of snow (looked for QS, qs"), HasSubstr("leave snow out of --species")));
+  CloudImportOptions contradictory = cold({"ice"});
+  contradictory.variable = "qc";
+  EXPECT_THAT(error_of(contradictory), HasSubstr("--species: without liquid (found --variable"));
+  contradictory = cold({"liquid"});
+  contradictory.quantity = "extinction";
+  EXPECT_THAT(error_of(contradictory), HasSubstr("--species: of water alone (found --quantity extinction)"));
   EXPECT_THAT(notes_of(import_cloud(cold({}))), HasSubstr("NOT imported: 'qi', cloud ice"));
   EXPECT_THAT(notes_of(import_cloud(cold({}))), HasSubstr("--species liquid,ice imports it"));
 }
