@@ -65,14 +65,17 @@ bool is_mystic(const std::string& start) {
 std::string detect_format(const std::filesystem::path& file, const std::string& start) {
   if (start.empty()) fail_import(file, "the file is empty");
   if (start.starts_with("CDF") || start.starts_with("\x89HDF")) return "les";
-  if (start.starts_with("\x93NUMPY")) return "numpy";
+  if (start.starts_with("\x93NUMPY") || start.starts_with("PK\x03\x04")) return "numpy";
   if (start.starts_with(" BDV")) {
     fail_import(file,
                 "an OpenVDB file already (found nothing to import, allowed netCDF, text, or NumPy's .npy): a scene "
                 "takes it as cloud.file, cloudbow cloud info describes it");
   }
+  if (start.starts_with("GRIB")) {
+    fail_import(file, "a GRIB file (found no netCDF) convert it first, as 'cdo -f nc4 copy' or 'grib_to_netcdf' do");
+  }
   if (start.find('\0') != std::string::npos) {
-    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5 that netCDF-4 wrote, NumPy's .npy, text)");
+    fail_import(file, "of an unknown kind (allowed: netCDF, HDF5, NumPy's .npy and .npz, text)");
   }
   const std::string first_line = start.substr(0, start.find('\n'));
   const std::string lower = lower_case(first_line);
@@ -91,23 +94,32 @@ struct Overlaps {
   std::vector<std::vector<double>> thickness_m;
 };
 
+/// Edges of old and new levels that are meant to coincide: heights may have been 32-bit numbers, with sums and
+/// differences of these.
+double slack_of_edges(double lowest, double highest, double size) {
+  const double farthest = std::max(std::abs(lowest), std::abs(highest));
+  return std::min(1e-3 * size, std::max(1e-6 * size, 2.5e-7 * farthest));
+}
+
+/// Part of an old level in the new one, edges that nearly coincide taken as one.
+double thickness_in_common(double old_low, double old_high, double low, double high, double slack) {
+  const double from = std::abs(old_low - low) <= slack ? low : std::max(low, old_low);
+  const double to = std::abs(old_high - high) <= slack ? high : std::min(high, old_high);
+  return std::max(0.0, to - from);
+}
+
 Overlaps overlaps_of(const std::vector<double>& old_edge, double bottom, double size, int levels) {
   Overlaps overlaps;
   const int old_levels = static_cast<int>(old_edge.size()) - 1;
-  // Edges meant to coincide: heights may have been 32-bit numbers, with sums and differences of these.
-  const double highest = std::max(std::abs(old_edge.front()), std::abs(old_edge.back()));
-  const double slack = std::min(1e-3 * size, std::max(1e-6 * size, 2.5e-7 * highest));
+  const double slack = slack_of_edges(old_edge.front(), old_edge.back(), size);
   for (int n = 0; n < levels; ++n) {
     const double low = bottom + n * size, high = bottom + (n + 1) * size;
     const auto above = std::upper_bound(old_edge.begin(), old_edge.end(), low + slack);
     int k = std::clamp(static_cast<int>(above - old_edge.begin()) - 1, 0, old_levels - 1);
     overlaps.first.push_back(k);
     overlaps.thickness_m.emplace_back();
-    for (; k < old_levels && old_edge[k] < high - slack; ++k) {
-      const double from = std::abs(old_edge[k] - low) <= slack ? low : std::max(low, old_edge[k]);
-      const double to = std::abs(old_edge[k + 1] - high) <= slack ? high : std::min(high, old_edge[k + 1]);
-      overlaps.thickness_m.back().push_back(std::max(0.0, to - from));
-    }
+    for (; k < old_levels && old_edge[k] < high - slack; ++k)
+      overlaps.thickness_m.back().push_back(thickness_in_common(old_edge[k], old_edge[k + 1], low, high, slack));
   }
   return overlaps;
 }
@@ -139,14 +151,49 @@ struct UniformLevels {
 };
 
 bool has_cloud(const LevelledCloud& cloud, int k) {
-  const auto begin = cloud.density.begin() + static_cast<std::ptrdiff_t>(cloud.cell(0, 0, k));
-  return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(cloud.columns()), [](float v) { return v > 0; });
+  const auto first = static_cast<std::ptrdiff_t>(cloud.cell(0, 0, k));
+  const auto last = first + static_cast<std::ptrdiff_t>(cloud.columns());
+  const auto is_there = [&](const std::vector<float>& density) {
+    return std::any_of(density.begin() + first, density.begin() + last, [](float v) { return v > 0; });
+  };
+  return is_there(cloud.density) || std::any_of(cloud.others.begin(), cloud.others.end(),
+                                                [&](const auto& other) { return is_there(other.density); });
+}
+
+UniformLevels levels_that_fill(const LevelledCloud& cloud, const CloudImportOptions& options, double bottom,
+                               double extent, double size) {
+  const double fits = extent / size;
+  const double count = std::abs(fits - std::round(fits)) < 1e-3 ? std::round(fits) : std::ceil(fits);
+  check_import_size(options, cloud.nx, cloud.ny, std::max(1.0, count));
+  const int levels = std::max(1, static_cast<int>(count));
+  return {bottom, extent / levels, levels, false};
+}
+
+/// Voxels of columns with heights of their own fill the box from the lowest edge to the highest. Unless the user sets
+/// their height they are as high as the thinnest cell with cloud.
+UniformLevels choose_levels_over_terrain(const LevelledCloud& cloud, const CloudImportOptions& options) {
+  const std::vector<double>& edge = cloud.column_edge_m;
+  const std::size_t columns = cloud.columns(), cells = cloud.density.size();
+  const auto top_begin = edge.begin() + static_cast<std::ptrdiff_t>(cells);
+  const double bottom = *std::min_element(edge.begin(), edge.begin() + static_cast<std::ptrdiff_t>(columns));
+  const double extent = *std::max_element(top_begin, edge.end()) - bottom;
+  double size = options.vertical_size_m;
+  if (size <= 0) {
+    size = extent;
+    for (std::size_t n = 0; n < cells; ++n) {
+      const bool is_cloudy = cloud.density[n] > 0 || std::any_of(cloud.others.begin(), cloud.others.end(),
+                                                                 [n](const auto& o) { return o.density[n] > 0; });
+      if (is_cloudy) size = std::min(size, edge[n + columns] - edge[n]);
+    }
+  }
+  return levels_that_fill(cloud, options, bottom, extent, size);
 }
 
 /// Voxels are as high as the thinnest level with cloud unless the user sets their height. If all levels from the lowest
 /// to the highest with cloud are of one height, the voxels are those levels. The clear air below and above them is then
 /// rounded to whole voxels. Else voxels fill the domain.
 UniformLevels choose_levels(const LevelledCloud& cloud, const CloudImportOptions& options) {
+  if (!cloud.column_edge_m.empty()) return choose_levels_over_terrain(cloud, options);
   const std::vector<double>& edge = cloud.z_edge_m;
   const double extent = edge.back() - edge.front();
   if (options.vertical_size_m <= 0 && levels_are_uniform(edge)) {
@@ -170,12 +217,48 @@ UniformLevels choose_levels(const LevelledCloud& cloud, const CloudImportOptions
       return {of_cloud.front() - below * size, size, static_cast<int>(count), false};
     }
   }
-  const double fits = extent / size;
-  const double count = std::abs(fits - std::round(fits)) < 1e-3 ? std::round(fits) : std::ceil(fits);
-  check_import_size(options, cloud.nx, cloud.ny, std::max(1.0, count));
-  const int levels = std::max(1, static_cast<int>(count));
-  return {edge.front(), extent / levels, levels, false};
+  return levels_that_fill(cloud, options, edge.front(), extent, size);
 }
+
+/// Levels that a voxel takes from, the first of them and the thickness of its part in each.
+struct VoxelParts {
+  int first;
+  const std::vector<double>& thickness_m;
+};
+
+/// Gives the parts of the voxels, which must be asked for in ascending order of k.
+class PartsOfVoxels {
+ public:
+  PartsOfVoxels(const LevelledCloud& cloud, const UniformLevels& levels) : cloud_(cloud), levels_(levels) {
+    if (!cloud.column_edge_m.empty()) {
+      next_.assign(cloud.columns(), 0);
+    } else {
+      overlaps_ = levels.as_they_are ? one_to_one(levels.bottom_m, levels.size_m, levels.count)
+                                     : overlaps_of(cloud.z_edge_m, levels.bottom_m, levels.size_m, levels.count);
+    }
+  }
+
+  VoxelParts of(int i, int j, int k) {
+    if (cloud_.column_edge_m.empty()) return {overlaps_.first[k], overlaps_.thickness_m[k]};
+    const std::size_t columns = cloud_.columns(), column = cloud_.cell(i, j, 0);
+    const auto edge = [&](int n) { return cloud_.column_edge_m[column + columns * static_cast<std::size_t>(n)]; };
+    const double low = levels_.bottom_m + k * levels_.size_m, high = levels_.bottom_m + (k + 1) * levels_.size_m;
+    const double slack = slack_of_edges(edge(0), edge(cloud_.nz()), levels_.size_m);
+    int& first = next_[column];
+    while (first < cloud_.nz() && edge(first + 1) <= low + slack) ++first;
+    thickness_.clear();
+    for (int n = first; n < cloud_.nz() && edge(n) < high - slack; ++n)
+      thickness_.push_back(thickness_in_common(edge(n), edge(n + 1), low, high, slack));
+    return {first, thickness_};
+  }
+
+ private:
+  const LevelledCloud& cloud_;
+  const UniformLevels& levels_;
+  Overlaps overlaps_;
+  std::vector<int> next_;  // by column: the lowest level that reaches above the voxels so far
+  std::vector<double> thickness_;
+};
 
 /// Sums over the levels in one voxel; what each is for stands with ImportedCloud.
 struct VoxelSums {
@@ -188,11 +271,11 @@ struct VoxelSums {
   bool is_mixed = false;
 };
 
-VoxelSums sums_of(const LevelledCloud& cloud, int i, int j, int first, const std::vector<double>& thickness) {
+VoxelSums sums_of(const LevelledCloud& cloud, int i, int j, const VoxelParts& parts) {
   VoxelSums sums;
-  for (std::size_t n = 0; n < thickness.size(); ++n) {
-    const std::size_t cell = cloud.cell(i, j, first + static_cast<int>(n));
-    const double mass = cloud.density[cell] * thickness[n];
+  for (std::size_t n = 0; n < parts.thickness_m.size(); ++n) {
+    const std::size_t cell = cloud.cell(i, j, parts.first + static_cast<int>(n));
+    const double mass = cloud.density[cell] * parts.thickness_m[n];
     if (mass <= 0) continue;
     sums.mass += mass;
     if (!cloud.effective_radius_um.empty()) sums.mass_over_radius += mass / cloud.effective_radius_um[cell];
@@ -206,6 +289,90 @@ VoxelSums sums_of(const LevelledCloud& cloud, int i, int j, int first, const std
     }
   }
   return sums;
+}
+
+CloudField empty_field(const LevelledCloud& cloud, const UniformLevels& levels, const std::string& quantity) {
+  CloudField field;
+  field.cells = {cloud.nx, cloud.ny, levels.count};
+  field.cell_size_m = {cloud.dx_m, cloud.dy_m, levels.size_m};
+  field.min_m = {cloud.x_min_m, cloud.y_min_m, levels.bottom_m};
+  field.quantity = quantity;
+  return field;
+}
+
+/// Lowest and highest edge of the levels with cloud.
+std::pair<double, double> heights_of_cloud(const LevelledCloud& cloud) {
+  int first = 0, last = cloud.nz() - 1;
+  while (first < last && !has_cloud(cloud, first)) ++first;
+  while (last > first && !has_cloud(cloud, last)) --last;
+  if (cloud.column_edge_m.empty()) return {cloud.z_edge_m[first], cloud.z_edge_m[last + 1]};
+  const auto edges = [&](int k) {
+    const auto begin = cloud.column_edge_m.begin() + static_cast<std::ptrdiff_t>(cloud.cell(0, 0, k));
+    return std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(cloud.columns()));
+  };
+  return {*edges(first).first, *edges(last + 1).second};
+}
+
+/// Calls a function with i, j, k, the parts of the voxel, and the writer of its row; not for voxels beyond the cloud.
+template <class Function>
+void fill_rows(CloudField& field, const LevelledCloud& cloud, const UniformLevels& levels, Function function) {
+  PartsOfVoxels parts(cloud, levels);
+  RowSpanWriter rows(field);
+  const auto [lowest, highest] = heights_of_cloud(cloud);
+  for (int k = 0; k < levels.count; ++k) {
+    const bool is_clear =
+        levels.bottom_m + (k + 2) * levels.size_m < lowest || levels.bottom_m + (k - 1) * levels.size_m > highest;
+    for (int j = 0; j < cloud.ny; ++j) {
+      for (int i = 0; i < cloud.nx && !is_clear; ++i) function(i, j, k, parts, rows);
+      rows.end_row();
+    }
+  }
+}
+
+/// Water of another species on its own voxels.
+VdbCloudGrid uniform_species(const LevelledCloud& cloud, const LevelledSpecies& species, const UniformLevels& levels) {
+  VdbCloudGrid grid{species.grid, empty_field(cloud, levels, species.quantity), {}};
+  VdbAuxiliary radius{species.radius_grid, "effective_radius", "um", {}};
+  fill_rows(grid.field, cloud, levels, [&](int i, int j, int k, PartsOfVoxels& parts, RowSpanWriter& rows) {
+    const VoxelParts part = parts.of(i, j, k);
+    double sum = 0, sum_over_radius = 0;
+    for (std::size_t n = 0; n < part.thickness_m.size(); ++n) {
+      const std::size_t cell = cloud.cell(i, j, part.first + static_cast<int>(n));
+      const double mass = species.density[cell] * part.thickness_m[n];
+      if (mass <= 0) continue;
+      sum += mass;
+      if (!species.effective_radius_um.empty()) sum_over_radius += mass / species.effective_radius_um[cell];
+    }
+    const auto value = static_cast<float>(sum / levels.size_m);
+    if (!(value > 0)) return;
+    rows.add(i, value);
+    if (!species.effective_radius_um.empty()) radius.value.push_back(static_cast<float>(sum / sum_over_radius));
+  });
+  if (!radius.value.empty()) grid.auxiliaries.push_back(std::move(radius));
+  return grid;
+}
+
+/// Temperature in all voxels that hold water of any species, the mean by the mass of all.
+VdbCloudGrid uniform_temperature(const LevelledCloud& cloud, const UniformLevels& levels) {
+  VdbCloudGrid grid{"temperature", empty_field(cloud, levels, "temperature"), {}};
+  fill_rows(grid.field, cloud, levels, [&](int i, int j, int k, PartsOfVoxels& parts, RowSpanWriter& rows) {
+    const VoxelParts part = parts.of(i, j, k);
+    double mass = 0, mass_times_kelvin = 0;
+    for (std::size_t n = 0; n < part.thickness_m.size(); ++n) {
+      const std::size_t cell = cloud.cell(i, j, part.first + static_cast<int>(n));
+      double water = cloud.density[cell];
+      for (const LevelledSpecies& other : cloud.others) water += other.density[cell];
+      if (!(water * part.thickness_m[n] > 0)) continue;
+      mass += water * part.thickness_m[n];
+      mass_times_kelvin += water * part.thickness_m[n] * cloud.temperature_k[cell];
+    }
+    if (static_cast<float>(mass / levels.size_m) > 0) rows.add(i, static_cast<float>(mass_times_kelvin / mass));
+  });
+  return grid;
+}
+
+bool has_any_above_zero(const std::vector<float>& value) {
+  return std::any_of(value.begin(), value.end(), [](float v) { return v > 0; });
 }
 
 }  // namespace
@@ -229,13 +396,15 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 max_import_cells);
   }
-  // Five fields of floats, and two of doubles, of which one is being read.
-  const double bytes_per_cell = options.temperature_grid ? 40 : 36;
+  // Five fields of floats and one of doubles; water and radius of further species.
+  const double bytes_per_cell = (options.temperature_grid ? 32 : 28) + 8 * static_cast<double>(options.species.size());
   const double allowed =
       static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {
-    fail_import(options.file, "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all)", nx, ny, nz,
-                allowed / bytes_per_cell);
+    fail_import(options.file,
+                "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all) cut out a part, or give "
+                "--vertical-size-m",
+                nx, ny, nz, allowed / bytes_per_cell);
   }
 }
 
@@ -252,7 +421,10 @@ double uniform_spacing(const std::filesystem::path& file, const std::string& axi
   for (std::size_t n = 1; n < centre.size(); ++n) {
     const double step = centre[n] - centre[n - 1];
     if (!(spacing > 0) || !(std::abs(step - spacing) <= 1e-3 * spacing)) {
-      fail_import(file, "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g})",
+      fail_import(file,
+                  "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g}) "
+                  "interpolate, or give "
+                  "--voxel-size-m",
                   axis, centre[n], centre[n - 1], std::abs(spacing));
     }
   }
@@ -273,7 +445,9 @@ void check_plausible(const LevelledCloud& cloud, const CloudImportOptions& optio
   constexpr double most_water = 20;                       // g/m3
   constexpr double smallest_um = 0.1, largest_um = 5000;  // effective radius
   constexpr double rim = 1e-3;                            // of the densest cell: less may be traces with any radius
-  for (std::size_t k = 0; k + 1 < cloud.z_edge_m.size(); ++k) {
+  int highest = cloud.nz() - 1;                           // above the cloud levels may be as thick as they like
+  while (highest > 0 && !has_cloud(cloud, highest)) --highest;
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(highest); ++k) {
     const double thickness = cloud.z_edge_m[k + 1] - cloud.z_edge_m[k];
     if (thickness >= thinnest && thickness <= thickest) continue;
     fail_import(options.file,
@@ -293,6 +467,11 @@ void check_plausible(const LevelledCloud& cloud, const CloudImportOptions& optio
                   "says?{}",
                   cloud.source, cell_text(n), cloud.density[n], most_water, cloud.source_hint);
     }
+    for (const LevelledSpecies& other : cloud.others) {
+      if (other.density[n] <= most_water) continue;
+      fail_import(options.file, "{}: {} holds {:.6g} g/m3 (allowed up to {} g/m3): is its unit right in the file?",
+                  other.quantity, cell_text(n), other.density[n], most_water);
+    }
     if (cloud.effective_radius_um.empty() || cloud.density[n] <= rim * densest) continue;
     const double radius = cloud.effective_radius_um[n];
     if (radius >= smallest_um && radius <= largest_um) continue;
@@ -308,57 +487,54 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   ImportedCloud imported;
   imported.notes = std::move(cloud.notes);
   imported.moments = std::move(cloud.moments);
-  if (options.minimum > 0) {
-    for (float& value : cloud.density) value = value < options.minimum ? 0 : value;
-  }
-  if (std::none_of(cloud.density.begin(), cloud.density.end(), [](float value) { return value > 0; })) {
+  const auto drop_least = [&](std::vector<float>& density) {
+    if (options.minimum <= 0) return;
+    for (float& value : density) value = value < options.minimum ? 0 : value;
+  };
+  drop_least(cloud.density);
+  for (LevelledSpecies& other : cloud.others) drop_least(other.density);
+  std::erase_if(cloud.others, [&](const LevelledSpecies& other) {
+    if (has_any_above_zero(other.density)) return false;
+    imported.notes.push_back(fmt::format("{}: none at this time, no grid", other.quantity));
+    return true;
+  });
+  const bool has_main = has_any_above_zero(cloud.density);
+  if (!has_main && cloud.others.empty()) {
+    if (options.may_be_clear) return imported;
     fail_import(options.file, "no cloud (found no cell above {}, allowed at least one)", options.minimum);
   }
-
   check_plausible(cloud, options);
-
   const UniformLevels levels = choose_levels(cloud, options);
-  const Overlaps overlaps = levels.as_they_are
-                                ? one_to_one(levels.bottom_m, levels.size_m, levels.count)
-                                : overlaps_of(cloud.z_edge_m, levels.bottom_m, levels.size_m, levels.count);
   if (!levels.as_they_are) {
     imported.notes.push_back(
-        fmt::format("levels: {} from {:.6g} to {:.6g} m, resampled to {} of {:.6g} m from {:.6g} m", cloud.nz(),
-                    cloud.z_edge_m.front(), cloud.z_edge_m.back(), levels.count, levels.size_m, levels.bottom_m));
+        fmt::format("levels: {} from {:.6g} to {:.6g} m, resampled to {} of {:.6g} m from {:.6g} m{}", cloud.nz(),
+                    cloud.z_edge_m.front(), cloud.z_edge_m.back(), levels.count, levels.size_m, levels.bottom_m,
+                    cloud.column_edge_m.empty() ? "" : ", column by column; voxels below the terrain are clear"));
   }
   CloudField& field = imported.field;
-  field.cells = {cloud.nx, cloud.ny, levels.count};
-  field.cell_size_m = {cloud.dx_m, cloud.dy_m, levels.size_m};
-  field.min_m = {cloud.x_min_m, cloud.y_min_m, levels.bottom_m};
-  field.quantity = cloud.quantity;
+  field = empty_field(cloud, levels, cloud.quantity);
+  imported.grid = cloud.grid;
 
-  VdbAuxiliary radius{"reff", "effective_radius", "um", {}};
+  VdbAuxiliary radius{cloud.radius_grid, "effective_radius", "um", {}};
   VdbAuxiliary albedo{"single_scattering_albedo", "single_scattering_albedo", "1", {}};
   VdbAuxiliary index{"phase_index", "phase_index", "1", {}};
   VdbAuxiliary temperature{"temperature", "temperature", "K", {}};
+  const bool has_common_temperature = !cloud.temperature_k.empty() && !cloud.others.empty();
   std::size_t mixed = 0;
-  RowSpanWriter rows(field);
-  for (int k = 0; k < levels.count; ++k) {
-    for (int j = 0; j < cloud.ny; ++j) {
-      for (int i = 0; i < cloud.nx; ++i) {
-        const VoxelSums sums = sums_of(cloud, i, j, overlaps.first[k], overlaps.thickness_m[k]);
-        const auto value = static_cast<float>(sums.mass / levels.size_m);
-        if (!(value > 0)) continue;
-        rows.add(i, value);
-        if (!cloud.effective_radius_um.empty()) {
-          radius.value.push_back(static_cast<float>(sums.mass / sums.mass_over_radius));
-        }
-        if (!cloud.single_scattering_albedo.empty()) {
-          albedo.value.push_back(std::min(1.0F, static_cast<float>(sums.scattering / sums.mass)));
-        }
-        if (!cloud.phase_index.empty()) index.value.push_back(sums.index);
-        if (!cloud.temperature_k.empty())
-          temperature.value.push_back(static_cast<float>(sums.mass_times_kelvin / sums.mass));
-        if (sums.is_mixed) ++mixed;
-      }
-      rows.end_row();
-    }
-  }
+  fill_rows(field, cloud, levels, [&](int i, int j, int k, PartsOfVoxels& parts, RowSpanWriter& rows) {
+    const VoxelSums sums = sums_of(cloud, i, j, parts.of(i, j, k));
+    const auto value = static_cast<float>(sums.mass / levels.size_m);
+    if (!(value > 0)) return;
+    rows.add(i, value);
+    if (!cloud.effective_radius_um.empty())
+      radius.value.push_back(static_cast<float>(sums.mass / sums.mass_over_radius));
+    if (!cloud.single_scattering_albedo.empty())
+      albedo.value.push_back(std::min(1.0F, static_cast<float>(sums.scattering / sums.mass)));
+    if (!cloud.phase_index.empty()) index.value.push_back(sums.index);
+    if (!cloud.temperature_k.empty() && !has_common_temperature)
+      temperature.value.push_back(static_cast<float>(sums.mass_times_kelvin / sums.mass));
+    if (sums.is_mixed) ++mixed;
+  });
   if (mixed > 0) {
     imported.notes.push_back(
         fmt::format("phase_index: {} of {} voxels hold parts of levels with different phase functions and take that of "
@@ -367,6 +543,16 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   }
   for (VdbAuxiliary* auxiliary : {&radius, &albedo, &index, &temperature}) {
     if (!auxiliary->value.empty()) imported.auxiliaries.push_back(std::move(*auxiliary));
+  }
+  for (const LevelledSpecies& other : cloud.others) imported.others.push_back(uniform_species(cloud, other, levels));
+  if (has_common_temperature) imported.others.push_back(uniform_temperature(cloud, levels));
+  if (!has_main) {  // the first of the others takes its place
+    imported.notes.push_back(fmt::format("{}: none at this time, no grid", cloud.quantity));
+    VdbCloudGrid& first = imported.others.front();
+    imported.grid = std::move(first.grid);
+    imported.field = std::move(first.field);
+    imported.auxiliaries = std::move(first.auxiliaries);
+    imported.others.erase(imported.others.begin());
   }
   return imported;
 }

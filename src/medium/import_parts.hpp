@@ -12,6 +12,15 @@
 
 namespace cloudbow {
 
+/// Water of a species beside the cloud's own, on its cells. Arrays [k][j][i].
+struct LevelledSpecies {
+  std::string grid;      ///< "ice_water_content"
+  std::string quantity;  ///< the same
+  std::string radius_grid;
+  std::vector<float> density;              ///< g/m3, >= 0
+  std::vector<float> effective_radius_um;  ///< empty, or > 0 in cells with density
+};
+
 /// A cloud as it stands in a file: nx x ny columns, nz levels. Arrays [k][j][i].
 struct LevelledCloud {
   int nx = 1;
@@ -20,8 +29,11 @@ struct LevelledCloud {
   double dy_m = 0;
   double x_min_m = 0;
   double y_min_m = 0;
-  std::vector<double> z_edge_m;  ///< nz + 1, ascending
+  std::vector<double> z_edge_m;       ///< nz + 1, ascending; means over the columns if these differ
+  std::vector<double> column_edge_m;  ///< empty, or [edge][j][i]: heights that differ from column to column, ascending
+  std::string grid = "density";
   std::string quantity;
+  std::string radius_grid = "reff";
   std::string source = "the file";              ///< variable or column of the quantity, with its unit, for messages
   std::string source_hint;                      ///< the option that sets another unit, for messages
   std::vector<float> density;                   ///< of the quantity, >= 0
@@ -30,6 +42,7 @@ struct LevelledCloud {
   std::vector<float> phase_index;               ///< empty, or from 1
   std::vector<float> temperature_k;             ///< empty, or > 0 in cells with density
   std::vector<std::vector<double>> moments;     ///< as in ImportedCloud
+  std::vector<LevelledSpecies> others;
   std::vector<std::string> notes;
 
   int nz() const { return static_cast<int>(z_edge_m.size()) - 1; }

@@ -18,7 +18,8 @@ constexpr double telling_extent = 200;  // m over which air gets thinner by 2 %,
 constexpr double wrf_base = 300;        // K, which WRF subtracts from the potential temperature
 
 constexpr double least_density = 0.01, largest_density = 2;  // kg/m3
-constexpr const char* name_density = "name --air-density (a variable, a number in kg/m3, or us-1976)";
+constexpr const char* name_density =
+    "name --air-density (a variable, a number in kg/m3, or us-1976), or --profile FILE";
 
 std::vector<float> scaled(std::vector<float> value, double factor, double offset = 0) {
   for (float& number : value) number = static_cast<float>(number * factor + offset);
@@ -47,8 +48,27 @@ double standard_air_density(double height_m) {
   return layer.pascal * ratio / (gas_constant * kelvin);
 }
 
-double LesAir::height_m(std::size_t level) const {
-  return 0.5 * (grid_.z_edge_m()[level] + grid_.z_edge_m()[level + 1]);
+template <class Function>
+std::vector<float> LesAir::by_height(Function function, bool everywhere) const {
+  const std::size_t count = columns(), levels = grid_.length(2);
+  std::vector<float> value(count * levels, 1);
+  for (std::size_t k = 0; k < levels; ++k) {
+    std::optional<float> of_level;
+    for (std::size_t c = 0; c < count; ++c) {
+      const std::size_t n = k * count + c;
+      if (!everywhere && !has_water(n)) continue;
+      if (!of_level || grid_.has_levels_of_columns()) of_level = static_cast<float>(function(grid_.point_m(k, c)));
+      value[n] = *of_level;
+    }
+  }
+  return value;
+}
+
+void LesAir::add_water(const std::vector<float>& water) {
+  other_water_.resize(water.size());
+  for (std::size_t n = 0; n < water.size(); ++n) {
+    if (water[n] != 0) other_water_[n] = true;
+  }
 }
 
 /// Values outside the range are a wrong unit, or another quantity. Cells without water may have none.
@@ -57,7 +77,7 @@ void LesAir::check_range(const std::string& name, const std::vector<T>& value, d
                          const char* unit, const char* hint) const {
   for (std::size_t n = 0; n < value.size(); ++n) {
     if (value[n] >= low && value[n] <= high) continue;
-    if (std::isnan(value[n]) && water_[n] == 0 && file_.options.fill == "clear") continue;
+    if (std::isnan(value[n]) && !has_water(n) && file_.options.fill == "clear") continue;
     file_.fail("'{}': {} has the value {:.6g} {} (allowed {} to {} {}) {}", name, grid_.cell_text(n), value[n], unit,
                low, high, unit, hint);
   }
@@ -94,6 +114,18 @@ const std::vector<float>& LesAir::density() {
 bool LesAir::set_density_as_given() {
   const std::string& given = file_.options.air_density;
   const std::size_t levels = grid_.length(2);
+  if (profile_ != nullptr && given.empty() && file_.options.pressure.empty()) {
+    density_ = by_height([&](double height) { return profile_->density_at(height); }, false);
+    const NetcdfVariable* own = file_.first_of(air_density_names);
+    file_.note("air density: {} at the heights of the cells{}", profile_->file.string(),
+               own == nullptr ? "" : ", as --profile says, in place of '" + own->name + "'");
+    return true;
+  }
+  if (given == "us-1976" && grid_.has_levels_of_columns()) {
+    density_ = by_height(standard_air_density, false);
+    file_.note("air density: U.S. Standard Atmosphere 1976 at the heights of the cells");
+    return true;
+  }
   if (given == "us-1976") {
     for (std::size_t k = 0; k < levels; ++k) {
       density_.insert(density_.end(), columns(), static_cast<float>(standard_air_density(height_m(k))));
@@ -130,14 +162,17 @@ void LesAir::set_density_of(const NetcdfVariable& variable) {
 
 void LesAir::fail_without_density() const {
   file_.fail(
-      "liquid water per kg of air needs the air's density (found neither a density nor both pressure and temperature; "
-      "fields in the file: {}) name --air-density (a variable, a number in kg/m3, or us-1976), or --pressure and "
-      "--temperature if variables of the file are these",
+      "water per kg of air needs the air's density (found none, nor pressure and temperature; fields in the file: {}) "
+      "name --air-density (a variable, a number in kg/m3, or us-1976), or --profile FILE, or --with FILE (more "
+      "variables), "
+      "or --pressure and --temperature",
       file_.fields_there());
 }
 
 /// The pressure to which a perturbation is to be added: PB beside P, as WRF writes them, and the like.
 const NetcdfVariable* LesAir::base_of(const NetcdfVariable& pressure) const {
+  if (const std::string& given = file_.options.base_pressure; !given.empty())
+    return &file_.named(given, "--base-pressure");
   constexpr std::array<std::pair<const char*, const char*>, 3> pairs{{{"P", "PB"}, {"p", "pb"}, {"prspert", "prs0"}}};
   for (const auto& [perturbation, base] : pairs) {
     if (pressure.name == perturbation) return file_.input.find(base);
@@ -155,7 +190,42 @@ const NetcdfVariable* LesAir::pressure_variable() const {
       break;
     }
   }
-  return variable;
+  if (variable != nullptr) return variable;
+  // Levels of pressure: their coordinate is the pressure.
+  const NetcdfVariable* coordinate = file_.input.find(grid_.vertical_name());
+  return coordinate != nullptr && factor_of(pressure_units, coordinate->units) ? coordinate : nullptr;
+}
+
+const NetcdfVariable* LesAir::exner_variable() const {
+  const NetcdfVariable* variable = file_.first_of(exner_names);
+  return variable != nullptr && grid_.holds(*variable) && !file_.is_perturbation(*variable) ? variable : nullptr;
+}
+
+LesAir::Pressure LesAir::pressure_by_exner(const NetcdfVariable& of) {
+  const std::vector<float> value = grid_.read(of, "Exner function");
+  const float largest = *std::max_element(value.begin(), value.end());
+  const bool is_times_capacity = largest > 10;  // RAMS writes c_p times the function
+  const double unit = file_.factor(of, exner_units, is_times_capacity ? 1.0 / 1004 : 1,
+                                   is_times_capacity ? "J/(kg K), c_p times the Exner function" : "1");
+  Pressure result{of.name, {}};
+  for (const float number : value)
+    result.pa.push_back(potential_pressure * std::pow(number * unit, 1 / potential_exponent));
+  check_range(result.name, result.pa, 100, 120000, "Pa", "is it the Exner function? name --pressure or --air-density");
+  check_levels_ascend(result.name, result.pa);
+  file_.note("pressure: 1e5 Pa times '{}'^(7/2), the Exner function", of.name);
+  return result;
+}
+
+std::optional<LesAir::Pressure> LesAir::known_pressure() {
+  if (const NetcdfVariable* of = pressure_variable();
+      of != nullptr && (!file_.is_perturbation(*of) || base_of(*of) != nullptr))
+    return pressure(*of);
+  if (const NetcdfVariable* of = exner_variable()) return pressure_by_exner(*of);
+  if (profile_ == nullptr || !profile_->atmosphere) return std::nullopt;
+  const Atmosphere& air = *profile_->atmosphere;
+  const std::vector<float> pa = by_height([&](double height) { return air.pressure_at(height); }, true);
+  file_.note("pressure: {} at the heights of the cells", profile_->file.string());
+  return Pressure{profile_->file.string(), {pa.begin(), pa.end()}};
 }
 
 LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
@@ -164,7 +234,7 @@ LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
   if (base == nullptr && file_.is_perturbation(*variable)) {
     file_.fail(
         "'{}' is a perturbation of pressure by its attributes (found no base pressure, allowed the pressure "
-        "itself) {}",
+        "itself) name --base-pressure, or {}",
         variable->name, name_density);
   }
   Pressure result{variable->name, {}};
@@ -193,9 +263,26 @@ LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
 }
 
 const NetcdfVariable* LesAir::temperature_variable() const {
-  const std::string& given = file_.options.temperature;
+  const std::string &given = file_.options.temperature, &potential = file_.options.potential_temperature;
+  if (!potential.empty()) return &file_.named(potential, "--potential-temperature");
   if (const NetcdfVariable* variable = file_.find(given, temperature_names, "--temperature")) return variable;
-  return file_.find("", potential_temperature_names, "--temperature");
+  if (const NetcdfVariable* variable = file_.first_of(potential_temperature_names)) return variable;
+  return file_.first_of(liquid_potential_temperature_names);
+}
+
+bool LesAir::is_liquid_potential(const NetcdfVariable& variable) const {
+  const std::string meaning = file_.meaning(variable);
+  if (has(meaning, "liquid") && has(meaning, "potential temperature")) return true;
+  const Names& names = liquid_potential_temperature_names.names;
+  if (std::find(names.begin(), names.end(), variable.name) != names.end()) return true;
+  if (file_.model == nullptr || has(meaning, "absolute")) return false;
+  const Names& of_model = file_.model->liquid_potential;
+  return std::find(of_model.begin(), of_model.end(), variable.name) != of_model.end();
+}
+
+/// The potential temperature of a reference state to which a difference is to be added, as MONC writes them.
+static const NetcdfVariable* reference_of(const LesFile& file, const NetcdfVariable& variable, float lowest) {
+  return variable.name == "th" && lowest < 150 ? file.input.find("thref") : nullptr;
 }
 
 std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Pressure* pressure) {
@@ -219,12 +306,19 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   // WRF's T is the potential temperature less 300 K; its PB stands beside it.
   const bool is_from_300 = (says_potential && is_perturbation) ||
                            (variable.name == "T" && lowest < 150 && file_.input.find("PB") != nullptr);
+  const NetcdfVariable* reference = reference_of(file_, variable, lowest);
   const bool is_potential =
-      is_from_300 || says_potential ||
+      is_from_300 || says_potential || is_liquid_potential(variable) || reference != nullptr ||
+      variable.name == file_.options.potential_temperature ||
       std::find(potential_names.begin(), potential_names.end(), variable.name) != potential_names.end();
   const auto celsius = factor_of(celsius_units, variable.units);
   if (!celsius) file_.factor(variable, kelvin_units, 1, "K");
   value = scaled(std::move(value), 1, celsius ? 273.15 : is_from_300 ? wrf_base : 0);
+  if (reference != nullptr) {
+    const std::vector<float> more = grid_.read(*reference, "reference potential temperature");
+    for (std::size_t n = 0; n < value.size(); ++n) value[n] += more[n];
+    file_.note("temperature: '{}' is the difference from '{}'", variable.name, reference->name);
+  }
   const auto to_temperature = [&pressure](std::vector<float> theta) {
     for (std::size_t n = 0; n < theta.size(); ++n) {
       theta[n] = static_cast<float>(theta[n] * std::pow(pressure->pa[n] / potential_pressure, potential_exponent));
@@ -234,7 +328,7 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   if (is_potential && pressure == nullptr) {
     file_.fail(
         "'{}' is the potential temperature (found no pressure beside it; fields in the file: {}) name it with "
-        "--pressure",
+        "--pressure, or give --profile FILE with pressure and temperature",
         variable.name, file_.fields_there());
   }
   if (is_potential) {
@@ -297,14 +391,29 @@ std::string LesAir::sign_of_potential(const Pressure& pressure, const std::vecto
                      mean(kelvin, top));
 }
 
+constexpr double kelvin_per_ratio = 2.5e6 / (3.5 * gas_constant);  // latent heat over heat capacity
+
+void LesAir::add_heat_of_ratio(const std::string& name) {
+  if (!(liquid_ratio_ > 0)) {
+    file_.fail(
+        "'{}' is a liquid water potential temperature (found no liquid water per kg of air beside it, allowed "
+        "temperature) {}",
+        name, name_density);
+  }
+  for (std::size_t n = 0; n < kelvin_.size(); ++n) {
+    if (water_[n] > 0) kelvin_[n] = static_cast<float>(kelvin_[n] + kelvin_per_ratio * liquid_ratio_ * water_[n]);
+  }
+  file_.note("temperature: '{}' is that of all water as vapour, 2488 K times the mixing ratio of the liquid is added",
+             name);
+}
+
 void LesAir::add_heat_of_condensation(const std::string& name, const std::vector<float>& liquid_g_m3,
                                       std::vector<float>& kelvin) {
-  constexpr double latent_heat = 2.5e6, heat_capacity = 3.5 * gas_constant;  // J/kg, J/(kg K)
   const std::vector<float>& air = density();
   for (std::size_t n = 0; n < kelvin.size(); ++n) {
     if (!(liquid_g_m3[n] > 0)) continue;
     const double ratio = 1e-3 * liquid_g_m3[n] / air[n];
-    kelvin[n] = static_cast<float>(kelvin[n] + latent_heat / heat_capacity * ratio);
+    kelvin[n] = static_cast<float>(kelvin[n] + kelvin_per_ratio * ratio);
   }
   file_.note(
       "temperature grid: '{}' is that of all water as vapour, 2488 K times the mixing ratio of the liquid is added",
@@ -313,40 +422,38 @@ void LesAir::add_heat_of_condensation(const std::string& name, const std::vector
 
 std::vector<float> LesAir::temperature(const std::vector<float>* liquid_g_m3) {
   const NetcdfVariable* variable = temperature_variable();
+  if (variable == nullptr && profile_ != nullptr && profile_->atmosphere) {
+    file_.note("temperature: {} at the heights of the cells", profile_->file.string());
+    return by_height([&](double height) { return profile_->atmosphere->temperature_at(height); }, true);
+  }
   if (variable == nullptr) {
     file_.fail(
         "no temperature (found neither a temperature nor a potential one; fields in the file: {}) name it with "
-        "--temperature",
+        "--temperature, or give --profile FILE with pressure and temperature",
         file_.fields_there());
   }
-  std::vector<float> kelvin = kelvin_;
-  if (kelvin.empty()) {
-    const NetcdfVariable* of_pressure = pressure_variable();
-    const bool is_known =
-        of_pressure != nullptr && (!file_.is_perturbation(*of_pressure) || base_of(*of_pressure) != nullptr);
-    std::optional<Pressure> air;
-    if (is_known) air = pressure(*of_pressure);
-    kelvin = kelvin_of(*variable, air ? &*air : nullptr);
+  if (!kelvin_.empty()) return kelvin_;
+  const std::optional<Pressure> air = known_pressure();
+  std::vector<float> kelvin = kelvin_of(*variable, air ? &*air : nullptr);
+  if (!is_liquid_potential(*variable)) return kelvin;
+  if (liquid_g_m3 == nullptr) {
+    file_.fail(
+        "'{}' is a liquid water potential temperature (found no liquid water, allowed temperature) name it "
+        "with --temperature",
+        variable->name);
   }
-  const std::string meaning = file_.meaning(*variable);
-  if (has(meaning, "liquid") && has(meaning, "potential temperature")) {
-    if (liquid_g_m3 == nullptr) {
-      file_.fail(
-          "'{}' is a liquid water potential temperature (found no liquid water, allowed temperature) name it "
-          "with --temperature",
-          variable->name);
-    }
-    add_heat_of_condensation(variable->name, *liquid_g_m3, kelvin);
-  }
+  add_heat_of_condensation(variable->name, *liquid_g_m3, kelvin);
   return kelvin;
 }
 
 void LesAir::set_density_by_gas_law() {
   const NetcdfVariable* variable = temperature_variable();
   const NetcdfVariable* of_pressure = variable == nullptr ? nullptr : pressure_variable();
-  if (of_pressure == nullptr) fail_without_density();
-  const Pressure air = pressure(*of_pressure);
+  const NetcdfVariable* of_exner = variable == nullptr || of_pressure != nullptr ? nullptr : exner_variable();
+  if (of_pressure == nullptr && of_exner == nullptr) fail_without_density();
+  const Pressure air = of_pressure != nullptr ? pressure(*of_pressure) : pressure_by_exner(*of_exner);
   kelvin_ = kelvin_of(*variable, &air);
+  if (is_liquid_potential(*variable)) add_heat_of_ratio(variable->name);
   const std::vector<float>& kelvin = kelvin_;
   for (std::size_t n = 0; n < kelvin.size(); ++n)
     density_.push_back(static_cast<float>(air.pa[n] / (gas_constant * kelvin[n])));

@@ -4,6 +4,68 @@
 
 namespace cloudbow {
 
+LesInputs::LesInputs(const std::filesystem::path& first, const std::vector<std::filesystem::path>& others) {
+  inputs_.push_back(std::make_unique<NetcdfInput>(first, true));
+  for (const auto& other : others) inputs_.push_back(std::make_unique<NetcdfInput>(other, true));
+  for (std::size_t f = 0; f < inputs_.size(); ++f) {
+    for (NetcdfVariable variable : inputs_[f]->variables()) {
+      variable.file = f;
+      variables_.push_back(std::move(variable));
+    }
+  }
+}
+
+const NetcdfVariable* LesInputs::find(const std::string& name) const {
+  for (const NetcdfVariable& variable : variables_) {
+    if (variable.name == name) return &variable;
+  }
+  return nullptr;
+}
+
+const NetcdfVariable* LesInputs::find_in(std::size_t file, const std::string& name) const {
+  for (const NetcdfVariable& variable : variables_) {
+    if (variable.file == file && variable.name == name) return &variable;
+  }
+  return nullptr;
+}
+
+std::string LesInputs::text_attribute(const NetcdfVariable& variable, const char* name) const {
+  return inputs_[variable.file]->text_attribute(variable, name);
+}
+
+std::string LesInputs::global_text(const char* name) const { return inputs_[0]->global_text(name); }
+
+std::optional<double> LesInputs::global_number(const char* name) const {
+  for (const auto& input : inputs_) {
+    if (const auto number = input->global_number(name)) return number;
+  }
+  return std::nullopt;
+}
+
+double LesInputs::packing_step(const NetcdfVariable& variable) const {
+  return inputs_[variable.file]->packing_step(variable);
+}
+
+std::size_t LesInputs::chunk_length(const NetcdfVariable& variable, std::size_t dimension) const {
+  return inputs_[variable.file]->chunk_length(variable, dimension);
+}
+
+std::vector<double> LesInputs::read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
+                                    const std::vector<std::size_t>& count) const {
+  return inputs_[variable.file]->read(variable, start, count);
+}
+
+std::vector<double> LesInputs::read(const NetcdfVariable& variable) const {
+  return inputs_[variable.file]->read(variable);
+}
+
+LesFile::LesFile(const CloudImportOptions& import_options)
+    : options(import_options), input(import_options.file, import_options.with) {
+  std::string evidence;
+  model = recognised_model(input, options, evidence);
+  if (model != nullptr) note("model: {} ({})", model->title, evidence);
+}
+
 std::string LesFile::described(const NetcdfVariable& variable, const std::string& units) {
   std::string shape;
   for (std::size_t n = 0; n < variable.length.size(); ++n) {
@@ -32,23 +94,31 @@ const NetcdfVariable& LesFile::named(const std::string& name, const std::string&
 }
 
 std::vector<const NetcdfVariable*> LesFile::candidates(const Words& words) const {
-  std::vector<const NetcdfVariable*> found;
+  const auto is_other = [&](const std::string& name) { return model != nullptr && model->means_other(words, name); };
+  Names names = model == nullptr ? Names{} : model->names_of(words);
   for (const std::string& name : words.names) {
-    if (const NetcdfVariable* variable = input.find(name); variable != nullptr && !variable->length.empty())
-      found.push_back(variable);
+    if (std::find(names.begin(), names.end(), name) == names.end() && !is_other(name)) names.push_back(name);
+  }
+  std::vector<const NetcdfVariable*> found;
+  for (std::size_t f = 0; f < input.files() && found.empty(); ++f) {
+    for (const std::string& name : names) {
+      const NetcdfVariable* variable = input.find_in(f, name);
+      if (variable != nullptr && !variable->length.empty()) found.push_back(variable);
+    }
   }
   if (!found.empty()) return found;
   for (const NetcdfVariable& variable : input.variables()) {
     const std::string standard_name = input.text_attribute(variable, "standard_name");
     const Names& known = words.standard_names;
-    if (!variable.length.empty() && std::find(known.begin(), known.end(), standard_name) != known.end())
+    if (!variable.length.empty() && !is_other(variable.name) &&
+        std::find(known.begin(), known.end(), standard_name) != known.end())
       found.push_back(&variable);
   }
   return found;
 }
 
-const NetcdfVariable* LesFile::first_of(const Names& names) const {
-  const auto found = candidates({names, {}});
+const NetcdfVariable* LesFile::first_of(const Words& words) const {
+  const auto found = candidates(words);
   return found.empty() ? nullptr : found.front();
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
 
 #include "text_tokens.hpp"
 
@@ -19,6 +22,16 @@ bool counts_cells(const std::vector<double>& value, bool has_unit) {
     if (value[n] - value[n - 1] != step) return false;
   }
   return true;
+}
+
+/// The lowest level last, and the reverse.
+void reverse_levels(std::vector<double>& value, std::size_t columns) {
+  const std::size_t levels = value.size() / columns;
+  for (std::size_t k = 0; k < levels / 2; ++k) {
+    const auto low = value.begin() + static_cast<std::ptrdiff_t>(k * columns);
+    const auto high = value.begin() + static_cast<std::ptrdiff_t>((levels - 1 - k) * columns);
+    std::swap_ranges(low, low + static_cast<std::ptrdiff_t>(columns), high);
+  }
 }
 
 /// The number that was meant: 0.42 for the float next to it, not 0.41999998688697815.
@@ -46,6 +59,12 @@ LevelledCloud LesGrid::empty_cloud() const {
   return cloud;
 }
 
+double LesGrid::height_m(std::size_t level, std::size_t column) const {
+  if (column_edge_m_.empty()) return 0.5 * (z_edge_m_[level] + z_edge_m_[level + 1]);
+  const std::size_t n = column + columns() * level;
+  return 0.5 * (column_edge_m_[n] + column_edge_m_[n + columns()]);
+}
+
 std::string LesGrid::cell_text(std::size_t n) const {
   const std::size_t nx = axes_[0].length, ny = axes_[1].length;
   return fmt::format("cell ({}, {}, {})", n % nx, n / nx % ny, n / nx / ny);
@@ -56,8 +75,10 @@ std::string LesGrid::cell_text(std::size_t n) const {
 void LesGrid::assign_axes(const NetcdfVariable& variable) {
   const std::size_t rank = variable.length.size();
   if (rank < 1 || rank > 4) {
-    file_.fail("'{}': wrong number of dimensions (found {}, allowed z; z, x; z, y, x; with or without time)",
-               variable.name, rank);
+    file_.fail(
+        "'{}': wrong number of dimensions (found {}, allowed z; z, x; z, y, x; with or without time) cut one out, as "
+        "'ncks -d' does",
+        variable.name, rank);
   }
   std::vector<int> role(rank, -1);
   for (std::size_t n = 0; n < rank; ++n) role[n] = axis_of_dimension(variable.dimension[n]);
@@ -65,6 +86,13 @@ void LesGrid::assign_axes(const NetcdfVariable& variable) {
   for (std::size_t n = 0; n < rank; ++n) {
     if (role[n] >= 0) continue;
     const int customary = static_cast<int>(rank - 1 - n);
+    const std::string lower = lower_case(variable.dimension[n]);
+    if (lower == "ncells" || lower == "cell" || lower == "ncell" || lower == "cells") {
+      file_.fail(
+          "'{}': dimension '{}' counts the cells of an unstructured grid (allowed: y and x) bring the file onto "
+          "longitudes and latitudes, as 'cdo remapcon,TARGET' does",
+          variable.name, variable.dimension[n]);
+    }
     if (rank < 3 || std::find(role.begin(), role.end(), customary) != role.end()) {
       file_.fail(
           "'{}': dimension '{}' is none that is known (allowed: say which with --x-axis, --y-axis, --z-axis, "
@@ -121,7 +149,8 @@ void LesGrid::check_time(const NetcdfVariable& variable) {
 // -- coordinates --------------------------------------------------------------------------------------------------
 
 const NetcdfVariable* LesGrid::coordinate_variable(std::size_t axis) const {
-  for (const std::string& name : {axes_[axis].name, std::string(axis_names[axis])}) {
+  const std::string letter = axis_names[axis];
+  for (const std::string& name : {axes_[axis].name, letter, letter + "h"}) {  // CM1: xh, yh, zh on ni, nj, nk
     const NetcdfVariable* variable = file_.input.find(name);
     if (variable != nullptr && !variable->dimension.empty() && variable->dimension.back() == axes_[axis].name)
       return variable;
@@ -208,7 +237,8 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
     if (centre.value.empty()) {
       problem[a] = centre.problem;
       // WRF has no coordinates in metres.
-      const bool is_wrf = axis.name == "west_east" || axis.name == "south_north";
+      const bool is_wrf = axis.name == "west_east" || axis.name == "south_north" ||
+                          (file_.model != nullptr && std::string_view(file_.model->name) == "wrf");
       const auto spacing = file_.input.global_number(a == 0 ? "DX" : "DY");
       if (!is_wrf || !spacing || !(*spacing > 0)) continue;
       size_m_[a] = *spacing;
@@ -223,6 +253,7 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
     size_m_[a] = uniform_spacing(file_.options.file, axis.name, centre.value);
     low_m_[a] = centre.value.front() - 0.5 * size_m_[a];
   }
+  if (!given) set_sizes_by_degrees();
   // A single row or column is as wide as the other way.
   for (std::size_t a = 0; a < 2; ++a) {
     if (size_m_[a] == 0 && axes_[a].length == 1) size_m_[a] = size_m_[1 - a];
@@ -241,6 +272,51 @@ void LesGrid::set_columns(const NetcdfVariable& variable) {
   }
 }
 
+/// Values of an axis in degrees, ascending; empty if they are not degrees or not equally spaced.
+std::vector<double> LesGrid::degrees(std::size_t a, const NetcdfVariable& variable) const {
+  if (variable.length != std::vector<std::size_t>{axes_[a].length} || !factor_of(angle_units, variable.units))
+    return {};
+  std::vector<double> value = file_.input.read(variable);
+  if (value.size() > 1 && value.front() > value.back()) std::reverse(value.begin(), value.end());
+  // Numbers of 32 bits carry rounding that is large beside steps of a hundred metres.
+  const double rounding = variable.is_float32 ? 2.5e-7 * std::max(std::abs(value.front()), std::abs(value.back())) : 0;
+  const double step = (value.back() - value.front()) / std::max(1.0, static_cast<double>(value.size() - 1));
+  for (std::size_t n = 1; n < value.size(); ++n) {
+    if (!(step > 0) || !(std::abs(value[n] - value[n - 1] - step) <= 1e-3 * step + rounding)) return {};
+  }
+  return value;
+}
+
+/// Longitudes and latitudes, of the globe or of a rotated pole, become metres at the mean latitude.
+void LesGrid::set_sizes_by_degrees() {
+  constexpr double earth_m = 6371229;  // radius in ICON, COSMO and IFS
+  constexpr double to_radian = std::numbers::pi / 180;
+  if (size_m_[0] > 0 || size_m_[1] > 0) return;
+  const NetcdfVariable *of_x = coordinate_variable(0), *of_y = coordinate_variable(1);
+  if (of_x == nullptr || of_y == nullptr) return;
+  const std::vector<double> longitude = degrees(0, *of_x), latitude = degrees(1, *of_y);
+  if (longitude.size() < 2 || latitude.size() < 2) return;
+  const double mean = 0.5 * (latitude.front() + latitude.back()), width = std::cos(mean * to_radian);
+  const double narrowest = std::min(std::cos(latitude.front() * to_radian), std::cos(latitude.back() * to_radian));
+  constexpr double allowed = 0.02;
+  if (!(narrowest > (1 - allowed) * width)) {
+    file_.fail(
+        "'{}': columns differ in width by more than {} (found latitudes {:.6g} to {:.6g}) cut out a smaller domain, or "
+        "give --voxel-size-m",
+        of_y->name, allowed, latitude.front(), latitude.back());
+  }
+  const auto metres = [&](const std::vector<double>& value) {
+    return (value.back() - value.front()) / static_cast<double>(value.size() - 1) * to_radian * earth_m;
+  };
+  size_m_ = {metres(longitude) * width, metres(latitude)};
+  low_m_ = {0, 0};
+  file_.note("columns: {:.6g} x {:.6g} m, from '{}' and '{}' in degrees at the mean latitude {:.6g}, from 0 on",
+             size_m_[0], size_m_[1], of_x->name, of_y->name, mean);
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (is_reversed_[a]) file_.note("columns: the field is turned so that {} ascends", axis_names[a]);
+  }
+}
+
 /// Lengths that are 0, 1, 2, ... along all axes count cells, whatever the unit.
 void LesGrid::check_counts() const {
   if (!is_count_[2]) return;
@@ -254,67 +330,75 @@ void LesGrid::check_counts() const {
 
 // -- levels -------------------------------------------------------------------------------------------------------
 
+/// "height_2" counts the same cells as "height" if there are as many.
+static std::string stem_of(const std::string& name) {
+  const auto end = name.find_last_not_of("0123456789");
+  return end != std::string::npos && name[end] == '_' ? name.substr(0, end) : name;
+}
+
+int LesGrid::role_of(const NetcdfVariable& variable, std::size_t n) const {
+  const std::string& name = variable.dimension[n];
+  const std::size_t length = variable.length[n];
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (axes_[a].is_there && axes_[a].name == name && axes_[a].length == length) return static_cast<int>(a);
+  }
+  if (stem_of(name) == stem_of(axes_[2].name) && length == axes_[2].length) return 2;
+  return length == 1 ? single : -1;
+}
+
 /// The dimension that counts levels, or edges of levels; nothing if there is another that is no axis.
 std::optional<std::size_t> LesGrid::vertical_dimension(const NetcdfVariable& variable) const {
   std::optional<std::size_t> vertical;
   for (std::size_t n = 0; n < variable.length.size(); ++n) {
-    const std::string& name = variable.dimension[n];
-    const auto axis =
-        std::find_if(axes_.begin(), axes_.end(), [&](const Axis& a) { return a.is_there && a.name == name; });
-    if (axis != axes_.end() && axis != axes_.begin() + 2) continue;
-    const std::size_t length = variable.length[n];
-    const bool may_be = axis == axes_.begin() + 2 || length == axes_[2].length + 1;
+    const int role = role_of(variable, n);
+    if (role >= 0 && role != 2) continue;
+    const bool may_be = role == 2 || variable.length[n] == axes_[2].length + 1;
     if (!may_be || vertical) return std::nullopt;
     vertical = n;
   }
   return vertical;
 }
 
-/// Means over the columns of a field of heights, the sum of two variables if there is a base. Levels must be flat.
-std::vector<double> LesGrid::level_means(const NetcdfVariable& variable, const NetcdfVariable* base) const {
-  const std::size_t rank = variable.length.size(), vertical = *vertical_dimension(variable);
-  std::vector<std::size_t> start(rank, 0), count = variable.length;
-  std::size_t inner = 1, outer = 1;
-  for (std::size_t n = 0; n < rank; ++n) {
-    if (variable.dimension[n] == axes_[3].name && axes_[3].is_there) {
-      start[n] = file_.options.time;
-      count[n] = 1;
+/// Heights of levels from a field, the sum of two variables if there is a base. They may descend.
+LesGrid::Heights LesGrid::field_of_heights(const std::string& name, const NetcdfVariable& variable,
+                                           const NetcdfVariable* base, double unit_m) const {
+  const std::size_t levels = variable.length[*vertical_dimension(variable)], count = columns();
+  const auto values = [&](const NetcdfVariable& of) {
+    std::vector<double> value = gather<double>(of, levels, "heights");
+    for (const double z : value) {
+      if (!std::isfinite(z)) file_.fail("'{}': a height is not finite or missing (found {})", of.name, z);
     }
-    if (n > vertical) inner *= count[n];
-    if (n < vertical) outer *= count[n];
-  }
-  std::vector<double> height = file_.input.read(variable, start, count);
+    return value;
+  };
+  std::vector<double> height = values(variable);
   if (base != nullptr) {
-    const std::vector<double> more = file_.input.read(*base, start, count);
+    const std::vector<double> more = values(*base);
     for (std::size_t n = 0; n < height.size(); ++n) height[n] += more[n];
   }
-  const std::size_t levels = count[vertical];
-  std::vector<double> mean(levels, 0), lowest(levels, INFINITY), highest(levels, -INFINITY);
-  for (std::size_t o = 0; o < outer; ++o) {
-    for (std::size_t k = 0; k < levels; ++k) {
-      for (std::size_t i = 0; i < inner; ++i) {
-        const double z = height[(o * levels + k) * inner + i];
-        if (!std::isfinite(z)) file_.fail("'{}': a height is not finite or missing (found {})", variable.name, z);
-        mean[k] += z / static_cast<double>(outer * inner);
-        lowest[k] = std::min(lowest[k], z);
-        highest[k] = std::max(highest[k], z);
-      }
-    }
+  if (is_reversed_[2]) reverse_levels(height, count);  // as it is in the file
+  std::vector<double> mean(levels, 0);
+  std::vector<bool> is_flat(levels, true);
+  for (std::size_t k = 0; k < levels; ++k) {
+    const auto begin = height.begin() + static_cast<std::ptrdiff_t>(k * count);
+    const auto end = begin + static_cast<std::ptrdiff_t>(count);
+    for (auto z = begin; z != end; ++z) mean[k] += *z / static_cast<double>(count);
+    const auto [lowest, highest] = std::minmax_element(begin, end);
+    const double spacing = levels == 1 || k == 0 ? INFINITY : std::abs(mean[k] - mean[k - 1]);
+    // Flat to the rounding of 32-bit numbers, and of the sum of two.
+    const double rounding = 2.5e-7 * std::max(std::abs(*lowest), std::abs(*highest));
+    is_flat[k] = *highest - *lowest <= std::max(std::isfinite(spacing) ? 1e-6 * spacing : 0, rounding);
+    if (*highest == *lowest) mean[k] = *lowest;  // without the rounding of the sum
   }
-  constexpr double flat = 0.02;  // of the distance of levels: less than what cells of uniform thickness change anyway
-  for (std::size_t k = 0; k < levels && levels > 1; ++k) {
-    const double spacing = k == 0 ? std::abs(mean[1] - mean[0]) : std::abs(mean[k] - mean[k - 1]);
-    if (highest[k] - lowest[k] > flat * spacing) {
-      file_.fail(
-          "'{}': levels are not flat (found {:.6g} to {:.6g} at level {}, allowed a difference of {} of their "
-          "distance) "
-          "interpolate the fields to fixed heights",
-          variable.name, lowest[k], highest[k], k, flat);
-    }
-    if (highest[k] > lowest[k]) continue;
-    mean[k] = lowest[k];  // without the rounding of the sum
+  Heights heights{name, {}, levels == axes_[2].length + 1};
+  const bool are_flat = std::all_of(is_flat.begin(), is_flat.end(), [](bool flat) { return flat; });
+  for (const double z : mean) {
+    const bool is_decimal = base == nullptr && variable.is_float32 && are_flat;
+    heights.value.push_back(unit_m * (is_decimal ? decimal_of(static_cast<float>(z)) : z));
   }
-  return mean;
+  if (are_flat || levels == 1) return heights;
+  for (double& z : height) z *= unit_m;
+  heights.of_columns_m = std::move(height);
+  return heights;
 }
 
 /// Edges of cells, in m, by the attribute "bounds" of CF: lower and upper edge of each cell. Empty if the file has
@@ -338,6 +422,12 @@ std::vector<double> LesGrid::edges_by_bounds(const NetcdfVariable& variable) con
 
 std::optional<LesGrid::Heights> LesGrid::find_heights() {
   const std::size_t levels = axes_[2].length;
+  for (const std::string& name : file_.model == nullptr ? Names{} : file_.model->heights) {
+    const NetcdfVariable* of_cells = file_.input.find(name);
+    if (of_cells == nullptr || of_cells->length.size() < 2 || !vertical_dimension(*of_cells)) continue;
+    if (const auto unit = factor_of(length_units, of_cells->units))
+      return field_of_heights(name, *of_cells, nullptr, *unit);
+  }
   if (const NetcdfVariable* own = coordinate_variable(2)) {
     Coordinates found = coordinates(2, own);
     if (!found.value.empty()) {
@@ -354,25 +444,24 @@ std::optional<LesGrid::Heights> LesGrid::find_heights() {
   if (perturbation != nullptr && base != nullptr && perturbation->dimension == base->dimension &&
       vertical_dimension(*perturbation)) {
     constexpr double wrf_gravity = 9.81;  // m/s2, by which WRF makes its geopotential
-    Heights heights{"(PH + PHB) / g", level_means(*perturbation, base), false};
-    for (double& z : heights.value) z /= wrf_gravity;
-    heights.are_edges = heights.value.size() == levels + 1;
-    return heights;
+    return field_of_heights("(PH + PHB) / g", *perturbation, base, 1 / wrf_gravity);
   }
   for (const std::string& name : heights_names) {
     const NetcdfVariable* variable = file_.input.find(name);
     if (variable == nullptr || !vertical_dimension(*variable)) continue;
-    const auto unit = factor_of(length_units, variable->units);
     if (variable->length.size() == 1 && variable->length[0] == levels) {
       Coordinates found = coordinates(2, variable);
       if (!found.value.empty()) return Heights{name, std::move(found.value), false};
       continue;
     }
-    if (!unit) continue;
-    Heights heights{name, level_means(*variable, nullptr), false};
-    for (double& z : heights.value) z = *unit * (variable->is_float32 ? decimal_of(static_cast<float>(z)) : z);
-    heights.are_edges = heights.value.size() == levels + 1;
-    return heights;
+    constexpr double gravity = 9.80665;  // m/s2, of the geopotential in meteorology
+    if (const auto unit = factor_of(length_units, variable->units)) {
+      return field_of_heights(name, *variable, nullptr, *unit);
+    }
+    if (factor_of(geopotential_units, variable->units)) {
+      file_.note("heights: '{}' is the geopotential, divided by {} m/s2", name, gravity);
+      return field_of_heights(name, *variable, nullptr, 1 / gravity);
+    }
   }
   return std::nullopt;
 }
@@ -400,8 +489,9 @@ void LesGrid::set_levels() {
     return;
   }
   if (!heights) {
-    file_.fail("no heights of '{}' in metres ({}, allowed m, km) give --voxel-size-m DX DY DZ", axes_[2].name,
-               height_problem_.empty() ? "found no variable of this name and length" : height_problem_);
+    file_.fail(
+        "no heights of '{}' in metres ({}, allowed m, km) give --voxel-size-m DX DY DZ, or --with FILE that has them",
+        axes_[2].name, height_problem_.empty() ? "found no variable of this name and length" : height_problem_);
   }
   std::vector<double>& level = heights->value;
   if (level.size() == 1) {
@@ -419,58 +509,145 @@ void LesGrid::set_levels() {
     }
   }
   z_edge_m_ = heights->are_edges ? level : edges_between(level);
+  if (!heights->are_edges) point_m_ = level;
   file_.note("levels: '{}', {} {}", heights->name, level.size(),
              heights->are_edges ? "edges of cells" : "centres of cells that meet halfway");
+  if (!heights->of_columns_m.empty()) {
+    set_levels_of_columns(*heights);
+  } else {
+    report_terrain(heights->name);
+  }
+}
+
+/// Levels of one height over ground of another: the model's terrain is lost.
+void LesGrid::report_terrain(const std::string& heights) const {
+  for (const char* name : {"ZS", "zs", "HGT", "HSURF", "topography_c", "orog"}) {
+    const NetcdfVariable* ground = file_.input.find(name);
+    if (ground == nullptr || ground->length.size() < 2 || !holds(*ground) || !factor_of(length_units, ground->units))
+      continue;
+    const std::vector<float> value = gather<float>(*ground, 1, "ground");
+    const auto [low, high] = std::minmax_element(value.begin(), value.end());
+    if (!(*high - *low > 1)) continue;
+    file_.note(
+        "CHECK the heights: the ground '{}' reaches from {:.6g} to {:.6g}, the levels '{}' are flat; --with FILE adds "
+        "a "
+        "field of heights",
+        name, *low, *high, heights);
+  }
+}
+
+/// Edges of the levels of every column.
+void LesGrid::set_levels_of_columns(Heights& heights) {
+  const std::size_t nz = axes_[2].length;
+  std::vector<double>& height = heights.of_columns_m;
+  if (is_reversed_[2]) reverse_levels(height, columns());
+  for (std::size_t n = columns(); n < height.size(); ++n) {
+    if (height[n] > height[n - columns()]) continue;
+    const std::size_t column = n % columns();
+    file_.fail(
+        "'{}': levels of column ({}, {}) are not monotonic (found {:.6g} m next to {:.6g} m) correct the heights",
+        heights.name, column % axes_[0].length, column / axes_[0].length, height[n], height[n - columns()]);
+  }
+  if (heights.are_edges) {
+    column_edge_m_ = std::move(height);
+  } else {
+    column_edge_m_.resize(columns() * (nz + 1));
+    std::vector<double> centre(nz);
+    for (std::size_t c = 0; c < columns(); ++c) {
+      for (std::size_t k = 0; k < nz; ++k) centre[k] = height[c + columns() * k];
+      const std::vector<double> edge = edges_between(centre);
+      for (std::size_t k = 0; k <= nz; ++k) column_edge_m_[c + columns() * k] = edge[k];
+    }
+  }
+  const auto lowest_end = column_edge_m_.begin() + static_cast<std::ptrdiff_t>(columns());
+  const auto [low, high] = std::minmax_element(column_edge_m_.begin(), lowest_end);
+  file_.note("levels: heights differ from column to column, the lowest edge lies at {:.6g} to {:.6g} m", *low, *high);
 }
 
 // -- fields -------------------------------------------------------------------------------------------------------
 
 bool LesGrid::holds(const NetcdfVariable& variable) const {
   for (std::size_t n = 0; n < variable.length.size(); ++n) {
-    const auto is_axis = [&](const Axis& a) {
-      return a.is_there && a.name == variable.dimension[n] && a.length == variable.length[n];
-    };
-    if (std::none_of(axes_.begin(), axes_.end(), is_axis)) return false;
+    if (role_of(variable, n) < 0) return false;
   }
   return true;
 }
 
-std::vector<float> LesGrid::read(const NetcdfVariable& variable, const char* what) const {
+double LesGrid::point_m(std::size_t level, std::size_t column) const {
+  return point_m_.empty() || !column_edge_m_.empty() ? height_m(level, column) : point_m_[level];
+}
+
+LesGrid::Selection LesGrid::select(const NetcdfVariable& variable, std::size_t levels, const char* what) const {
   const std::size_t rank = variable.length.size();
-  std::vector<std::size_t> start(rank, 0), count = variable.length;
-  std::array<std::size_t, 3> stride{0, 0, 0};
+  Selection selection{std::vector<std::size_t>(rank, 0), variable.length};
   std::size_t step = 1;
   for (std::size_t n = rank; n-- > 0;) {
-    const auto axis = std::find_if(axes_.begin(), axes_.end(),
-                                   [&](const Axis& a) { return a.is_there && a.name == variable.dimension[n]; });
-    if (axis == axes_.end() || axis->length != variable.length[n]) {
+    int role = role_of(variable, n);
+    if (role < 0 && variable.length[n] == levels && levels == axes_[2].length + 1) role = 2;
+    if (role < 0) {
       file_.fail("'{}' ({}): dimension '{}' is not one of the cloud's (allowed: some of those)", variable.name, what,
                  variable.dimension[n]);
     }
-    const auto a = static_cast<std::size_t>(axis - axes_.begin());
-    if (a == 3) {
-      start[n] = file_.options.time;
-      count[n] = 1;
-    } else {
-      stride[a] = step;
+    if (role == 3) {
+      selection.start[n] = file_.options.time;
+      selection.count[n] = 1;
+    } else if (role != single) {
+      selection.stride[static_cast<std::size_t>(role)] = step;
+      selection.dimension[static_cast<std::size_t>(role)] = n;
       step *= variable.length[n];
     }
   }
-  const std::vector<double> stored = file_.input.read(variable, start, count);
-  const std::size_t nx = axes_[0].length, ny = axes_[1].length, nz = axes_[2].length;
-  const auto place = [&](std::size_t a, std::size_t n) {
-    return stride[a] * (is_reversed_[a] ? axes_[a].length - 1 - n : n);
-  };
-  std::vector<float> value;
-  value.reserve(nx * ny * nz);
-  for (std::size_t k = 0; k < nz; ++k) {
-    for (std::size_t j = 0; j < ny; ++j) {
-      for (std::size_t i = 0; i < nx; ++i) {
-        value.push_back(static_cast<float>(stored[place(2, k) + place(1, j) + place(0, i)]));
+  return selection;
+}
+
+/// Values [k][j][i] of levels or their edges. The file is read in slabs, so that few numbers are there twice.
+template <class T>
+std::vector<T> LesGrid::gather(const NetcdfVariable& variable, std::size_t levels, const char* what) const {
+  constexpr std::size_t most_numbers = 4000000;
+  Selection selection = select(variable, levels, what);
+  const std::array<std::size_t, 3> length{axes_[0].length, axes_[1].length, levels};
+  std::size_t slab_axis = Selection::none;  // the axis that the file stores slowest
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (selection.dimension[a] == Selection::none) continue;
+    if (slab_axis == Selection::none || selection.dimension[a] < selection.dimension[slab_axis]) slab_axis = a;
+  }
+  std::vector<T> value(length[0] * length[1] * length[2]);
+  const auto fill = [&](const std::vector<double>& stored, std::size_t slab_begin, std::size_t slab_end) {
+    // Places of the cells in the slab by index; cells along an axis that the variable lacks have the same.
+    std::array<std::vector<std::pair<std::size_t, std::size_t>>, 3> place;  // cell, value
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t n = 0; n < length[a]; ++n) {
+        const bool has_axis = selection.dimension[a] != Selection::none;
+        const std::size_t in_file = has_axis && is_reversed_[a] ? length[a] - 1 - n : n;
+        if (a == slab_axis && (in_file < slab_begin || in_file >= slab_end)) continue;
+        place[a].emplace_back(n, selection.stride[a] * (a == slab_axis ? in_file - slab_begin : in_file));
       }
     }
+    for (const auto& [k, in_z] : place[2]) {
+      for (const auto& [j, in_y] : place[1]) {
+        T* const row = value.data() + (k * length[1] + j) * length[0];
+        for (const auto& [i, in_x] : place[0]) row[i] = static_cast<T>(stored[in_z + in_y + in_x]);
+      }
+    }
+  };
+  if (slab_axis == Selection::none) {
+    fill(file_.input.read(variable, selection.start, selection.count), 0, 0);
+    return value;
+  }
+  const std::size_t d = selection.dimension[slab_axis];
+  const std::size_t chunk = file_.input.chunk_length(variable, d);
+  const std::size_t chunks = std::max<std::size_t>(1, most_numbers / selection.stride[slab_axis] / chunk);
+  for (std::size_t begin = 0; begin < length[slab_axis]; begin += chunks * chunk) {
+    const std::size_t end = std::min(length[slab_axis], begin + chunks * chunk);
+    selection.start[d] = begin;
+    selection.count[d] = end - begin;
+    fill(file_.input.read(variable, selection.start, selection.count), begin, end);
   }
   return value;
+}
+
+std::vector<float> LesGrid::read(const NetcdfVariable& variable, const char* what) const {
+  return gather<float>(variable, axes_[2].length, what);
 }
 
 }  // namespace cloudbow

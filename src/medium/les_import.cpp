@@ -14,37 +14,96 @@ namespace {
 
 class LesReader {
  public:
-  explicit LesReader(const CloudImportOptions& options)
-      : options_(options), file_(options), main_(main_variable()), grid_(file_, main_), cloud_(grid_.empty_cloud()) {}
+  LesReader(const CloudImportOptions& options, const AirProfile* profile)
+      : options_(options),
+        file_(options),
+        main_(main_variable()),
+        grid_(file_, main_),
+        cloud_(grid_.empty_cloud()),
+        air_(file_, grid_, cloud_.density, profile) {}
+
+  std::size_t times() const { return grid_.times(); }
 
   LevelledCloud read() {
-    cloud_.quantity = is_extinction_ ? "extinction" : "liquid_water_content";
+    cloud_.quantity = is_extinction_             ? "extinction"
+                      : main_species_ != nullptr ? main_species_->grid
+                                                 : "liquid_water_content";
+    if (main_species_ != nullptr) {
+      cloud_.grid = main_species_->grid;
+      cloud_.radius_grid = main_species_->radius_grid;
+    }
     cloud_.source = fmt::format("'{}' [{}]", main_.name, units());
     cloud_.source_hint = " --units says it otherwise";
-    cloud_.density = grid_.read(main_, is_extinction_ ? "extinction" : "liquid water");
+    cloud_.density = grid_.read(main_, is_extinction_             ? "extinction"
+                                       : main_species_ != nullptr ? main_species_->what
+                                                                  : "liquid water");
     check_other_water();
-    if (!is_extinction_) subtract_ice();
-    check_values();
+    if (is_liquid()) subtract_ice();
+    check_values(main_, cloud_.density);
+    for (const Species* species : others_) read_species(*species);
     if (is_extinction_) {
       to_extinction();
       add_scattering_albedo();
     } else {
-      to_liquid_water_content();
+      if (const double ratio = kg_per_kg(main_, units(), cloud_.density); ratio > 0) {
+        if (is_liquid()) air_.set_liquid_ratio(ratio);
+        to_content(ratio, cloud_.density);
+      }
+      finish_species();
     }
     add_effective_radius();
     if (options_.temperature_grid) add_temperature();
     report_species();
     check_ground();
+    cloud_.column_edge_m = grid_.take_column_edges();
     cloud_.notes = std::move(file_.notes);
     return std::move(cloud_);
   }
 
  private:
   std::string units() const { return options_.units.empty() ? main_.units : options_.units; }
+  bool is_liquid() const { return !is_extinction_ && main_species_ == nullptr; }
 
   // -- which variable -----------------------------------------------------------------------------------------------
 
+  /// The species of --species: liquid water first if it is wanted, which is the cloud as it is without this option.
+  void set_species() {
+    const auto is_wanted = [&](const char* option) {
+      return std::find(options_.species.begin(), options_.species.end(), option) != options_.species.end();
+    };
+    const bool wants_all = is_wanted("all");
+    const bool has_liquid = !options_.variable.empty() || !file_.candidates(water_names).empty();
+    const bool wants_liquid = options_.species.empty() || is_wanted("liquid") || (wants_all && has_liquid);
+    if (!options_.species.empty() && options_.quantity == "extinction")
+      file_.fail("--species: of water alone (found --quantity extinction) leave out one of the two");
+    if (!wants_liquid && !options_.variable.empty())
+      file_.fail("--species: without liquid (found --variable, which names liquid water) leave out one of the two");
+    for (const Species& species : species_names) {
+      if (species.option == nullptr) continue;
+      const bool is_there = file_.first_of(*species.names) != nullptr;
+      if (!is_wanted(species.option) && !(wants_all && is_there)) continue;
+      if (!is_there) {
+        std::string tried;
+        for (const std::string& name : species.names->names) tried += (tried.empty() ? "" : ", ") + name;
+        file_.fail("no variable of {} (looked for {}; fields in the file: {}) leave {} out of --species", species.what,
+                   tried, file_.fields_there(), species.option);
+      }
+      if (wants_liquid || main_species_ != nullptr) {
+        others_.push_back(&species);
+      } else {
+        main_species_ = &species;
+      }
+    }
+  }
+
   const NetcdfVariable& main_variable() {
+    set_species();
+    if (main_species_ != nullptr) {
+      const NetcdfVariable& variable = *file_.first_of(*main_species_->names);
+      file_.note("{}: {}", main_species_->what,
+                 LesFile::described(variable, options_.units.empty() ? variable.units : options_.units));
+      return variable;
+    }
     const NetcdfVariable& variable =
         options_.variable.empty() ? guessed_variable() : file_.named(options_.variable, "--variable");
     const std::string unit = options_.units.empty() ? variable.units : options_.units;
@@ -53,6 +112,9 @@ class LesReader {
     is_extinction_ = options_.quantity.empty()
                          ? has_unit_of_extinction || std::find(names.begin(), names.end(), variable.name) != names.end()
                          : options_.quantity == "extinction";
+    if (is_extinction_ && !others_.empty()) {
+      file_.fail("'{}' is extinction (found --species, allowed for water alone) leave out --species", variable.name);
+    }
     file_.note("{}: {}", is_extinction_ ? "extinction" : "liquid water", LesFile::described(variable, unit));
     return variable;
   }
@@ -67,15 +129,19 @@ class LesReader {
       return *water.front();
     }
     if (!extinction.empty() && options_.quantity.empty()) return *extinction.front();
-    std::string tried;
+    std::string tried, other;
     for (const std::string& name : water_names.names) tried += (tried.empty() ? "" : ", ") + name;
-    file_.fail("no variable of liquid water (looked for {}; fields in the file: {}) name it with --variable", tried,
-               file_.fields_there());
+    for (const Species& species : species_names) {
+      if (species.option == nullptr || file_.first_of(*species.names) == nullptr) continue;
+      other += fmt::format(", or give --species {} for its {}", species.option, species.what);
+    }
+    file_.fail("no variable of liquid water (looked for {}; fields in the file: {}) name it with --variable{}", tried,
+               file_.fields_there(), other);
   }
 
   /// Two variables of liquid water that differ: the user must choose.
   void check_other_water() {
-    if (is_extinction_ || !options_.variable.empty()) return;
+    if (!is_liquid() || !options_.variable.empty()) return;
     for (const NetcdfVariable* other : file_.candidates(water_names)) {
       if (other == &main_ || is_condensate(*other)) continue;
       const bool is_alike =
@@ -133,9 +199,8 @@ class LesReader {
   }
 
   /// Advection and packing leave values around 0 of the size of rounding; what is further below is an error.
-  void check_values() {
-    std::vector<float>& value = cloud_.density;
-    const double step = file_.input.packing_step(main_);
+  void check_values(const NetcdfVariable& variable, std::vector<float>& value) {
+    const double step = file_.input.packing_step(variable);
     float largest = 0;
     for (const float v : value) largest = std::max(largest, std::isfinite(v) ? v : 0);
     const double rounding = std::max(1e-6 * largest, 1.001 * step);
@@ -147,10 +212,10 @@ class LesReader {
       } else if (!std::isfinite(value[n])) {
         file_.fail(
             "'{}': {} has the value {} (allowed: finite numbers >= 0) --fill clear takes missing cells for clear air",
-            main_.name, grid_.cell_text(n), std::isnan(value[n]) ? "NaN or missing" : "infinity");
+            variable.name, grid_.cell_text(n), std::isnan(value[n]) ? "NaN or missing" : "infinity");
       } else if (value[n] < -rounding) {
         file_.fail("'{}': {} has the value {} (allowed: numbers >= 0, and down to {:.2g}, which counts as 0){}",
-                   main_.name, grid_.cell_text(n), value[n], -rounding,
+                   variable.name, grid_.cell_text(n), value[n], -rounding,
                    step > 0 ? " did a number not fit into its packed integers?" : "");
       } else if (value[n] < 0) {
         value[n] = 0;
@@ -160,11 +225,11 @@ class LesReader {
         ++around;
       }
     }
-    if (below > 0) file_.note("'{}': {} cells barely below 0 count as 0", main_.name, below);
+    if (below > 0) file_.note("'{}': {} cells barely below 0 count as 0", variable.name, below);
     if (around > 0)
-      file_.note("'{}': {} cells within half a step of its packing ({:.3g}) count as 0", main_.name, around, step);
+      file_.note("'{}': {} cells within half a step of its packing ({:.3g}) count as 0", variable.name, around, step);
     if (missing > 0)
-      file_.note("'{}': {} cells are missing and count as clear air, as --fill says", main_.name, missing);
+      file_.note("'{}': {} cells are missing and count as clear air, as --fill says", variable.name, missing);
   }
 
   void scale(double factor) {
@@ -202,47 +267,93 @@ class LesReader {
     file_.note("single-scattering albedo: '{}'", albedo->name);
   }
 
-  void to_liquid_water_content() {
-    if (const auto content = factor_of(content_units, units())) return scale(*content);
-    double ratio = 1;
-    if (const auto known = factor_of(ratio_units, units())) {
-      ratio = *known;
-    } else if (is_unit_given(units())) {
-      file_.fail("'{}': unit not known (found '{}', allowed {}, {}; --units says it if the file is wrong)", main_.name,
-                 units(), ratio_units.allowed, content_units.allowed);
-    } else {
-      const float largest = *std::max_element(cloud_.density.begin(), cloud_.density.end());
-      const bool is_kg = largest < 0.05;  // more than 50 g of cloud water in a kg of air there is not
-      const bool is_content = lower_case(main_.name) == "lwc";
-      file_.note("GUESSED unit of '{}': {} (largest value {:.4g}); --units says it", main_.name,
-                 is_content ? (is_kg ? "kg/m3" : "g/m3")
-                 : is_kg    ? "kg/kg"
-                            : "g/kg",
-                 largest);
-      if (is_content) return scale(is_kg ? 1e3 : 1);
-      ratio = is_kg ? 1 : 1e-3;
+  /// Size of the unit of water per kg of air; 0 if the values are contents, which are converted to g/m3.
+  double kg_per_kg(const NetcdfVariable& variable, const std::string& unit, std::vector<float>& value) {
+    const auto scale_value = [&value](double factor) {
+      for (float& v : value) v = static_cast<float>(v * factor);
+      return 0.0;
+    };
+    if (const auto content = factor_of(content_units, unit)) return scale_value(*content);
+    if (const auto known = factor_of(ratio_units, unit)) return *known;
+    if (is_unit_given(unit)) {
+      file_.fail("'{}': unit not known (found '{}', allowed {}, {}; --units says it if the file is wrong)",
+                 variable.name, unit, ratio_units.allowed, content_units.allowed);
     }
+    const float largest = *std::max_element(value.begin(), value.end());
+    const bool is_kg = largest < 0.05;  // more than 50 g of cloud water in a kg of air there is not
+    const bool is_content = lower_case(variable.name) == "lwc";
+    file_.note("GUESSED unit of '{}': {} (largest value {:.4g}); --units says it", variable.name,
+               is_content ? (is_kg ? "kg/m3" : "g/m3")
+               : is_kg    ? "kg/kg"
+                          : "g/kg",
+               largest);
+    if (is_content) return scale_value(is_kg ? 1e3 : 1);
+    return is_kg ? 1 : 1e-3;
+  }
+
+  void to_content(double ratio, std::vector<float>& value) {
     const std::vector<float>& air = air_.density();
-    for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
-      if (cloud_.density[n] == 0) continue;  // the air may be missing
-      cloud_.density[n] = static_cast<float>(cloud_.density[n] * ratio * air[n] * 1e3);
+    for (std::size_t n = 0; n < value.size(); ++n) {
+      if (value[n] == 0) continue;  // the air may be missing
+      value[n] = static_cast<float>(value[n] * ratio * air[n] * 1e3);
     }
+  }
+
+  // -- other species ------------------------------------------------------------------------------------------------
+
+  void read_species(const Species& species) {
+    const NetcdfVariable& variable = *file_.first_of(*species.names);
+    file_.note("{}: {}", species.what, LesFile::described(variable, variable.units));
+    LevelledSpecies other{species.grid, species.grid, species.radius_grid, grid_.read(variable, species.what), {}};
+    check_values(variable, other.density);
+    air_.add_water(other.density);
+    cloud_.others.push_back(std::move(other));
+  }
+
+  /// To g/m3, when the air's density can be had.
+  void finish_species() {
+    for (std::size_t n = 0; n < others_.size(); ++n) {
+      const NetcdfVariable& variable = *file_.first_of(*others_[n]->names);
+      LevelledSpecies& other = cloud_.others[n];
+      if (const double ratio = kg_per_kg(variable, variable.units, other.density); ratio > 0)
+        to_content(ratio, other.density);
+      other.effective_radius_um = radii_of(*others_[n], other.density);
+    }
+  }
+
+  /// Empty if the file has none.
+  std::vector<float> radii_of(const Species& species, const std::vector<float>& density) {
+    const NetcdfVariable* variable = file_.first_of(*species.radius_names);
+    if (variable == nullptr) {
+      file_.note("effective radius of {}: none in the file, a scene gives it", species.what);
+      return {};
+    }
+    return radii_in(*variable, density);
+  }
+
+  std::vector<float> radii_in(const NetcdfVariable& variable, const std::vector<float>& density) {
+    std::vector<float> radius = grid_.read(variable, "effective radius");
+    const float largest = *std::max_element(radius.begin(), radius.end());
+    const double unit = file_.factor(variable, radius_units, largest < 1e-2 ? 1e6 : 1, largest < 1e-2 ? "m" : "um");
+    for (float& value : radius) value = static_cast<float>(value * unit);
+    check_radii("'" + variable.name + "'", density, radius);
+    file_.note("effective radius: '{}'", variable.name);
+    return radius;
   }
 
   // -- effective radius ---------------------------------------------------------------------------------------------
 
   void add_effective_radius() {
+    if (main_species_ != nullptr) {
+      cloud_.effective_radius_um = radii_of(*main_species_, cloud_.density);
+      return;
+    }
     const NetcdfVariable* radius =
         options_.droplet_number.empty() && options_.droplet_number_cm3 <= 0
             ? file_.find(options_.effective_radius, effective_radius_names, "--effective-radius")
             : nullptr;
     if (radius != nullptr) {
-      cloud_.effective_radius_um = grid_.read(*radius, "effective radius");
-      const float largest = *std::max_element(cloud_.effective_radius_um.begin(), cloud_.effective_radius_um.end());
-      const double unit = file_.factor(*radius, radius_units, largest < 1e-2 ? 1e6 : 1, largest < 1e-2 ? "m" : "um");
-      for (float& value : cloud_.effective_radius_um) value = static_cast<float>(value * unit);
-      check_radii("'" + radius->name + "'");
-      file_.note("effective radius: '{}'", radius->name);
+      cloud_.effective_radius_um = radii_in(*radius, cloud_.density);
       return;
     }
     if (is_extinction_) return;
@@ -264,7 +375,7 @@ class LesReader {
       cloud_.effective_radius_um[n] =
           static_cast<float>(effective_radius_of_droplets(cloud_.density[n], number[n], options_.radius_ratio_cubed));
     }
-    check_radii("effective radius from " + source);
+    check_radii("effective radius from " + source, cloud_.density, cloud_.effective_radius_um);
     file_.note("effective radius: (3 L / (4 pi rho_w k N))^(1/3) with N = {}, k = {}", source,
                options_.radius_ratio_cubed);
   }
@@ -307,15 +418,14 @@ class LesReader {
         source, grid_.cell_text(n), per_cm3, least, most);
   }
 
-  void check_radii(const std::string& what) const {
-    for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
-      const float radius = cloud_.effective_radius_um[n];
-      if (cloud_.density[n] > 0 && cloud_.density[n] >= options_.minimum && !(radius > 0 && std::isfinite(radius))) {
+  void check_radii(const std::string& what, const std::vector<float>& density, const std::vector<float>& radii) const {
+    for (std::size_t n = 0; n < density.size(); ++n) {
+      const float radius = radii[n];
+      if (density[n] > 0 && density[n] >= options_.minimum && !(radius > 0 && std::isfinite(radius))) {
         file_.fail(
             "{}: {} holds {:.3g} {} and has the value {} (allowed: > 0 where there is cloud; --minimum leaves out "
             "cells with less)",
-            what, grid_.cell_text(n), cloud_.density[n], is_extinction_ ? "1/m of extinction" : "g/m3 of water",
-            radius);
+            what, grid_.cell_text(n), density[n], is_extinction_ ? "1/m of extinction" : "g/m3 of water", radius);
       }
     }
   }
@@ -323,10 +433,10 @@ class LesReader {
   // -- temperature --------------------------------------------------------------------------------------------------
 
   void add_temperature() {
-    cloud_.temperature_k = air_.temperature(is_extinction_ ? nullptr : &cloud_.density);
+    cloud_.temperature_k = air_.temperature(is_liquid() ? &cloud_.density : nullptr);
     float lowest = INFINITY, highest = 0;
     for (std::size_t n = 0; n < cloud_.density.size(); ++n) {
-      if (!(cloud_.density[n] > 0)) continue;
+      if (!has_water(n)) continue;
       lowest = std::min(lowest, cloud_.temperature_k[n]);
       highest = std::max(highest, cloud_.temperature_k[n]);
     }
@@ -335,13 +445,23 @@ class LesReader {
 
   // -- what else ----------------------------------------------------------------------------------------------------
 
+  bool has_water(std::size_t cell) const {
+    return cloud_.density[cell] > 0 || std::any_of(cloud_.others.begin(), cloud_.others.end(),
+                                                   [cell](const auto& other) { return other.density[cell] > 0; });
+  }
+
+  bool is_imported(const Species& species) const {
+    return main_species_ == &species || std::find(others_.begin(), others_.end(), &species) != others_.end();
+  }
+
   /// Water of other kinds is not imported unless it is named; a note reports it.
   void report_species() {
     for (const Species& species : species_names) {
-      const auto& names = species.names;
+      if (is_imported(species)) continue;
+      const Names& names = species.names->names;
       if (!is_extinction_ && std::find(names.begin(), names.end(), main_.name) != names.end())
         file_.note("'{}' is {} by its name, and counts as liquid water", main_.name, species.what);
-      const NetcdfVariable* variable = file_.first_of(species.names);
+      const NetcdfVariable* variable = file_.first_of(*species.names);
       if (variable == nullptr || variable == &main_) continue;
       if (!grid_.holds(*variable)) {
         file_.note("NOT imported: '{}', {}", variable->name, species.what);
@@ -350,8 +470,11 @@ class LesReader {
       float largest = 0;
       for (const float value : grid_.read(*variable, species.what)) largest = std::max(largest, value);
       if (largest > 0) {
-        file_.note("NOT imported: '{}', {} (largest {:.4g}{}{})", variable->name, species.what, largest,
-                   variable->units.empty() ? "" : " ", variable->units);
+        const std::string way = species.option == nullptr || is_extinction_
+                                    ? ""
+                                    : fmt::format("; --species liquid,{} imports it", species.option);
+        file_.note("NOT imported: '{}', {} (largest {:.4g}{}{}){}", variable->name, species.what, largest,
+                   variable->units.empty() ? "" : " ", variable->units, way);
       }
     }
   }
@@ -362,9 +485,10 @@ class LesReader {
       const double centre =
           0.5 * (cloud_.z_edge_m[static_cast<std::size_t>(k)] + cloud_.z_edge_m[static_cast<std::size_t>(k) + 1]);
       if (centre >= 0) return;
-      const auto begin = cloud_.density.begin() + static_cast<std::ptrdiff_t>(columns * static_cast<std::size_t>(k));
-      if (std::none_of(begin, begin + static_cast<std::ptrdiff_t>(columns), [](float value) { return value > 0; }))
-        continue;
+      const std::size_t begin = columns * static_cast<std::size_t>(k);
+      bool is_cloudy = false;
+      for (std::size_t n = begin; n < begin + columns && !is_cloudy; ++n) is_cloudy = has_water(n);
+      if (!is_cloudy) continue;
       file_.fail(
           "cloud below the ground (found it at {:.6g} m, allowed 0 m and above) correct the heights, or give "
           "--voxel-size-m DX DY DZ",
@@ -375,16 +499,27 @@ class LesReader {
   const CloudImportOptions& options_;
   LesFile file_;
   bool is_extinction_ = false;
+  const Species* main_species_ = nullptr;  ///< of the main variable; null: liquid water, or extinction
+  std::vector<const Species*> others_;
   const NetcdfVariable& main_;
   LesGrid grid_;
   LevelledCloud cloud_;
-  LesAir air_{file_, grid_, cloud_.density};
+  LesAir air_;
 };
 
 }  // namespace
 
 LevelledCloud import_les(const CloudImportOptions& options) {
-  return after_sandbox(options.file, {.library = "netCDF"}, [&] { return LesReader(options).read(); });
+  std::optional<AirProfile> profile;
+  if (!options.profile.empty()) profile = read_air_profile(options.profile);
+  return after_sandbox(options.file, {.library = "netCDF"},
+                       [&] { return LesReader(options, profile ? &*profile : nullptr).read(); });
+}
+
+std::size_t count_times(const CloudImportOptions& options) {
+  CloudImportOptions first = options;
+  first.time = 0;
+  return after_sandbox(options.file, {.library = "netCDF"}, [&] { return LesReader(first, nullptr).times(); });
 }
 
 }  // namespace cloudbow

@@ -30,14 +30,31 @@ const Words effective_radius_names{
     {"effective_radius_of_cloud_liquid_water_particles", "effective_radius_of_cloud_liquid_water_particle"}};
 const Words scattering_albedo_names{{"ssa", "SSA", "single_scattering_albedo"}, {}};
 
-const Names ice_names{"QI", "qi", "QICE", "qice", "RIT", "rit", "cli", "CLI", "q_i", "ri", "q_ice_mass"};
+const Words liquid_potential_temperature_names{{"thl", "THL", "thetal", "theta_l", "THETAL"}, {}};
+const Words exner_names{{"PI", "EXNER", "exner", "exnf", "pii"}, {"dimensionless_exner_function"}};
+
+const Words ice_names{{"QI", "qi", "QICE", "qice", "RIT", "rit", "cli", "CLI", "q_i", "ri", "q_ice_mass"},
+                      {"mass_fraction_of_cloud_ice_in_air", "cloud_ice_mixing_ratio"}};
+const Words rain_names{{"QR", "qr", "QRAIN", "qrain", "RRT", "rrt", "rr", "q_rain_mass"}, {}};
+const Words precipitation_names{{"QP", "qp"}, {}};
+const Words snow_names{{"QS", "qs", "QSNOW", "qsnow", "RST", "rst", "q_snow_mass"}, {}};
+const Words graupel_names{{"QG", "qg", "QGRAUP", "qgraup", "RGT", "rgt", "q_graupel_mass"}, {}};
+const Words hail_names{{"QH", "qh", "QHAIL", "qhail", "RHT", "RHP"}, {}};
+const Words aggregates_names{{"RAP"}, {}};
+const Words ice_radius_names{{"RE_ICE", "re_ice", "reff_ice", "REFF_ICE", "rei", "REI", "reffi", "REFFI"},
+                             {"effective_radius_of_cloud_ice_particles", "effective_radius_of_cloud_ice_particle"}};
+const Words rain_radius_names{{"RE_RAIN", "re_rain", "reff_rain", "REFF_RAIN"}, {"effective_radius_of_rain_particles"}};
+const Words snow_radius_names{{"RE_SNOW", "re_snow", "reff_snow", "REFF_SNOW"}, {"effective_radius_of_snow_particles"}};
+const Words graupel_radius_names{{"RE_GRAUPEL", "re_graupel", "reff_graupel", "REFF_GRAUPEL"}, {}};
 const Names condensate_names{"QN"};
-const std::vector<Species> species_names{{"cloud ice", ice_names},
-                                         {"rain", {"QR", "qr", "QRAIN", "qrain", "RRT", "rrt", "rr", "q_rain_mass"}},
-                                         {"precipitation", {"QP", "qp"}},
-                                         {"snow", {"QS", "qs", "QSNOW", "qsnow", "RST", "rst", "q_snow_mass"}},
-                                         {"graupel", {"QG", "qg", "QGRAUP", "qgraup", "RGT", "rgt", "q_graupel_mass"}},
-                                         {"hail", {"QH", "qh", "QHAIL", "qhail", "RHT"}}};
+const std::vector<Species> species_names{
+    {"cloud ice", &ice_names, "ice", "ice_water_content", "reff_ice", &ice_radius_names},
+    {"rain", &rain_names, "rain", "rain_water_content", "reff_rain", &rain_radius_names},
+    {"precipitation", &precipitation_names},
+    {"snow", &snow_names, "snow", "snow_water_content", "reff_snow", &snow_radius_names},
+    {"graupel", &graupel_names, "graupel", "graupel_water_content", "reff_graupel", &graupel_radius_names},
+    {"hail", &hail_names},
+    {"aggregates", &aggregates_names}};
 
 const Names heights_names{"z_ifc", "HHL", "z_mc", "HFL", "z", "zt", "height", "altitude", "z_t", "zu", "ZHAT", "ALT"};
 
@@ -65,6 +82,20 @@ const UnitTable length_units{"m, km",
                               {"kilometers", 1e3},
                               {"kilometre", 1e3},
                               {"kilometres", 1e3}}};
+const UnitTable geopotential_units{"m2/s2", {{"m2/s2", 1}, {"m2s-2", 1}}};
+const UnitTable angle_units{"degree",
+                            {{"degree", 1},
+                             {"degrees", 1},
+                             {"degreesnorth", 1},
+                             {"degreesN", 1},
+                             {"degreenorth", 1},
+                             {"degreeN", 1},
+                             {"degreeseast", 1},
+                             {"degreesE", 1},
+                             {"degreeeast", 1},
+                             {"degreeE", 1}}};
+const UnitTable exner_units{
+    "1, J/(kg K)", {{"1", 1}, {"-", 1}, {"J/kg/K", 1.0 / 1004}, {"Jkg-1K-1", 1.0 / 1004}, {"J/kgK", 1.0 / 1004}}};
 const UnitTable density_units{"kg/m3, g/m3", {{"kg/m3", 1}, {"kgm-3", 1}, {"g/m3", 1e-3}, {"gm-3", 1e-3}}};
 const UnitTable pressure_units{"Pa, hPa, mb",
                                {{"Pa", 1},
@@ -196,17 +227,19 @@ bool is_unit_given(const std::string& units) {
 
 int axis_of_name(const std::string& name) {
   const std::string lower = lower_case(name);
-  for (const char* known : {"west_east", "ni", "nx", "longitude", "lon"}) {
+  for (const char* known : {"west_east", "ni", "nx", "longitude", "lon", "rlon"}) {
     if (lower == known) return 0;
   }
-  for (const char* known : {"south_north", "nj", "ny", "latitude", "lat"}) {
+  for (const char* known : {"south_north", "nj", "ny", "latitude", "lat", "rlat"}) {
     if (lower == known) return 1;
   }
-  for (const char* known :
-       {"lev", "level", "levels", "height", "altitude", "bottom_top", "nk", "nz", "plev", "layer"}) {
+  for (const char* known : {"lev", "level", "levels", "height", "altitude", "bottom_top", "nk", "nz", "plev", "layer",
+                            "pressure_level", "model_level", "hybrid", "isobaricinhpa"}) {
     if (lower == known) return 2;
   }
-  if (lower.starts_with("time") || lower == "t" || lower == "nt" || lower == "record") return 3;
+  if (lower.starts_with("height_") && lower.find_first_not_of("0123456789", 7) == std::string::npos) return 2;  // ICON
+  if (lower.starts_with("time") || lower == "valid_time" || lower == "t" || lower == "nt" || lower == "record")
+    return 3;
   switch (lower[0]) {
     case 'x':
       return 0;

@@ -20,16 +20,24 @@ struct Words {
 };
 
 extern const Words water_names, extinction_names, air_density_names, pressure_names, temperature_names,
-    potential_temperature_names, droplet_number_names, effective_radius_names, scattering_albedo_names;
+    potential_temperature_names, liquid_potential_temperature_names, exner_names, droplet_number_names,
+    effective_radius_names, scattering_albedo_names;
 
-/// Water of other kinds, which is reported and not imported.
+/// Water of other kinds. Cloud ice is subtracted from a variable that holds water and ice together (condensate_names).
+extern const Words ice_names, rain_names, snow_names, graupel_names, precipitation_names, hail_names, aggregates_names;
+extern const Names condensate_names;
+extern const Words ice_radius_names, rain_radius_names, snow_radius_names, graupel_radius_names;
+
+/// Water of another kind than cloud liquid. Kinds without an option are reported and not imported.
 struct Species {
   const char* what;
-  Names names;
+  const Words* names;
+  const char* option = nullptr;  ///< the word of --species
+  const char* grid = nullptr;    ///< name and quantity of its grid
+  const char* radius_grid = nullptr;
+  const Words* radius_names = nullptr;
 };
 extern const std::vector<Species> species_names;
-/// Cloud ice, which is subtracted from a variable that holds water and ice together (condensate_names).
-extern const Names ice_names, condensate_names;
 
 /// Variables that hold heights of levels; heights_names at centres or, one more, at edges of cells.
 extern const Names heights_names;
@@ -49,6 +57,9 @@ extern const UnitTable ratio_units;              ///< kg/kg
 extern const UnitTable content_units;            ///< g/m3
 extern const UnitTable extinction_units;         ///< 1/m
 extern const UnitTable length_units;             ///< m
+extern const UnitTable geopotential_units;       ///< m2/s2
+extern const UnitTable angle_units;              ///< degree
+extern const UnitTable exner_units;              ///< heat capacities c_p of the air
 extern const UnitTable density_units;            ///< kg/m3
 extern const UnitTable pressure_units;           ///< Pa
 extern const UnitTable kelvin_units;             ///< K

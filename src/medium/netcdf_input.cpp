@@ -68,11 +68,12 @@ struct ValidValues {
   }
 };
 
-NetcdfInput::NetcdfInput(const std::filesystem::path& path) : path_(path) {
+NetcdfInput::NetcdfInput(const std::filesystem::path& path, bool has_groups)
+    : path_(path), groups_left_(has_groups ? 1000 : 0) {
   hdf5::check_file(path);
   check(nc_open(path.c_str(), NC_NOWRITE, &id_), "not netCDF, or damaged");
   try {
-    list_variables();
+    list_variables(id_, "");
     check_length();
   } catch (...) {
     nc_close(id_);
@@ -87,27 +88,38 @@ void NetcdfInput::check(int status, const std::string& what) const {
   if (status != NC_NOERR) fail_import(path_, "{} (the library says: {})", what, nc_strerror(status));
 }
 
-void NetcdfInput::list_variables() {
+void NetcdfInput::list_variables(int group, const std::string& path) {
   int count = 0;
-  check(nc_inq_nvars(id_, &count), "damaged");
+  check(nc_inq_nvars(group, &count), "damaged");
   for (int id = 0; id < count; ++id) {
     std::array<char, NC_MAX_NAME + 1> name{};
     int rank = 0;
-    check(nc_inq_varname(id_, id, name.data()), "damaged");
-    check(nc_inq_varndims(id_, id, &rank), "damaged");
+    check(nc_inq_varname(group, id, name.data()), "damaged");
+    check(nc_inq_varndims(group, id, &rank), "damaged");
     nc_type type = NC_NAT;
-    check(nc_inq_vartype(id_, id, &type), "damaged");
-    NetcdfVariable variable{id, name.data(), {}, {}, {}, type == NC_FLOAT};
+    check(nc_inq_vartype(group, id, &type), "damaged");
+    const bool is_taken = find(name.data()) != nullptr;
+    NetcdfVariable variable{id, (is_taken ? path : "") + name.data(), {}, {}, {}, type == NC_FLOAT, group};
     std::vector<int> dimension(static_cast<std::size_t>(rank));
-    check(nc_inq_vardimid(id_, id, dimension.data()), "damaged");
+    check(nc_inq_vardimid(group, id, dimension.data()), "damaged");
     for (const int d : dimension) {
       std::size_t length = 0;
-      check(nc_inq_dim(id_, d, name.data(), &length), "damaged");
+      check(nc_inq_dim(group, d, name.data(), &length), "damaged");
       variable.dimension.emplace_back(name.data());
       variable.length.push_back(length);
     }
     variable.units = text_attribute(variable, "units");
     variables_.push_back(std::move(variable));
+  }
+  int groups = 0;
+  if (groups_left_ <= 0 || nc_inq_grps(group, &groups, nullptr) != NC_NOERR || groups <= 0) return;
+  std::vector<int> inner(static_cast<std::size_t>(groups));
+  check(nc_inq_grps(group, &groups, inner.data()), "damaged");
+  for (const int id : inner) {
+    if (groups_left_-- <= 0) return;
+    std::array<char, NC_MAX_NAME + 1> name{};
+    check(nc_inq_grpname(id, name.data()), "damaged");
+    list_variables(id, path + name.data() + "/");
   }
 }
 
@@ -145,7 +157,7 @@ void NetcdfInput::check_length() const {
   for (const NetcdfVariable& variable : variables_) {
     nc_type type = NC_NAT;
     std::size_t bytes = 0;
-    check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+    check(nc_inq_vartype(variable.group, variable.id, &type), variable.name);
     check(nc_inq_type(id_, type, nullptr, &bytes), variable.name);
     auto size = static_cast<double>(bytes);
     for (const std::size_t length : variable.length) size *= static_cast<double>(length);
@@ -162,23 +174,23 @@ const NetcdfVariable* NetcdfInput::find(const std::string& name) const {
 }
 
 std::string NetcdfInput::text_attribute(const NetcdfVariable& variable, const char* name) const {
-  return text_of(variable.id, name);
+  return text_of(variable.group, variable.id, name);
 }
 
-std::string NetcdfInput::global_text(const char* name) const { return text_of(NC_GLOBAL, name); }
+std::string NetcdfInput::global_text(const char* name) const { return text_of(id_, NC_GLOBAL, name); }
 
-std::string NetcdfInput::text_of(int variable, const char* name) const {
+std::string NetcdfInput::text_of(int group, int variable, const char* name) const {
   std::size_t length = 0;
   nc_type type = NC_NAT;
-  if (nc_inq_att(id_, variable, name, &type, &length) != NC_NOERR) return {};
+  if (nc_inq_att(group, variable, name, &type, &length) != NC_NOERR) return {};
   constexpr std::size_t longest = 4096;
   std::string text;
   if (type == NC_CHAR && length <= longest) {
     text.assign(length, '\0');
-    check(nc_get_att_text(id_, variable, name, text.data()), name);
+    check(nc_get_att_text(group, variable, name, text.data()), name);
   } else if (type == NC_STRING && length == 1) {
     char* string = nullptr;
-    check(nc_get_att_string(id_, variable, name, &string), name);
+    check(nc_get_att_string(group, variable, name, &string), name);
     if (string != nullptr) text = string;
     nc_free_string(1, &string);
   }
@@ -186,21 +198,20 @@ std::string NetcdfInput::text_of(int variable, const char* name) const {
 }
 
 /// None if there is no such attribute. Text must hold a number, which some programs write so.
-std::vector<double> NetcdfInput::numbers_of_attribute(int variable, const char* name) const {
+std::vector<double> NetcdfInput::numbers_of_attribute(int group, int variable, const std::string& owner,
+                                                      const char* name) const {
   std::size_t length = 0;
   nc_type type = NC_NAT;
-  if (nc_inq_att(id_, variable, name, &type, &length) != NC_NOERR) return {};
-  const std::string owner =
-      variable == NC_GLOBAL ? "the file" : "'" + variables_[static_cast<std::size_t>(variable)].name + "'";
+  if (nc_inq_att(group, variable, name, &type, &length) != NC_NOERR) return {};
   constexpr std::size_t longest = 4096;
   if (length > longest) fail_import(path_, "{}: attribute {} is too long (found {} values)", owner, name, length);
   if (type != NC_CHAR && type != NC_STRING) {
     std::vector<double> number(length);
-    check(nc_get_att_double(id_, variable, name, number.data()),
+    check(nc_get_att_double(group, variable, name, number.data()),
           fmt::format("{}: attribute {} is not numbers", owner, name));
     return number;
   }
-  const std::string text = text_of(variable, name);
+  const std::string text = text_of(group, variable, name);
   if (text.empty()) fail_import(path_, "{}: attribute {} is not a number (found text)", owner, name);
   std::vector<double> number;
   for (const std::string_view word : split_words(text)) {
@@ -211,8 +222,12 @@ std::vector<double> NetcdfInput::numbers_of_attribute(int variable, const char* 
   return number;
 }
 
+std::vector<double> NetcdfInput::numbers_of_attribute(const NetcdfVariable& variable, const char* name) const {
+  return numbers_of_attribute(variable.group, variable.id, "'" + variable.name + "'", name);
+}
+
 std::optional<double> NetcdfInput::number_attribute(const NetcdfVariable& variable, const char* name) const {
-  const std::vector<double> number = numbers_of_attribute(variable.id, name);
+  const std::vector<double> number = numbers_of_attribute(variable, name);
   if (number.empty()) return std::nullopt;
   if (number.size() != 1) {
     fail_import(path_, "'{}': attribute {} is not one number (found {})", variable.name, name, number.size());
@@ -221,40 +236,48 @@ std::optional<double> NetcdfInput::number_attribute(const NetcdfVariable& variab
 }
 
 std::optional<double> NetcdfInput::global_number(const char* name) const {
-  const std::vector<double> number = numbers_of_attribute(NC_GLOBAL, name);
+  const std::vector<double> number = numbers_of_attribute(id_, NC_GLOBAL, "the file", name);
   return number.size() == 1 ? std::optional(number[0]) : std::nullopt;
 }
 
 double NetcdfInput::packing_step(const NetcdfVariable& variable) const {
   nc_type type = NC_NAT;
-  check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+  check(nc_inq_vartype(variable.group, variable.id, &type), variable.name);
   return is_integer(type) ? std::abs(number_attribute(variable, "scale_factor").value_or(0)) : 0;
+}
+
+std::size_t NetcdfInput::chunk_length(const NetcdfVariable& variable, std::size_t dimension) const {
+  int storage = NC_CONTIGUOUS;
+  std::vector<std::size_t> chunk(variable.length.size(), 1);
+  if (nc_inq_var_chunking(variable.group, variable.id, &storage, chunk.data()) != NC_NOERR || storage != NC_CHUNKED)
+    return 1;
+  return std::max<std::size_t>(1, chunk[dimension]);
 }
 
 /// netCDF User's Guide, "Attribute Conventions": all of these are of the stored numbers, with one exception. A valid
 /// range of floating type for packed integers is of the unpacked ones.
 ValidValues NetcdfInput::valid_values(const NetcdfVariable& variable) const {
   nc_type type = NC_NAT;
-  check(nc_inq_vartype(id_, variable.id, &type), variable.name);
+  check(nc_inq_vartype(variable.group, variable.id, &type), variable.name);
   const double scale = number_attribute(variable, "scale_factor").value_or(1);
   const double offset = number_attribute(variable, "add_offset").value_or(0);
   const auto as_stored = [&](double number) { return type == NC_FLOAT ? static_cast<float>(number) : number; };
   const auto bound = [&](double number, const char* name) {
     nc_type of_bound = NC_NAT;
-    check(nc_inq_atttype(id_, variable.id, name, &of_bound), variable.name);
+    check(nc_inq_atttype(variable.group, variable.id, name, &of_bound), variable.name);
     const bool is_unpacked = is_integer(type) && !is_integer(of_bound) && (scale != 1 || offset != 0);
     return is_unpacked ? (number - offset) / scale : as_stored(number);
   };
 
   ValidValues valid;
-  const std::vector<double> fill = numbers_of_attribute(variable.id, "_FillValue");
+  const std::vector<double> fill = numbers_of_attribute(variable, "_FillValue");
   valid.missing = fill.empty() ? std::vector{default_fill(type)} : fill;
-  for (const double number : numbers_of_attribute(variable.id, "missing_value")) {
+  for (const double number : numbers_of_attribute(variable, "missing_value")) {
     valid.missing.push_back(as_stored(number));
   }
   if (const auto lowest = number_attribute(variable, "valid_min")) valid.lowest = bound(*lowest, "valid_min");
   if (const auto highest = number_attribute(variable, "valid_max")) valid.highest = bound(*highest, "valid_max");
-  const std::vector<double> range = numbers_of_attribute(variable.id, "valid_range");
+  const std::vector<double> range = numbers_of_attribute(variable, "valid_range");
   if (range.empty()) return valid;
   if (range.size() != 2) {
     fail_import(path_, "'{}': attribute valid_range is not two numbers (found {})", variable.name, range.size());
@@ -271,7 +294,7 @@ std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std:
   if (size > max_import_cells) fail_import(path_, "'{}': too large ({:.3g} numbers)", variable.name, size);
   std::vector<double> value(static_cast<std::size_t>(size));
   if (value.empty()) return value;
-  check(nc_get_vara_double(id_, variable.id, start.data(), count.data(), value.data()),
+  check(nc_get_vara_double(variable.group, variable.id, start.data(), count.data(), value.data()),
         fmt::format("'{}' cannot be read", variable.name));
 
   if (text_attribute(variable, "_Unsigned") == "true") {

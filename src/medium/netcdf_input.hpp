@@ -11,11 +11,13 @@ namespace cloudbow {
 
 struct NetcdfVariable {
   int id = 0;
-  std::string name;
+  std::string name;                    ///< in a group, if the name is there before: "group/name"
   std::vector<std::string> dimension;  ///< slowest first
   std::vector<std::size_t> length;     ///< of the dimensions
   std::string units;                   ///< empty if the file does not say
   bool is_float32 = false;
+  int group = 0;         ///< the library's number of the file, or of a group in it
+  std::size_t file = 0;  ///< of several files, counted by those who open them
 };
 
 /// Whether the first bytes are those of netCDF, classic or netCDF-4; such a file may still be damaged.
@@ -28,11 +30,13 @@ struct ValidValues;
 class NetcdfInput {
  public:
   /// @throws InputError if the file is not netCDF, damaged, or locked by a program that writes it.
-  explicit NetcdfInput(const std::filesystem::path& path);
+  /// @param has_groups variables of groups count too
+  explicit NetcdfInput(const std::filesystem::path& path, bool has_groups = false);
   ~NetcdfInput();
   NetcdfInput(const NetcdfInput&) = delete;
   NetcdfInput& operator=(const NetcdfInput&) = delete;
 
+  /// Those of the file, then those of its groups if they count.
   const std::vector<NetcdfVariable>& variables() const { return variables_; }
   const NetcdfVariable* find(const std::string& name) const;
   /// Empty if there is none, or it is no text.
@@ -44,6 +48,9 @@ class NetcdfInput {
   /// 0 if the variable is not packed: the distance of two numbers that its integers can represent.
   double packing_step(const NetcdfVariable& variable) const;
 
+  /// Values along a dimension that are stored together, so that reading fewer costs as much; 1 if they are not.
+  std::size_t chunk_length(const NetcdfVariable& variable, std::size_t dimension) const;
+
   /// A part of a numeric variable, scale_factor and add_offset applied. Values that the attributes _FillValue,
   /// missing_value, valid_range, valid_min or valid_max exclude become NaN, as do values that were never written.
   /// @throws InputError naming the variable, also if one of these attributes is not what netCDF's conventions allow.
@@ -53,17 +60,20 @@ class NetcdfInput {
 
  private:
   void check(int status, const std::string& what) const;
-  std::string text_of(int variable, const char* name) const;
-  std::vector<double> numbers_of_attribute(int variable, const char* name) const;
+  /// Attributes of a variable of a group, or of the file.
+  std::string text_of(int group, int variable, const char* name) const;
+  std::vector<double> numbers_of_attribute(int group, int variable, const std::string& owner, const char* name) const;
+  std::vector<double> numbers_of_attribute(const NetcdfVariable& variable, const char* name) const;
   std::optional<double> number_attribute(const NetcdfVariable& variable, const char* name) const;
   ValidValues valid_values(const NetcdfVariable& variable) const;
-  void list_variables();
+  void list_variables(int group, const std::string& path);
   double attribute_bytes(int variable) const;
   void check_length() const;
 
   std::filesystem::path path_;
   int id_ = 0;
   std::vector<NetcdfVariable> variables_;
+  int groups_left_ = 0;  ///< that may still be read: groups may be linked in rings
 };
 
 }  // namespace cloudbow

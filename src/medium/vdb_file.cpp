@@ -92,10 +92,11 @@ bool is_auxiliary(const std::string& quantity) {
 }
 
 /// Optical depth of a grid of liquid water, by the radii of another grid.
-void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, VdbGridInfo& water) {
-  VdbCloud field = read_cloud_vdb(path, {.grid = water.name});
-  const std::vector<float> radius =
-      read_auxiliary_vdb(path, field, {.grid = radius_grid}, smallest_effective_radius_um, largest_effective_radius_um);
+void add_optical_depth(const std::filesystem::path& path, const std::string& radius_grid, const std::string& up_axis,
+                       VdbGridInfo& water) {
+  VdbCloud field = read_cloud_vdb(path, {.grid = water.name, .up_axis = up_axis});
+  const std::vector<float> radius = read_auxiliary_vdb(path, field, {.grid = radius_grid, .up_axis = up_axis},
+                                                       smallest_effective_radius_um, largest_effective_radius_um);
   water_to_extinction_by_radius(field, radius);
   const CloudSummary summary = summarize(field);
   water.optical_depth = summary.column;
@@ -104,20 +105,38 @@ void add_optical_depth(const std::filesystem::path& path, const std::string& rad
 
 }  // namespace
 
-CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
+namespace {
+
+/// Leaves the grid of this name.
+void keep_one(CloudInfo& info, const std::string& name) {
+  std::string there;
+  for (const VdbGridInfo& grid : info.grids) there += (there.empty() ? "\"" : ", \"") + grid.name + "\"";
+  std::erase_if(info.grids, [&name](const VdbGridInfo& grid) { return grid.name != name; });
+  if (info.grids.empty()) {
+    throw InputError(fmt::format("{}: no grid \"{}\" (found {}) name one of these", info.path.string(), name, there));
+  }
+}
+
+}  // namespace
+
+CloudInfo describe_cloud_vdb(const std::filesystem::path& path, const std::string& grid_name,
+                             const std::string& up_axis) {
   CloudInfo info{.path = path, .bytes = 0, .grids = vdb_module().list_grids(path)};
   info.bytes = std::filesystem::file_size(path);
+  if (!grid_name.empty()) keep_one(info, grid_name);
   const VdbGridInfo* radius = nullptr;
   for (auto& grid : info.grids) {
     try {
       VdbReadOptions options;
       options.grid = grid.name;
+      options.up_axis = up_axis;
       options.ignores_background = is_auxiliary(grid.quantity);
       const VdbCloud cloud = read_cloud_vdb(path, options);
       grid.cloud = summarize(cloud);
       grid.cloud->notes = cloud.notes;
       if (grid.quantity == "extinction") grid.largest_voxel_depth = grid.cloud->value.max * grid.cloud->cell_size_m[2];
-      if (grid.quantity == "effective_radius" && radius == nullptr) radius = &grid;
+      // Radii of ice and other species are not those of droplets.
+      if (grid.quantity == "effective_radius" && !grid.name.starts_with("reff_") && radius == nullptr) radius = &grid;
     } catch (const InputError& error) {
       grid.reason = error.what();
     }
@@ -125,7 +144,7 @@ CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
   for (auto& grid : info.grids) {
     if (!grid.cloud || grid.quantity != "liquid_water_content" || radius == nullptr) continue;
     try {
-      add_optical_depth(path, radius->name, grid);
+      add_optical_depth(path, radius->name, up_axis, grid);
     } catch (const InputError&) {  // radii of other voxels, or none that a cloud has: the water path stands alone
     }
   }
@@ -133,8 +152,8 @@ CloudInfo describe_cloud_vdb(const std::filesystem::path& path) {
 }
 
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                     const std::vector<VdbAuxiliary>& auxiliaries) {
-  vdb_module().write_cloud(path, field, options, auxiliaries);
+                     const std::vector<VdbAuxiliary>& auxiliaries, const std::vector<VdbCloudGrid>& others) {
+  vdb_module().write_cloud(path, field, options, auxiliaries, others);
 }
 
 void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,

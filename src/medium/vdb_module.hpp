@@ -14,7 +14,7 @@ struct VdbModule {
   /// The grids with their metadata; none is read as a cloud.
   std::vector<VdbGridInfo> (*list_grids)(const std::filesystem::path& path);
   void (*write_cloud)(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                      const std::vector<VdbAuxiliary>& auxiliaries);
+                      const std::vector<VdbAuxiliary>& auxiliaries, const std::vector<VdbCloudGrid>& others);
   void (*write_fields)(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
                        const std::function<VdbField(std::size_t)>& field);
 };

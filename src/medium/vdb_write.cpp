@@ -112,7 +112,8 @@ openvdb::FloatGrid::ConstPtr to_grid(const VdbField& field, const VdbBox& box) {
 
 std::string units_of(const std::string& quantity) {
   if (quantity == "extinction") return "1/m";
-  if (quantity == "liquid_water_content") return "g/m3";
+  if (quantity.ends_with("_water_content")) return "g/m3";
+  if (quantity == "temperature") return "K";
   return "";
 }
 
@@ -186,14 +187,21 @@ class PartFile {
 }  // namespace
 
 void vdb::write_cloud(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
-                      const std::vector<VdbAuxiliary>& auxiliaries) {
+                      const std::vector<VdbAuxiliary>& auxiliaries, const std::vector<VdbCloudGrid>& others) {
   openvdb::initialize();
-  const std::string units = units_of(field.quantity);
-  openvdb::GridCPtrVec grids{to_grid(field, {options.grid, field.quantity, units, field.value, options.half})};
-  for (const VdbAuxiliary& auxiliary : auxiliaries) {
-    assert(auxiliary.value.size() == field.value.size());
-    grids.push_back(to_grid(field, {auxiliary.grid, auxiliary.quantity, auxiliary.units, auxiliary.value, false}));
-  }
+  openvdb::GridCPtrVec grids;
+  const auto add = [&grids](const std::string& name, const CloudField& of, bool half,
+                            const std::vector<VdbAuxiliary>& on_its_voxels) {
+    grids.push_back(to_grid(of, {name, of.quantity, units_of(of.quantity), of.value, half}));
+    for (const VdbAuxiliary& auxiliary : on_its_voxels) {
+      assert(auxiliary.value.size() == of.value.size());
+      grids.push_back(to_grid(of, {auxiliary.grid, auxiliary.quantity, auxiliary.units, auxiliary.value, false}));
+    }
+  };
+  add(options.grid, field, options.half, auxiliaries);
+  // A temperature of 16 bits would be off by a tenth of a kelvin.
+  for (const VdbCloudGrid& other : others)
+    add(other.grid, other.field, options.half && other.field.quantity != "temperature", other.auxiliaries);
   PartFile file(path);
   file.doing([&] {
     openvdb::io::Stream archive(file.stream());

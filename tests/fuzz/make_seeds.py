@@ -175,6 +175,22 @@ def write_wrf(path, form):
         file.DX, file.DY = np.float32(100), np.float32(100)
 
 
+def write_terrain(path, form):
+    """Levels from the top with heights of their own in every column, degrees, three species, theta_l and the Exner function."""
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        for name, length in (("height", 3), ("height_2", 4), ("lat", 2), ("lon", 2)):
+            file.createDimension(name, length)
+        whole = ("height", "lat", "lon")
+        for name, values, units in (("lon", [8, 8.01], "degrees_east"), ("lat", [50.01, 50], "degrees_north")):
+            file.createVariable(name, "f8", (name,))[:] = values
+            file[name].units = units
+        file.createVariable("z_ifc", "f4", ("height_2", "lat", "lon"))[:] = np.reshape([900, 600, 300, 0], (4, 1, 1)) + np.arange(4).reshape(1, 2, 2) * 10
+        file["z_ifc"].units = "m"
+        for name, units, values in (("qc", "kg/kg", 1e-3), ("qi", "g/kg", 1e-2), ("qr", "kg m-3", 1e-4), ("reff_ice", "um", 30), ("thl", "K", 295), ("PI", "", 0.95)):
+            file.createVariable(name, "f4", whole)[:] = values
+            file[name].units = units
+
+
 def write_checkpoint(path, libver, checkpoint_format):
     """The arrays of fuzz_checkpoint.cpp. Those of the oldest format have no checksums, which stop nearly every mutant."""
     with h5py.File(path, "w", libver=libver) as file:
@@ -290,9 +306,12 @@ def main():
     write_texts("phase_files", PHASE_FILES)
     write_texts("cloud_text", CLOUD_TEXTS)
     np.save(folder("cloud_text") / "array.npy", np.arange(12.0).reshape(3, 2, 2) / 100)
+    for name, save in (("stored.npz", np.savez), ("deflated.npz", np.savez_compressed)):
+        save(folder("cloud_text") / name, lwc=np.arange(12.0).reshape(3, 2, 2) / 100, reff=np.full((3, 2, 2), 9.0), x=[0.0, 50], y=[0.0, 50], z=[0.0, 40, 90])
     write_texts("droplet_table", {"shdom.mie": SHDOM_MIE})
     for form in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF4"):
         write_les(folder("cloud_netcdf") / f"{form}.nc", form)
+        write_terrain(folder("cloud_netcdf") / f"terrain_{form}.nc", form)
         write_wrf(folder("cloud_netcdf") / f"wrf_{form}.nc", form)
         for light in ("solar", "longwave"):
             write_gas_model(folder("gas_model") / f"{light}_{form}.nc", form, light)

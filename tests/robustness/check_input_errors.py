@@ -240,9 +240,30 @@ def import_commands(folder):
     numpy.save(array, numpy.ones((2, 2, 2), "float32"))
     columns.write_text("0 0 0 1\n")
     size = ["--voxel-size-m", "100"]
-    for option, value in (("--time", "0"), ("--units", "g/kg"), ("--variable", "x"), ("--x-axis", "x"), ("--time-axis", "x"), ("--air-density", "1"), ("--pressure", "p"), ("--temperature", "t"), ("--fill", "error"),
+    for option, value in (("--time", "0"), ("--units", "g/kg"), ("--x-axis", "x"), ("--time-axis", "x"), ("--air-density", "1"), ("--pressure", "p"), ("--temperature", "t"), ("--fill", "error"),
                           ("--droplet-number", "n"), ("--droplet-number-cm3", "100"), ("--radius-ratio-cubed", "0.8"), ("--effective-radius", "r")):
         yield f"AT3D with {option}", [at3d, option, value], [f"{option}:", "at3d.csv", "found", "at3d", "allowed les"]
+    archive, cut, other = folder / "archive.npz", folder / "cut.npz", folder / "other.npz"
+    numpy.savez_compressed(archive, lwc=numpy.linspace(0, 1, 8000).reshape(20, 20, 20), reff=numpy.ones((2, 2, 2)))
+    cut.write_bytes(archive.read_bytes()[:-30])
+    numpy.savez(other, a=numpy.ones(3), b=numpy.ones(3))
+    broken = bytearray(archive.read_bytes())
+    broken[200] ^= 255
+    (folder / "broken.npz").write_bytes(broken)
+    yield "archive without sizes", [archive], ["archive.npz", "no coordinates 'x'", "--voxel-size-m"]
+    yield "archive with radii of another shape", [archive, *size], ["'reff'", "another shape"]
+    yield "archive that is cut off", [cut, *size], ["cut.npz", "cut off"]
+    yield "archive with a wrong byte", [folder / "broken.npz", *size], ["broken.npz", "damaged"]
+    yield "archive without a cloud", [other, *size], ["other.npz", "arrays in the file: a, b", "--variable"]
+    yield "archive without the array", [other, *size, "--variable", "c"], ["no array 'c'", "a, b"]
+    yield "array with --variable", [array, *size, "--variable", "c"], ["array.npy", "--variable", ".npz"]
+    for option, value in (("--with", les), ("--profile", columns), ("--species", "ice"), ("--model", "wrf"), ("--base-pressure", "p"), ("--potential-temperature", "t")):
+        yield f"NumPy with {option}", [array, *size, option, value], [f"{option}:", "numpy", "allowed les"]
+    yield "--time that is no number", [les, "--time", "last"], ["--time", "last", "or all"]
+    yield "unknown species", [les, "--species", "liquid,hail"], ["--species", "hail"]
+    yield "unknown model", [les, "--model", "mm5"], ["--model", "mm5", "wrf"]
+    yield "two temperatures", [les, "--temperature", "t", "--potential-temperature", "th"], ["--temperature", "--potential-temperature"]
+    yield "profile and density", [les, "--profile", columns, "--air-density", "1"], ["--profile", "--air-density", "leave out one"]
     yield "AT3D with --quantity", [at3d, "--quantity", "extinction"], ["--quantity:", "at3d", "les, columns, numpy"]
     yield "LES with --columns", [les, "--columns", "4", "4"], ["--columns:", "les.nc", "les", "columns, optics-csv"]
     yield "LES with --phase-functions", [les, "--phase-functions", columns], ["--phase-functions:", "les", "shdom, optics-csv"]

@@ -97,6 +97,8 @@ def outputs(bench):
                    ("phase plot and figures of one name", ["phase", "isotropic", "--plot", "a.png", "-o", "A.png"], ["overwrite the plot"]),
                    ("optics over the profile", ["gas", "optics", "moments.txt", "--model", "a.phase.csv", "-o", "moments.txt"], ["optics would overwrite an input"]),
                    ("import over its input", ["cloud", "import", "moments.txt", "-o", "moments.txt"], ["cloud would overwrite an input"]),
+                   ("import over its profile", ["cloud", "import", "a.phase.csv", "--profile", "air.vdb", "-o", "air.vdb"], ["cloud would overwrite an input"]),
+                   ("import over a further file", ["cloud", "import", "a.phase.csv", "--with", "air.vdb", "-o", "air.vdb"], ["cloud would overwrite an input"]),
                    ("phase functions over the import's input", ["cloud", "import", "a.phase.csv", "-o", "a.vdb"], ["phase functions would overwrite an input"])]
     os.symlink("b.2", bench.folder / "a.1")  # what the second wavelength is to go on from
     (bench.folder / "b.2").write_text("state")

@@ -26,7 +26,7 @@ THIRD_PARTY = {
     r"(hdf5|hdf5_hl|H5\w*)\.h": {"core", "io"},
     r"netcdf\.h": {"medium", "io"},
     r"png\.h": {"medium", "io"},
-    r"zlib\.h": {"io"},
+    r"zlib\.h": {"medium", "io"},
     r"xxh(ash|3)\.h": {"core"},
     r"toml\+\+/|toml\.hpp": {"app"},
     r"CLI/": {"app"},

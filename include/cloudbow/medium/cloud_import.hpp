@@ -29,17 +29,25 @@ struct CloudImportOptions {
   std::string quantity;
 
   // LES files; names that are empty are guessed.
+  std::string model = "auto";                 ///< whose layout the file has: one of les_model_names(), or "auto"
+  std::vector<std::filesystem::path> with{};  ///< files with variables that the first one lacks
+  std::filesystem::path profile{};            ///< density, or pressure and temperature, by height
+  /// "liquid", "ice", "rain", "snow", "graupel", or "all" that the file has; empty: liquid water alone.
+  std::vector<std::string> species{};
+  bool may_be_clear = false;        ///< a field without any cloud is no error: one moment of a series
   std::string variable;             ///< liquid water
   std::string units;                ///< of it, instead of the file's
   std::size_t time = 0;             ///< index on the time axis
   std::array<std::string, 4> axes;  ///< dimensions x, y, z, time
   std::string air_density;          ///< a variable, or a number [kg/m3], or "us-1976": the standard atmosphere
   std::string pressure;             ///< with temperature, in place of air density
+  std::string base_pressure{};      ///< is added to the pressure, which then is a perturbation
   std::string temperature;
-  bool temperature_grid = false;  ///< brings the temperature as a grid; LES files alone have one
-  std::string droplet_number;     ///< for the effective radius
-  std::string effective_radius;   ///< in place of droplet number
-  double droplet_number_cm3 = 0;  ///< the same everywhere, in place of a variable; 0: none
+  std::string potential_temperature{};  ///< in place of temperature
+  bool temperature_grid = false;        ///< brings the temperature as a grid; LES files alone have one
+  std::string droplet_number;           ///< for the effective radius
+  std::string effective_radius;         ///< in place of droplet number
+  double droplet_number_cm3 = 0;        ///< the same everywhere, in place of a variable; 0: none
   /// (r_volume / r_effective)^3 of the droplets' spectrum; 0.8 is that of maritime stratocumulus (Martin, Johnson &
   /// Spice 1994, doi 10.1175/1520-0469(1994)051<1823:TMAPOE>2.0.CO;2)
   double radius_ratio_cubed = 0.8;
@@ -52,18 +60,28 @@ struct CloudImportOptions {
 
 const std::vector<std::string>& cloud_import_formats();
 
+/// Models whose layouts `model` may name, without "auto".
+const std::vector<std::string>& les_model_names();
+
+/// Length of the time axis of an LES file, 1 if it has none. @throws InputError as import_cloud
+std::size_t count_times(const CloudImportOptions& options);
+
 /// That of the options, or what the file's first bytes say: one of cloud_import_formats(), not "auto".
 /// @throws InputError for a file of another kind
 std::string cloud_import_format(const CloudImportOptions& options);
 
 struct ImportedCloud {
-  CloudField field;
-  std::vector<VdbAuxiliary> auxiliaries;     ///< "reff", "single_scattering_albedo", "phase_index", "temperature"
+  std::string grid = "density";           ///< name of the field's grid
+  CloudField field;                       ///< without columns if there is no cloud (may_be_clear)
+  std::vector<VdbAuxiliary> auxiliaries;  ///< "reff", "single_scattering_albedo", "phase_index", "temperature"
+  /// Other species, each on the voxels that it fills, in the same box; then the temperature of all their voxels.
+  std::vector<VdbCloudGrid> others;
   std::vector<std::vector<double>> moments;  ///< [phase function][l] if the file holds them, without the factor 2l+1
   std::vector<std::string> notes;            ///< findings and guesses, for the user to check
 };
 
-/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass. Each voxel is the
+/// Reads the file and resamples its levels to uniform voxels so that every column keeps its mass, to 1e-6. Heights may
+/// differ from column to column. Species and temperature have voxels of the same box. Each voxel is the
 /// mean of the levels in it by thickness. Temperature is the mean by mass. An effective radius is the mean that keeps
 /// mass and mass / radius, an albedo the one that keeps scattering.
 /// @throws InputError naming file and variable, line or cell: missing or damaged file, missing variable or axis, unit

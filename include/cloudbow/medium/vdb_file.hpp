@@ -83,11 +83,19 @@ struct VdbAuxiliary {
   std::vector<float> value;  ///< in the order of CloudField::value
 };
 
+/// A further field of a file, with grids on its voxels.
+struct VdbCloudGrid {
+  std::string grid;
+  CloudField field;
+  std::vector<VdbAuxiliary> auxiliaries;
+};
+
 /// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator. The file has a temporary
 /// name beside `path` until it is complete. Cell (0, 0, 0) is voxel (0, 0, 0). Auxiliary grids are stored as float.
+/// @param others fields with voxels of their own, such as ice.
 /// @throws InputError if the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
-                     const std::vector<VdbAuxiliary>& auxiliaries = {});
+                     const std::vector<VdbAuxiliary>& auxiliaries = {}, const std::vector<VdbCloudGrid>& others = {});
 
 /// Positions of the voxels of fields: nx, ny, nz cells of cell_size_m from the corner min_m on, z up.
 struct VdbBox {
@@ -121,8 +129,8 @@ struct Spread {
   double max = 0;
 };
 
-/// Name of vertical integrals of a quantity in these units: "optical depth", "liquid water path [g/m2]" or, in other
-/// units, "vertical integral".
+/// Name of vertical integrals of a quantity in these units: "optical depth" or, for each species,
+/// "liquid water path [g/m2]". In other units it is "vertical integral".
 std::string column_integral_name(const std::string& quantity, const std::string& units);
 
 /// Content of a grid that is read as a cloud with z up.
@@ -169,8 +177,10 @@ std::vector<double> column_integrals(const CloudField& field);
 
 /// Grids of an effective radius, a single-scattering albedo or a phase index are read without their background. It
 /// belongs to the voxels of another grid.
-/// @throws InputError if the file as a whole cannot be read.
-CloudInfo describe_cloud_vdb(const std::filesystem::path& path);
+/// @param grid the only one that is described; empty: all. @param up_axis as in VdbReadOptions.
+/// @throws InputError if the file as a whole cannot be read, or the grid is not in it.
+CloudInfo describe_cloud_vdb(const std::filesystem::path& path, const std::string& grid = {},
+                             const std::string& up_axis = "z");
 
 /// Several lines for a terminal, each ended by a newline.
 std::string format_cloud_info(const CloudInfo& info);

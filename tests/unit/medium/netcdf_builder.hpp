@@ -14,10 +14,11 @@ namespace cloudbow {
 class NetcdfBuilder {
  public:
   explicit NetcdfBuilder(const std::filesystem::path& path) : path_(path) {
-    check(nc_create(path.c_str(), NC_CLOBBER | NC_NETCDF4, &id_));
+    check(nc_create(path.c_str(), NC_CLOBBER | NC_NETCDF4, &file_));
+    id_ = file_;
   }
   ~NetcdfBuilder() {
-    if (id_ >= 0) nc_close(id_);
+    if (file_ >= 0) nc_close(file_);
   }
   NetcdfBuilder(const NetcdfBuilder&) = delete;
   NetcdfBuilder& operator=(const NetcdfBuilder&) = delete;
@@ -35,6 +36,8 @@ class NetcdfBuilder {
     if (!units.empty()) text(name, "units", units);
     check(nc_put_var_double(id_, made, values.data()));
   }
+  /// Further variables go into a group of this name.
+  void group(const std::string& name) { check(nc_def_grp(file_, name.c_str(), &id_)); }
   void text(const std::string& name, const std::string& attribute, const std::string& value) {
     check(nc_put_att_text(id_, find(name), attribute.c_str(), value.size(), value.c_str()));
   }
@@ -42,7 +45,7 @@ class NetcdfBuilder {
     check(nc_put_att_double(id_, find(name), attribute.c_str(), type, value.size(), value.data()));
   }
   std::filesystem::path close() {
-    nc_close(std::exchange(id_, -1));
+    nc_close(std::exchange(file_, -1));
     return path_;
   }
 
@@ -57,7 +60,8 @@ class NetcdfBuilder {
   }
 
   std::filesystem::path path_;
-  int id_ = -1;
+  int file_ = -1;
+  int id_ = -1;  ///< of the file, or of the group that variables go into
 };
 
 }  // namespace cloudbow

@@ -33,6 +33,31 @@ TEST_F(CloudDescription, TheDescriptionTellsWhatIsThere) {
                     HasSubstr("cells           2 x 1 x 1 of 1 x 1 x 1 m"), HasSubstr("Tree_vec3s_5_4_3")));
 }
 
+TEST_F(CloudDescription, OneGridMayBeAskedForAndAnotherAxisMayPointUp) {
+  const auto tall = density_grid({{Coord(0, 0, 0), 0.5F}, {Coord(0, 1, 0), 0.25F}});
+  const auto other = density_grid({{Coord(0, 0, 0), 7.0F}}, "smoke");
+  const fs::path path = write_stream({tall, other});
+  const CloudInfo smoke = describe_cloud_vdb(path, "smoke");
+  ASSERT_EQ(smoke.grids.size(), 1U);
+  EXPECT_EQ(smoke.grids[0].cloud->value.max, 7);
+  EXPECT_THAT(describe_cloud_vdb(path, "density").grids[0].cloud->cells, ElementsAre(1, 2, 1));
+  EXPECT_THAT(describe_cloud_vdb(path, "density", "y").grids[0].cloud->cells, ElementsAre(1, 1, 2));
+  EXPECT_THAT(message_of([&] { describe_cloud_vdb(path, "fog"); }),
+              HasSubstr("no grid \"fog\" (found \"density\", \"smoke\") name one of these"));
+}
+
+// Ice of 3 um beside water without radii: the radii are not the water's.
+TEST_F(CloudDescription, WaterOfOtherSpeciesHasAPathOfItsOwn) {
+  const auto field = [](const char* quantity) {
+    return make_cloud_field({1, 1, 2}, {10, 10, 10}, {0, 0, 0}, {2, 0}, quantity);
+  };
+  write_cloud_vdb(file(), field("liquid_water_content"), {}, {},
+                  {{"ice_water_content", field("ice_water_content"), {{"reff_ice", "effective_radius", "um", {3}}}}});
+  const std::string text = format_cloud_info(describe_cloud_vdb(file()));
+  EXPECT_THAT(text, AllOf(HasSubstr("ice_water_content [g/m3]"), HasSubstr("ice water path [g/m2]: mean 20")));
+  EXPECT_THAT(text, Not(HasSubstr("optical depth")));
+}
+
 // 2 g/m3 of 3 um droplets over 10 m: 1.5 * 2 / 3 * 10.
 TEST_F(CloudDescription, TheDescriptionHasOpticalDepthByTheRadiusOfTheFile) {
   const CloudField water = make_cloud_field({2, 1, 1}, {10, 10, 10}, {0, 0, 0}, {2, 0}, "liquid_water_content");
@@ -82,6 +107,7 @@ TEST_F(CloudDescription, IntegralsAreNamedByQuantityAndUnits) {
   EXPECT_EQ(column_integral_name("extinction", "1/km"), "vertical integral");
   EXPECT_EQ(column_integral_name("liquid_water_content", "g/m3"), "liquid water path [g/m2]");
   EXPECT_EQ(column_integral_name("liquid_water_content", "kg/m3"), "vertical integral");
+  EXPECT_EQ(column_integral_name("rain_water_content", "g/m3"), "rain water path [g/m2]");
 }
 
 TEST_F(CloudDescription, NamesOutOfFilesDoNotReachTheTerminal) {
