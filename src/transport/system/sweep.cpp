@@ -195,11 +195,19 @@ void shift_columns(const BoxGrid& box, double x, double y, const Real* from, Rea
   }
 }
 
-// [ny][nx] to [nx][ny].
+// [ny][nx] to [nx][ny], in tiles that stay in the nearest cache.
 template <class Real>
 void transpose(const Real* from, int nx, int ny, Real* to) {
-  for (int j = 0; j < ny; ++j) {
-    for (int i = 0; i < nx; ++i) to[static_cast<std::size_t>(i) * ny + j] = from[static_cast<std::size_t>(j) * nx + i];
+  constexpr int tile = 16;
+  for (int first_j = 0; first_j < ny; first_j += tile) {
+    const int last_j = std::min(ny, first_j + tile);
+    for (int first_i = 0; first_i < nx; first_i += tile) {
+      const int last_i = std::min(nx, first_i + tile);
+      for (int i = first_i; i < last_i; ++i) {
+        for (int j = first_j; j < last_j; ++j)
+          to[static_cast<std::size_t>(i) * ny + j] = from[static_cast<std::size_t>(j) * nx + i];
+      }
+    }
   }
 }
 
