@@ -5,7 +5,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <exception>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,15 +26,27 @@ namespace py = pybind11;
 namespace cloudbow::python {
 namespace {
 
-/// @param scene_text the scene as the result shows it; empty: the text of the file
+/// How a result shows its scene.
+struct SceneText {
+  std::string text;                          ///< empty: that of the file
+  std::map<std::string, std::string> shown;  ///< names of temporary files, and what stands in their places
+
+  void apply_to(std::string& scene) const {
+    if (!text.empty()) scene = text;
+    for (const auto& [file, instead] : shown) {
+      for (std::size_t at = scene.find(file); at != std::string::npos; at = scene.find(file, at + instead.size()))
+        scene.replace(at, file.size(), instead);
+    }
+  }
+};
+
 /// @returns sentences on what did not converge
-std::vector<std::string> run_scene(const RunOptions& options, const std::string& scene_text,
-                                   const Callables& callables) {
+std::vector<std::string> run_scene(const RunOptions& options, const SceneText& scene_text, const Callables& callables) {
   std::vector<std::string> sentences;
   without_lock(callables, [&] {
     const PreparedRun prepared = prepare_run(options);
     SolvedRun solved = solve_run(prepared.scenes, options);
-    if (!scene_text.empty()) solved.info.scene = scene_text;
+    scene_text.apply_to(solved.info.scene);
     write_run(prepared.output, solved, options.threads);
     sentences = shortcomings(solved, "the result");
   });
@@ -113,11 +127,11 @@ PYBIND11_MODULE(_core, module) {
       .def_readonly("text", &RunEstimate::text);
   module.def(
       "run",
-      [](const RunOptions& options, const std::string& scene_text, const py::object& message,
-         const py::object& progress) {
-        return run_scene(options, scene_text, {message, progress});
+      [](const RunOptions& options, const std::string& scene_text, const std::map<std::string, std::string>& shown,
+         const py::object& message, const py::object& progress) {
+        return run_scene(options, {scene_text, shown}, {message, progress});
       },
-      py::arg("options"), py::arg("scene_text"), py::arg("message"), py::arg("progress"));
+      py::arg("options"), py::arg("scene_text"), py::arg("shown"), py::arg("message"), py::arg("progress"));
   module.def(
       "check",
       [](const RunOptions& options, const py::object& message) {

@@ -99,16 +99,38 @@ def _box(domain: Any, cloud: Mapping, shape: tuple, key: str) -> Cells:
     return Cells(tuple((float(high[n]) - float(low[n])) / shape[2 - n] for n in range(3)), tuple(float(part) for part in low))
 
 
+def check_unmasked(array: Any, key: str) -> None:
+    """The numbers below a mask would be taken for values."""
+    import numpy as np
+    if np.ma.is_masked(array):
+        raise refuse(key, "a masked array", "masked values", "a number everywhere (array.filled)")
+
+
+def like(array: Any, source: Any, key: str) -> Any:
+    """An array without coordinates, with those of the array beside which it stands."""
+    if not is_labelled(source) or is_labelled(array) and array.coords:
+        return array
+    if is_labelled(array):
+        return array.assign_coords(source.coords) if dict(zip(array.dims, array.shape)) == dict(zip(source.dims, source.shape)) else array
+    if array.shape != source.shape:
+        raise refuse(key, "another shape than cloud.file", f"{array.shape}", f"{source.shape}")
+    check_unmasked(array, key)
+    labelled = source.copy(data=array)
+    labelled.attrs.clear()
+    return labelled
+
+
 def placed(array: Any, key: str, domain: Any = None, cloud: Mapping = {}) -> tuple:
     """(the array as (z, y, x) with ascending axes, its cells)."""
     import numpy as np
     if array.ndim != 3:
         raise refuse(key, "not a field", f"{array.ndim} dimension{'s' if array.ndim != 1 else ''}", "three, z, y, x")
+    check_unmasked(array, key)
     if min(array.shape) == 0:
         raise refuse(key, "empty", f"shape {tuple(array.shape)}", "one cell or more along each axis")
     if is_labelled(array):
         if sorted(map(str, array.dims)) != sorted(AXES):
-            raise refuse(key, "dimensions", ", ".join(map(str, array.dims)), "z, y, x in any order (array.rename)")
+            raise refuse(key, "dimensions", ", ".join(map(str, array.dims)), "z, y, x in any order (array.rename, array.isel)")
         array = array.transpose(*AXES)
         axes = {axis: _axis(array, axis, key) for axis in AXES}
         values = array.values
@@ -166,6 +188,7 @@ def write_map(path: Path, array: Any, name: str, key: str) -> None:
     import xarray as xr
     if array.ndim != 2:
         raise refuse(key, "not a map", f"{array.ndim} dimension{'s' if array.ndim != 1 else ''}", "two, y, x")
+    check_unmasked(array, key)
     if is_labelled(array):
         if sorted(map(str, array.dims)) != ["x", "y"]:
             raise refuse(key, "dimensions", ", ".join(map(str, array.dims)), "y, x (array.rename)")

@@ -42,9 +42,9 @@ class Check(NamedTuple):
 def threads_of(threads: Optional[int]) -> int:
     if threads is None:
         return 0
-    if not isinstance(threads, int) or isinstance(threads, bool) or not 1 <= threads <= MOST_THREADS:
+    if not hasattr(threads, "__index__") or isinstance(threads, bool) or not 1 <= threads <= MOST_THREADS:
         raise refuse("threads", "not a number of threads", repr(threads), f"None, or 1 to {MOST_THREADS}")
-    return threads
+    return int(threads)
 
 
 def call_text(function: str, scene: Any, settings: Optional[Mapping] = None) -> str:
@@ -122,7 +122,7 @@ def run(scene: Scene, *, set: Optional[Mapping[str, Any]] = None, threads: Optio
         file = prepare(scene, set, folder)
         target = folder / "result.h5" if output is None else Path(output)
         options = _options(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("run", scene, set))
-        misses = _core.run(options=options, scene_text=file.text, message=warn_note, progress=report)
+        misses = _core.run(options=options, scene_text=file.text, shown=file.shown, message=warn_note, progress=report)
         result = load(target)
     for sentence in misses:
         warnings.warn(sentence, NotConverged, stacklevel=2)

@@ -31,10 +31,11 @@ def workspace() -> Iterator[Path]:
 
 
 class SceneFile(NamedTuple):
-    """Arguments of the program, and the scene as the result shows it: empty if it is the file's own text."""
+    """Arguments of the program, and how the result shows the scene."""
     path: Path
     overrides: list
-    text: str
+    text: str  #: empty: the file's own text
+    shown: dict  #: names of files of arrays, and the descriptions that stand in their places
 
 
 @contextmanager
@@ -99,7 +100,7 @@ class _Arrays:
 
     def __init__(self, tree: dict, folder: Path):
         self.tree, self.folder = tree, folder
-        self.shown: dict = {}  # the place of each array in the tree, with its description
+        self.shown: dict = {}
 
     def replace(self) -> None:
         self._cloud()
@@ -154,19 +155,20 @@ class _Arrays:
         grids = [_arrays.grid(str(name), quantity, values)]
         for table, entry, quantity_beside, key_beside in others:
             array = table[entry]
-            grids.append(_arrays.grid(entry, quantity_beside, self._beside(array, quantity_beside, key_beside, cells, values.shape, cloud)))
-            self.shown[key_beside] = (table, entry, _arrays.shape_text(array))
+            grids.append(_arrays.grid(entry, quantity_beside, self._beside(array, source, quantity_beside, key_beside, cells, values.shape)))
             table[entry] = entry
         for entry, array in beside.items():
             quantity_beside = array.attrs.get("quantity")
             if quantity_beside in _arrays.UNITS and quantity_beside not in _arrays.CLOUDS and array.ndim == 3:
-                grids.append(_arrays.grid(entry, quantity_beside, self._beside(array, quantity_beside, f"{key}.{entry}", cells, values.shape, cloud)))
+                grids.append(_arrays.grid(entry, quantity_beside, self._beside(array, source, quantity_beside, f"{key}.{entry}", cells, values.shape)))
         path = self.folder / "cloud.file.array.vdb"
         _write(path, cells, grids)
         self.shown[str(path)] = shown
         cloud["file"], cloud["grid"] = str(path), str(name)
 
-    def _beside(self, array: Any, quantity: str, key: str, cells: Any, shape: tuple, cloud: dict) -> Any:
+    def _beside(self, array: Any, source: Any, quantity: str, key: str, cells: Any, shape: tuple) -> Any:
+        units = str(getattr(array, "attrs", {}).get("units", ""))
+        array = _arrays.like(array, source, key)
         if _arrays.is_labelled(array) and array.coords:
             values, own = _arrays.placed(array, key)
             if not _arrays.nearly(own, cells):
@@ -175,21 +177,12 @@ class _Arrays:
             values = _arrays.placed(array, key, None, {"voxel_size_m": cells.size_m})[0]
         if values.shape != shape:
             raise refuse(key, "another shape than cloud.file", f"{values.shape}", f"{shape}")
-        return _arrays.in_units(values, quantity, str(getattr(array, "attrs", {}).get("units", "")), key)
+        return _arrays.in_units(values, quantity, units, key)
 
 
 def _write(path: Path, cells: Any, grids: list) -> None:
     from . import _core
     _core.write_grids(file=path, cell_size_m=cells.size_m, min_m=cells.min_m, grids=grids, half=False)
-
-
-def _shown(tree: Any, shown: dict) -> Any:
-    """The tree with descriptions in place of files of arrays."""
-    if isinstance(tree, dict):
-        return {name: _shown(item, shown) for name, item in tree.items()}
-    if isinstance(tree, list):
-        return [_shown(item, shown) for item in tree]
-    return shown.get(tree, tree) if isinstance(tree, str) else tree
 
 
 def _absolute(tree: Any, key: str = "") -> Any:
@@ -217,8 +210,9 @@ def prepare(scene: Any, settings: Optional[Mapping], folder: Path) -> SceneFile:
         tree: dict = {}
         for key, value in settings.items():
             set_key(tree, key, _copied(value))
-        _Arrays(tree, folder).replace()
-        return SceneFile(Path(scene), [f"{key}={_toml.value_of(_toml.plain(value, key))}" for key, value in _flat(tree)], "")
+        arrays = _Arrays(tree, folder)
+        arrays.replace()
+        return SceneFile(Path(scene), [f"{key}={_toml.value_of(_toml.plain(value, key))}" for key, value in _flat(tree)], "", arrays.shown)
     if not isinstance(scene, Mapping) or _arrays.is_dataset(scene):
         raise refuse("scene", "no scene", type(scene).__name__, "a path, or a dict with the keys of a scene file")
     tree = _copied(scene)
@@ -229,4 +223,4 @@ def prepare(scene: Any, settings: Optional[Mapping], folder: Path) -> SceneFile:
     tree = _toml.plain(tree, "")
     path = folder / "scene.toml"
     path.write_text(_toml.document(_absolute(tree)), encoding="utf-8")
-    return SceneFile(path, [], _toml.document(_shown(tree, {path: text for path, text in arrays.shown.items() if isinstance(text, str)})))
+    return SceneFile(path, [], _toml.document(tree), arrays.shown)

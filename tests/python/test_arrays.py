@@ -74,6 +74,20 @@ def test_effective_radius_and_water(cloud, tmp_path):
     assert_same_results(cb.run(cloud), arrays)
 
 
+@pytest.mark.parametrize("order", [("z", "y", "x"), ("x", "z", "y")])
+def test_arrays_beside_have_the_order_of_the_cloud(cloud, order):
+    """Droplets grow with height; the cloud descends, and arrays without coordinates follow it."""
+    water = (cloud["cloud"]["file"] * 20).assign_attrs(units="g m-3").isel(z=slice(None, None, -1)).transpose(*order)
+    radius = (water * 0 + 5 + water.z / 100).transpose(*order).assign_attrs(units="um")
+    cloud["cloud"].update(file=water, quantity="liquid_water_content", effective_radius_grid=radius)
+    labelled = cb.run(cloud)
+    for beside in (radius.values, radius.drop_vars(["x", "y", "z"])):
+        cloud["cloud"]["effective_radius_grid"] = beside
+        assert_same_results(cb.run(cloud), labelled)
+    cloud["cloud"]["effective_radius_grid"] = radius.isel(z=slice(None, None, -1)).values
+    assert not np.array_equal(cb.run(cloud).upwelling_flux, labelled.upwelling_flux)
+
+
 @pytest.mark.parametrize("named", [True, False])
 def test_albedo_map(cloud, tmp_path, named):
     values = np.linspace(0, 1, 48).reshape(6, 8)
@@ -91,7 +105,9 @@ def test_array_as_a_setting_of_a_file(cloud, vdb, tmp_path):
     from cloudbow import _toml
     array = cloud["cloud"].pop("file")
     (tmp_path / "scene.toml").write_text(_toml.document(cloud))
-    assert_same_results(cb.run(tmp_path / "scene.toml", set={"cloud.file": array}), vdb)
+    ds = cb.run(tmp_path / "scene.toml", set={"cloud.file": array})
+    assert_same_results(ds, vdb)
+    assert "array (z 5, y 6, x 8)" in ds.attrs["scene"] and "cloudbow-" not in ds.attrs["scene"]
 
 
 def test_the_scene_in_the_result_describes_the_array(cloud):
@@ -114,7 +130,7 @@ def no_units(array, axis="x"):
     (extinction().isel(z=0), "2 dimensions"), (extinction().rename(z="lev"), "lev"), (no_units(extinction()), "coordinate x"),
     (extinction().assign_coords(z=("z", [0, 1, 2, 3, 9.0], {"units": "m"})), "not evenly spaced"), (extinction().assign_attrs(units="g"), "units of extinction"),
     (extinction().values, "without coordinates"), (extinction().drop_vars(["x", "y"]), "coordinates"), (extinction().isel(x=[3]), "one cell along x"),
-    (extinction().astype(str), "not numbers"), (np.zeros((0, 2, 2)), "empty")])
+    (np.ma.masked_equal(extinction().values, 0), "masked"), (extinction().astype(str), "not numbers"), (np.zeros((0, 2, 2)), "empty")])
 def test_wrong_arrays_name_the_key(cloud, array, problem):
     cloud["cloud"]["file"] = array
     with pytest.raises(cb.InputError, match="^cloud.file.*" + problem):

@@ -17,8 +17,8 @@ def python(code, **options):
 
 
 def test_import_is_fast():
-    """Best of several, because other programs run too. Limit of the design: .2 s."""
-    code = "import time; t = time.perf_counter(); import cloudbow; print(time.perf_counter() - t)"
+    """Limit of the design: .2 s. Processor time, because other programs run too."""
+    code = "import time; t = time.process_time(); import cloudbow; print(time.process_time() - t)"
     python("import cloudbow").communicate()  # compiles it once
     seconds = [float(python(code).communicate()[0]) for _ in range(5)]
     assert min(seconds) < 0.2, seconds
