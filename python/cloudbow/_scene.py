@@ -1,5 +1,6 @@
 """A scene as the program reads it: a file and settings. Dicts become TOML, arrays become files of a folder."""
 import os
+import re
 import tempfile
 from collections.abc import Mapping
 from contextlib import contextmanager
@@ -44,15 +45,9 @@ def explained(folder: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        message = str(error)
-        scene = str(folder / "scene.toml")
-        if not (scene in message or str(folder) in message):
+        if str(folder) not in str(error):
             raise
-        for line in range(message.count(scene)):
-            head, _, tail = message.partition(scene)
-            while tail.startswith(":") and tail[1:2].isdigit():
-                tail = tail[1:].lstrip("0123456789")
-            message = head + "scene" + tail
+        message = re.sub(re.escape(str(folder / "scene.toml")) + r"(?::\d+)*", "scene", str(error))
         message = message.replace(f"{folder}/", "").replace(".array.vdb", " (array)").replace(".array.nc", " (array)")
         raise InputError(message) from None
 

@@ -101,6 +101,41 @@ def test_albedo_map(cloud, tmp_path, named):
     assert not np.array_equal(cb.run(cloud).upwelling_flux, file.upwelling_flux)
 
 
+def test_temperatures(cloud, tmp_path):
+    """Of voxels and of the ground, in a scene that emits."""
+    array = cloud["cloud"]["file"]
+    warm = (array * 0 + 290 - array.z / 150).assign_attrs(units="K", quantity="temperature")
+    ground = np.linspace(285, 295, 48).reshape(6, 8)
+    del cloud["sun"], cloud["surface"]["albedo"]
+    cloud.update(thermal={"wavelength_um": 10.8}, atmosphere={"standard": "us-1976"})
+    cloud["cloud"]["temperature_grid"], cloud["surface"]["temperature_map"] = warm, ground
+    arrays = cb.run(cloud)
+    cb.write_vdb(tmp_path / "a.vdb", xr.Dataset({"density": array, "warm": warm}))
+    xr.DataArray(ground, dims=("y", "x"), name="temperature", attrs={"units": "K"}).to_netcdf(tmp_path / "ground.nc", engine="h5netcdf")
+    cloud["cloud"].update(file=str(tmp_path / "a.vdb"), temperature_grid="warm")
+    cloud["surface"]["temperature_map"] = str(tmp_path / "ground.nc")
+    files = cb.run(cloud)
+    for ds in (arrays, files):  # names of files and grids
+        for name in ("surface_temperature_map", "cloud_temperature_grid"):
+            ds.cloudbow.groups["/thermal"].attrs.pop(name)
+    assert_same_results(arrays, files)
+
+
+def test_numbers_of_phase_functions(cloud, tmp_path):
+    """The second function alone is another scene than the first alone."""
+    (tmp_path / "set.txt").write_text("0, 1, 1\n1, 0.1, 0.3\n")
+    cloud["phase_function"]["droplets"] = {"type": "set", "file": str(tmp_path / "set.txt"), "index_grid": np.full((5, 6, 8), 2)}
+    array = cloud["cloud"]["file"]
+    two = cb.run(cloud)
+    cb.write_vdb(tmp_path / "a.vdb", xr.Dataset({"density": array, "n": (array * 0 + 2).assign_attrs(units="1", quantity="phase_index")}))
+    cloud["cloud"]["file"] = str(tmp_path / "a.vdb")
+    cloud["phase_function"]["droplets"]["index_grid"] = "n"
+    assert_same_results(cb.run(cloud), two)
+    cloud["cloud"]["file"] = array
+    cloud["phase_function"]["droplets"]["index_grid"] = np.ones((5, 6, 8))
+    assert not np.array_equal(cb.run(cloud).upwelling_flux, two.upwelling_flux)
+
+
 def test_array_as_a_setting_of_a_file(cloud, vdb, tmp_path):
     from cloudbow import _toml
     array = cloud["cloud"].pop("file")

@@ -3,10 +3,7 @@
 Truth: `cloudbow run` itself.
 """
 import os
-import subprocess
-import sys
 import threading
-import time
 import tomllib
 
 import cloudbow as cb
@@ -42,6 +39,14 @@ def test_cloud_result_is_the_file_of_the_program(cloud, program, tmp_path):
     path = write_scene(tmp_path, cloud)
     program("run", path, "-o", tmp_path / "a.h5", "--quiet", "--compare")
     assert_same_results(cb.run(path, compare=True), cb.open_result(tmp_path / "a.h5"), apart={"history"})
+
+
+def test_clear_sky_is_a_group(cloud, layers, program, tmp_path):
+    cloud["layer"] = layers["layer"][:1]
+    ds = cb.run(cloud, clear_sky=True)
+    assert float(ds.cloudbow.groups["/clear_sky"].upwelling_flux.isel(z_edge=-1).mean()) < float(ds.upwelling_flux.isel(z_edge=-1).mean())
+    with pytest.raises(cb.InputError, match="clear-sky"):
+        cb.run(layers, clear_sky=True)
 
 
 def test_output_is_kept_and_replaced(layers, tmp_path):
