@@ -161,6 +161,8 @@ def in_units(values: Any, quantity: str, units: str, key: str) -> Any:
 
 def quantity_of(array: Any, key: str, given: Optional[str] = None) -> str:
     """Quantity of a cloud: as the scene says it, else the attribute, else by the units."""
+    if given is not None and given not in CLOUDS:
+        raise refuse("cloud.quantity", "not one of the choices", repr(given), ", ".join(CLOUDS))
     attributes = getattr(array, "attrs", {})
     quantity = given or attributes.get("quantity")
     units = str(attributes.get("units", ""))

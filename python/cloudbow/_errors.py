@@ -15,9 +15,9 @@ class Note(UserWarning):
     """A guess or a correction that was made in reading the input."""
 
 
-def warn_note(text: str) -> None:
+def warn_note(text: str, stacklevel: int = 3) -> None:
     """Passes on a message of the program as a warning at the line of the user."""
-    warnings.warn(text.strip().removeprefix("cloudbow: "), Note, stacklevel=3)
+    warnings.warn(text.strip().removeprefix("cloudbow: "), Note, stacklevel=stacklevel)
 
 
 def refuse(key: str, problem: str, found: Any, allowed: str) -> InputError:

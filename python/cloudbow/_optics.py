@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _core
-from ._errors import refuse, warn_note
+from ._errors import refuse
 from ._run import Progress, threads_of
-from ._scene import explained, workspace
+from ._scene import explained, notes, workspace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +78,7 @@ def mie(wavelength_um: Numbers, effective_radius_um: Union[float, str], *, distr
     report = None if progress is None else lambda *state: progress(Progress(*state))
     with workspace() as folder, explained(folder):
         options.output = folder / "table.h5" if output is None else Path(output)
-        _core.mie(options=options, message=warn_note, progress=report)
+        _core.mie(options=options, message=notes(folder), progress=report)
         return load(options.output)
 
 
@@ -124,5 +124,5 @@ def phase(type: str, *, asymmetry_parameter: Optional[float] = None, forward_asy
     options.command = f"cloudbow.phase({type!r})"
     with workspace() as folder, explained(folder):
         options.output = folder / "phase.h5" if output is None else Path(output)
-        _core.phase(options=options, message=warn_note)
+        _core.phase(options=options, message=notes(folder))
         return load(options.output)

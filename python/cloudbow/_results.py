@@ -5,7 +5,7 @@ results of columns. A group with anything else is left to it.
 """
 import os
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from ._errors import InputError
 
@@ -129,26 +129,20 @@ def read_groups(path: Union[str, os.PathLike], by_xarray: bool = False) -> dict:
     return datasets
 
 
-_accessor: Optional[type] = None
+class Groups:
+    """`ds.cloudbow.groups`: the groups of a result, such as "/solver", each a Dataset.
+
+    They belong to the Dataset that `run` or `open_result` has returned. Datasets derived from it have none.
+    """
+
+    def __init__(self, dataset: "xr.Dataset"):
+        self.groups: dict = {}
 
 
 def _register_accessor() -> None:
-    global _accessor
     import xarray as xr
-    if _accessor is not None:
-        return
-
-    @xr.register_dataset_accessor("cloudbow")
-    class Groups:
-        """`ds.cloudbow.groups`: the groups of a result, such as "/solver", each a Dataset.
-
-        They belong to the Dataset that `run` or `open_result` has returned. Datasets derived from it have none.
-        """
-
-        def __init__(self, dataset: "xr.Dataset"):
-            self.groups: dict = {}
-
-    _accessor = Groups
+    if not hasattr(xr.Dataset, "cloudbow"):
+        xr.register_dataset_accessor("cloudbow")(Groups)
 
 
 def load(path: Union[str, os.PathLike]) -> "xr.Dataset":

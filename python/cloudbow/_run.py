@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
 from . import _core
-from ._errors import NotConverged, refuse, warn_note
-from ._scene import SceneFile, explained, prepare, workspace
+from ._errors import NotConverged, refuse
+from ._scene import SceneFile, explained, notes, prepare, workspace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,7 +122,7 @@ def run(scene: Scene, *, set: Optional[Mapping[str, Any]] = None, threads: Optio
         file = prepare(scene, set, folder)
         target = folder / "result.h5" if output is None else Path(output)
         options = _options(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("run", scene, set))
-        misses = _core.run(options=options, scene_text=file.text, shown=file.shown, message=warn_note, progress=report)
+        misses = _core.run(options=options, scene_text=file.text, shown=file.shown, message=notes(folder), progress=report)
         result = load(target)
     for sentence in misses:
         warnings.warn(sentence, NotConverged, stacklevel=2)
@@ -141,6 +141,6 @@ def check(scene: Scene, *, set: Optional[Mapping[str, Any]] = None, threads: Opt
     """
     with workspace() as folder, explained(folder):
         file = prepare(scene, set, folder)
-        found = _core.check(options=_options(file, threads, output=folder / "result.h5", compare=bool(compare), dry_run=True), message=warn_note)
+        found = _core.check(options=_options(file, threads, output=folder / "result.h5", compare=bool(compare), dry_run=True), message=notes(folder))
     nx, ny, nz = found.cells
     return Check((nx, ny), nz, found.active_cells, found.memory_bytes, found.available_bytes, found.seconds, found.text)

@@ -2,13 +2,13 @@
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Iterator, NamedTuple, Optional
 
 from . import _arrays, _toml
-from ._errors import InputError, refuse
+from ._errors import InputError, refuse, warn_note
 
 # Keys whose text is the name of a file.
 FILE_KEYS = {"file", "albedo_map", "temperature_map", "spectral_albedo", "gas_model"}
@@ -39,17 +39,26 @@ class SceneFile(NamedTuple):
     shown: dict  #: names of files of arrays, and the descriptions that stand in their places
 
 
+def explain(message: str, folder: Path) -> str:
+    """The message with keys in the place of files of the folder."""
+    message = re.sub(re.escape(str(folder / "scene.toml")) + r"(?::\d+)*", "scene", message)
+    return message.replace(f"{folder}/", "").replace(".array.vdb", " (array)").replace(".array.nc", " (array)")
+
+
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Messages name keys in place of the files of the folder."""
+    """Errors name keys in the place of files of the folder."""
     try:
         yield
     except InputError as error:
         if str(folder) not in str(error):
             raise
-        message = re.sub(re.escape(str(folder / "scene.toml")) + r"(?::\d+)*", "scene", str(error))
-        message = message.replace(f"{folder}/", "").replace(".array.vdb", " (array)").replace(".array.nc", " (array)")
-        raise InputError(message) from None
+        raise InputError(explain(str(error), folder)) from None
+
+
+def notes(folder: Path) -> Callable[[str], None]:
+    """Makes warnings of the program's messages, at the line that called the caller of this function."""
+    return lambda text: warn_note(explain(text, folder), stacklevel=4)
 
 
 def _part(parent: Any, key: str, name: str) -> Any:

@@ -181,6 +181,7 @@ def test_other_wrong_arrays_name_the_key(cloud):
     refused("cloud.effective_radius_grid.*other cells", effective_radius_grid=radius.assign_coords(x=("x", radius.x.values + 50, {"units": "m"})))
     refused("cloud.effective_radius_grid.*beside a file", file="x.vdb", effective_radius_grid=radius)
     refused("cloud.up_axis", up_axis="y")
+    refused("cloud.quantity", quantity="extinctoin")
     refused("cloud.file.*quantity", quantity=None, file=extinction().assign_attrs(units=""))
     refused("cloud.grid", file=extinction().to_dataset(name="density"), grid="water")
     for wrong, problem in ((np.ones(3), "1 dimension"), (np.full((6, 8), np.nan), "not finite"), (np.full((6, 8), 2.0), "surface.albedo_map")):

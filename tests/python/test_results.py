@@ -2,6 +2,8 @@
 
 Truth: xarray.open_dataset of the same file and group.
 """
+import pickle
+
 import cloudbow as cb
 import numpy as np
 import pytest
@@ -54,6 +56,15 @@ def test_a_result_can_be_written_again(layers, tmp_path):
     ds = cb.run(layers)
     ds.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
     xr.testing.assert_identical(ds, xr.load_dataset(tmp_path / "a.nc", engine="h5netcdf"))
+
+
+def test_a_result_can_be_pickled(layers):
+    """As processes of a pool do."""
+    ds = cb.run(layers)
+    copy = pickle.loads(pickle.dumps(ds))
+    xr.testing.assert_identical(copy, ds)
+    assert list(copy.cloudbow.groups) == list(ds.cloudbow.groups)
+    assert ds.isel(x=0).cloudbow.groups == {}
 
 
 def test_no_result(tmp_path):

@@ -108,6 +108,17 @@ def test_calls_within_progress(cloud, layers):
     assert_same_results(inner[0], cb.run(layers))
 
 
+def test_guesses_are_notes(cloud):
+    """They stand at the line of the user, and name the key."""
+    cloud.update(thermal={"wavelength_um": 3.9}, atmosphere={"standard": "us-1976"}, surface={"albedo": 0.1, "temperature_k": 290.0})
+    with pytest.warns(cb.Note, match="^scene: sun.irradiance_w_m2: ") as notes:
+        cb.run(cloud)
+    assert [note.filename for note in notes] == [__file__]
+    with pytest.warns(cb.Note, match="^scene: sun.irradiance_w_m2: ") as notes:
+        cb.check(cloud)
+    assert [note.filename for note in notes] == [__file__]
+
+
 def test_not_converged_is_a_warning(cloud):
     with pytest.warns(cb.NotConverged, match="not converged.* after 1 sweeps"):
         ds = cb.run(cloud, set={"solver.max_sweeps": 1, "solver.tolerance": 1e-8})
