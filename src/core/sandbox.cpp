@@ -220,6 +220,7 @@ std::uint64_t memory_left_by_limits() {
 
 void read_in_sandbox(const std::filesystem::path& path, const SandboxOptions& options,
                      const std::function<void()>& read) {
+  const FileLibraryLock lock;
   const Limits limits = limits_for(path, options);
   const std::array<int, 2> answer = open_pipe();
   const pid_t child = fork();

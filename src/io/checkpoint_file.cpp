@@ -11,6 +11,7 @@
 
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/file_library_lock.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/printable.hpp"
 #include "cloudbow/core/sandbox.hpp"
@@ -113,6 +114,7 @@ auto naming(const std::filesystem::path& path, const Use& use) {
 
 void write_checkpoint(const std::filesystem::path& path, const std::string& source, const StateKey& key,
                       std::span<const StateArray> state) {
+  const FileLibraryLock lock;
   AtomicFile target(path);
   try {
     Handle file = hdf5::create_file(target.temporary());
@@ -134,6 +136,7 @@ struct CheckpointInput::Opened {
 
 CheckpointInput::CheckpointInput(const std::filesystem::path& path) : path_(path) {
   check_input(path, allowed);
+  const FileLibraryLock lock;
   const auto open = [&] {
     opened_ = std::make_unique<Opened>(Opened{hdf5::open_file(path)});
     const std::int64_t format = hdf5::attribute_integer(opened_->file, "checkpoint_format");
@@ -153,6 +156,7 @@ CheckpointInput::CheckpointInput(const std::filesystem::path& path) : path_(path
 CheckpointInput::~CheckpointInput() = default;
 
 void CheckpointInput::load(const StateArray& array) const {
+  const FileLibraryLock lock;
   naming(path_, [&] {
     const Handle dataset = hdf5::open_dataset(opened_->file, array.name.c_str());
     const std::vector<hsize_t> shape = hdf5::shape_of(dataset);

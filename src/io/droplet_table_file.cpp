@@ -15,6 +15,7 @@
 
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/file_library_lock.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/sandbox.hpp"
 #include "io/droplet_table_readers.hpp"
@@ -275,6 +276,7 @@ void write_droplet_table(const std::filesystem::path& file, const DropletTable& 
 void write_droplet_tables(const std::filesystem::path& file, std::span<const DropletTable> tables,
                           std::span<const DropletTableInfo> infos) {
   assert(!tables.empty() && tables.size() == infos.size());
+  const FileLibraryLock lock;
   AtomicFile target(file);
   try {
     write_all(target.temporary(), tables, infos);

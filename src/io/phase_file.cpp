@@ -6,6 +6,7 @@
 #include <span>
 
 #include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/core/file_library_lock.hpp"
 #include "io/netcdf4_file.hpp"
 
 namespace cloudbow {
@@ -86,6 +87,7 @@ void write_function(hid_t file, const FittedFunction& fitted, const PhaseReport&
 
 void write_phase_file(const std::filesystem::path& path, const PhaseReport& report, const std::string& source,
                       const std::string& history) {
+  const FileLibraryLock lock;
   AtomicFile target(path);
   try {
     hdf5::Handle file = hdf5::create_file(target.temporary());

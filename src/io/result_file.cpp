@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/core/file_library_lock.hpp"
 #include "cloudbow/results/energy_fluxes.hpp"
 #include "cloudbow/transport/output_fields.hpp"
 #include "io/result_groups.hpp"
@@ -503,6 +504,7 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
   assert(info.heating_rates.empty() || info.heating_rates.size() == solutions.size());
   assert(info.cloud_optical_depth.empty() || info.cloud_optical_depth.size() == solutions.size());
   assert(info.brightness_temperatures.empty() || !info.thermal.empty());
+  const FileLibraryLock lock;
   AtomicFile target(file);
   try {
     ResultWriter(solutions, info, by_columns).write(target.temporary());

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/file_library_lock.hpp"
 #include "cloudbow/core/sandbox.hpp"
 #include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
@@ -75,11 +76,13 @@ const VdbModule& vdb_module() {
 }  // namespace
 
 VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
+  const FileLibraryLock lock;
   return vdb_module().read_cloud(path, options);
 }
 
 std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options, double lowest, double highest) {
+  const FileLibraryLock lock;
   return vdb_module().read_auxiliary(path, cloud, options, lowest, highest);
 }
 
@@ -121,6 +124,7 @@ void keep_one(CloudInfo& info, const std::string& name) {
 
 CloudInfo describe_cloud_vdb(const std::filesystem::path& path, const std::string& grid_name,
                              const std::string& up_axis) {
+  const FileLibraryLock lock;
   CloudInfo info{.path = path, .bytes = 0, .grids = vdb_module().list_grids(path)};
   info.bytes = std::filesystem::file_size(path);
   if (!grid_name.empty()) keep_one(info, grid_name);
@@ -153,11 +157,13 @@ CloudInfo describe_cloud_vdb(const std::filesystem::path& path, const std::strin
 
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,
                      const std::vector<VdbAuxiliary>& auxiliaries, const std::vector<VdbCloudGrid>& others) {
+  const FileLibraryLock lock;
   vdb_module().write_cloud(path, field, options, auxiliaries, others);
 }
 
 void write_fields_vdb(const std::filesystem::path& path, const VdbBox& box, std::size_t count,
                       const std::function<VdbField(std::size_t)>& field) {
+  const FileLibraryLock lock;
   vdb_module().write_fields(path, box, count, field);
 }
 

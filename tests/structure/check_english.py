@@ -76,7 +76,8 @@ def python_texts(text):
         if token.type == tokenize.COMMENT and not token.string.startswith("#!"):
             comments.append((token.start[0], token.string.lstrip("# ")))
         elif token.type == tokenize.STRING and previous in (None, tokenize.INDENT, tokenize.NEWLINE, tokenize.NL, tokenize.DEDENT):
-            docstrings.append((token.start[0], " ".join(token.string.strip('"').split())))
+            # Blank lines and lines below headings end a sentence.
+            docstrings.append((token.start[0], " ".join(re.sub(r"\n\s*(-{3,}\s*)?\n", " ; ", token.string.strip('"')).split())))
         if token.type != tokenize.COMMENT:
             previous = token.type
     return joined(comments) + docstrings
@@ -93,7 +94,7 @@ def found_in(name, text):
 
 def texts_of(root):
     """(kind, place, text) of all comments and messages."""
-    for path in sorted(path for folder in ("include", "src", "tests", "scripts", "docs") for path in (root / folder).rglob("*")):
+    for path in sorted(path for folder in ("include", "python", "src", "tests", "scripts", "docs") for path in (root / folder).rglob("*")):
         place = path.relative_to(root)
         if path.resolve() == Path(__file__).resolve() or path.suffix not in (".cpp", ".hpp", ".py"):
             continue

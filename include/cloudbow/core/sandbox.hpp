@@ -6,6 +6,8 @@
 #include <functional>
 #include <string>
 
+#include "cloudbow/core/file_library_lock.hpp"
+
 namespace cloudbow {
 
 struct SandboxOptions {
@@ -29,6 +31,7 @@ std::uint64_t memory_left_by_limits();
 /// Result of `read` in this process, after it succeeded in a child.
 template <class Read>
 auto after_sandbox(const std::filesystem::path& path, const SandboxOptions& options, const Read& read) {
+  const FileLibraryLock lock;
   read_in_sandbox(path, options, [&read] { static_cast<void>(read()); });
   return read();
 }

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <vector>
 
+#include "app/commands/phase_options.hpp"
 #include "app/process/exit_codes.hpp"
 #include "app/process/history.hpp"
 #include "app/process/messages.hpp"
@@ -30,29 +30,14 @@ constexpr int most_delta_m_order = 64;
 constexpr std::array<const char*, 6> types = {"isotropic", "rayleigh", "henyey-greenstein", "double-henyey-greenstein",
                                               "legendre",  "table"};
 
-struct Options {
-  std::string type;
-  std::optional<double> asymmetry_parameter;
-  std::optional<double> forward_asymmetry_parameter, backward_asymmetry_parameter, forward_weight;
-  std::optional<std::string> file;
-  int control_points = 162;
-  int delta_m_order = 12;
-  std::vector<std::string> fits;
-  std::string ordinates;
-  PhaseFitOptions fit;
-  std::vector<double> travel;
-  std::filesystem::path plot, output;
-  std::string command;
-};
-
 template <class Value>
-Value required(const std::optional<Value>& value, const char* option, const Options& options) {
+Value required(const std::optional<Value>& value, const char* option, const PhaseOptions& options) {
   if (!value) throw InputError(fmt::format("phase {}: {} is missing", options.type, option));
   return *value;
 }
 
 /// An option that says nothing about this type is a mistake.
-void check_options_of_type(const Options& options) {
+void check_options_of_type(const PhaseOptions& options) {
   const auto check = [&options](bool given, const char* option, const char* type) {
     if (given && options.type != type)
       throw InputError(fmt::format("phase {}: {} belongs to {} alone", options.type, option, type));
@@ -70,7 +55,7 @@ struct NamedFunction {
   std::string title;
 };
 
-NamedFunction make_phase_function(const Options& options) {
+NamedFunction make_phase_function(const PhaseOptions& options) {
   if (std::find(types.begin(), types.end(), options.type) == types.end()) {
     throw InputError(
         fmt::format("phase: unknown type (found \"{}\", allowed {})", options.type, fmt::join(types, ", ")));
@@ -111,7 +96,9 @@ std::string usual_ordinates(int control_points) {
   }
 }
 
-int phase(const Options& options) {
+}  // namespace
+
+int phase(const PhaseOptions& options) {
   const auto [function, title] = make_phase_function(options);
   if (options.delta_m_order < 1 || options.delta_m_order > most_delta_m_order) {
     throw InputError(
@@ -144,14 +131,12 @@ int phase(const Options& options) {
   if (!options.output.empty()) {
     write_phase_file(options.output, report, fmt::format("cloudbow {}", version()), history_line(options.command));
   }
-  fmt::print("{}", phase_table(report));
+  if (!options.quiet) fmt::print("{}", phase_table(report));
   return exit_done;
 }
 
-}  // namespace
-
 void add_phase(CLI::App& app, std::function<int()>& action, const std::string& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PhaseOptions>();
   options->command = command;
   CLI::App* phase_app = app.add_subcommand(
       "phase", "A phase function by itself: moments, asymmetry, its fits to control points and their errors");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -101,66 +102,76 @@ std::string thermal_text(const Scene& scene, const AssembledScene& assembled) {
   return text;
 }
 
-void print_cloud(const CloudFigures& cloud, bool has_g_points, double columns) {
+std::string cloud_text(const CloudFigures& cloud, bool has_g_points, double columns) {
   const std::string of = cloud.name.empty() ? "" : cloud.name + ": ";
   const std::string at = cloud.optical_depth_um ? fmt::format(" at {} um", *cloud.optical_depth_um)
                          : has_g_points         ? " at the first g-point"
                                                 : "";
-  fmt::print("cloud     {}optical depth{}: {}\n", of, at, figures_text(cloud.optical_depth, columns, ""));
+  std::string text =
+      fmt::format("cloud     {}optical depth{}: {}\n", of, at, figures_text(cloud.optical_depth, columns, ""));
   if (cloud.water_path_g_m2) {
-    fmt::print("water     {}path: {}; content up to {:.4g} g/m3\n", of,
-               figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
+    text += fmt::format("water     {}path: {}; content up to {:.4g} g/m3\n", of,
+                        figures_text(*cloud.water_path_g_m2, columns, " g/m2"), cloud.largest_water_content_g_m3);
   }
   if (cloud.effective_radius_um) {
     const auto [least, largest] = *cloud.effective_radius_um;
-    fmt::print("radius    {}{}{:.4g} um\n", of, least < largest ? fmt::format("{:.4g} to ", least) : "", largest);
+    text +=
+        fmt::format("radius    {}{}{:.4g} um\n", of, least < largest ? fmt::format("{:.4g} to ", least) : "", largest);
   }
+  return text;
 }
 
 /// By these a wrong unit is seen.
-void print_figures(const Scene& scene, const AssembledScene& assembled) {
+std::string figures_of(const Scene& scene, const AssembledScene& assembled) {
+  std::string text;
+  const auto out = std::back_inserter(text);
   const BoxGrid& box = assembled.problem.grid.box;
   const double x_max = box.x_min_m + box.nx * box.dx_m, y_max = box.y_min_m + box.ny * box.dy_m;
   if (!assembled.clouds.empty()) {
-    fmt::print("domain    {:.10g} to {:.10g} m, {:.10g} to {:.10g} m, {:.10g} to {:.10g} m along x, y, z\n",
-               box.x_min_m, x_max, box.y_min_m, y_max, box.z_edge_m.front(), box.z_edge_m.back());
+    fmt::format_to(out, "domain    {:.10g} to {:.10g} m, {:.10g} to {:.10g} m, {:.10g} to {:.10g} m along x, y, z\n",
+                   box.x_min_m, x_max, box.y_min_m, y_max, box.z_edge_m.front(), box.z_edge_m.back());
     for (const CloudFigures& cloud : assembled.clouds)
-      print_cloud(cloud, scene.broadband.has_value(), static_cast<double>(box.columns()));
+      text += cloud_text(cloud, scene.broadband.has_value(), static_cast<double>(box.columns()));
   } else {
-    fmt::print("domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
+    fmt::format_to(out, "domain    {:.10g} to {:.10g} m along z\n", box.z_edge_m.front(), box.z_edge_m.back());
   }
-  if (scene.thermal) fmt::print("thermal   {}\n", thermal_text(scene, assembled));
+  if (scene.thermal) fmt::format_to(out, "thermal   {}\n", thermal_text(scene, assembled));
   double layers = 0;
   for (const Layer& layer : scene.layers) layers += layer.optical_depth;
-  if (!scene.layers.empty()) fmt::print("layers    optical depth: {:.4g}\n", layers);
+  if (!scene.layers.empty()) fmt::format_to(out, "layers    optical depth: {:.4g}\n", layers);
+  return text;
 }
 
-void print_plan(const std::vector<Scene>& scenes, const PlannedScene& planned, const CostEstimate& cost,
-                std::uint64_t available) {
+std::string plan_text(const std::vector<Scene>& scenes, const PlannedScene& planned, const CostEstimate& cost,
+                      std::uint64_t available) {
+  std::string text;
+  const auto out = std::back_inserter(text);
   const AssembledScene& first = *planned.scene;
   const OpticalGrid& grid = first.problem.grid;
-  fmt::print("grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny, grid.box.nz(),
-             grid.active_cells());
-  print_figures(scenes.front(), first);
+  fmt::format_to(out, "grid      {} x {} columns, {} levels, {} cells with matter\n", grid.box.nx, grid.box.ny,
+                 grid.box.nz(), grid.active_cells());
+  text += figures_of(scenes.front(), first);
   if (planned.plan.by_polar_streams()) {
-    fmt::print("solver    columns by themselves, {} polar directions a hemisphere\n", first.options.column_streams);
+    fmt::format_to(out, "solver    columns by themselves, {} polar directions a hemisphere\n",
+                   first.options.column_streams);
   } else {
-    fmt::print("solver    {} control points, {}, tolerance {}\n", first.options.control_points,
-               first.options.directions, first.options.tolerance);
+    fmt::format_to(out, "solver    {} control points, {}, tolerance {}\n", first.options.control_points,
+                   first.options.directions, first.options.tolerance);
   }
   if (scenes.front().broadband) {
     const SceneBroadband& broadband = *scenes.front().broadband;
-    fmt::print("spectrum  {} g-points of {}\n", broadband.model->points(), broadband.file);
+    fmt::format_to(out, "spectrum  {} g-points of {}\n", broadband.model->points(), broadband.file);
   }
   if (scenes.front().wavelength_um) {
     std::string list;
     for (const Scene& scene : scenes) list += fmt::format("{}{}", list.empty() ? "" : ", ", *scene.wavelength_um);
-    fmt::print("spectrum  {} um\n", list);
+    fmt::format_to(out, "spectrum  {} um\n", list);
   }
-  if (first.phase_classes) fmt::print("phase     {}\n", classes_text(*first.phase_classes));
-  fmt::print("memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(cost.memory) / 1e9,
-             static_cast<double>(available) / 1e9);
-  fmt::print("time      {:.1f} s predicted\n", cost.seconds);
+  if (first.phase_classes) fmt::format_to(out, "phase     {}\n", classes_text(*first.phase_classes));
+  fmt::format_to(out, "memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(cost.memory) / 1e9,
+                 static_cast<double>(available) / 1e9);
+  fmt::format_to(out, "time      {:.1f} s predicted\n", cost.seconds);
+  return text;
 }
 
 /// Each once: the scenes of a spectrum share their files.
@@ -276,30 +287,18 @@ std::optional<double> visible_depth_um(const Scene& scene) {
   return visible ? std::optional(SceneCloud::visible_um) : std::nullopt;
 }
 
-/// Exit code.
-int tell_unconverged(const std::vector<Scene>& scenes, const std::vector<Solution>& solutions, const std::string& which,
-                     const std::filesystem::path& output) {
-  int code = exit_done;
+/// Sentences about solutions that are not converged.
+void add_unconverged(const std::vector<Scene>& scenes, const std::vector<Solution>& solutions, const std::string& which,
+                     const std::string& output, std::vector<std::string>& sentences) {
   for (std::size_t n = 0; n < solutions.size(); ++n) {
     const Solution& solution = solutions[n];
     if (solution.report.converged) continue;
     const std::string at = which + (scenes[n].wavelength_um ? fmt::format(" at {} um", *scenes[n].wavelength_um) : "");
-    tell(
-        "cloudbow: not converged{}: {}estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is "
-        "marked so\n",
-        at, solution.report.stalled ? fmt::format("stalled in {}, ", solution.report.radiance_storage) : "",
-        solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output.string());
-    code = exit_not_converged;
+    sentences.push_back(fmt::format(
+        "not converged{}: {}estimated error {:.2e} after {} sweeps, energy residual {:.2e}; {} is marked so", at,
+        solution.report.stalled ? fmt::format("stalled in {}, ", solution.report.radiance_storage) : "",
+        solution.report.estimated_error, solution.report.sweeps, solution.ledger.residual, output));
   }
-  return code;
-}
-
-/// Exit code.
-int tell_missed(const RunPlan& plan, const std::filesystem::path& output) {
-  if (plan.met) return exit_done;
-  tell("cloudbow: `{}` misses what was asked for, and no better level fits: {} is marked so\n", plan.accuracy,
-       output.string());
-  return exit_not_converged;
 }
 
 /// Tables of the cache are written without a request.
@@ -337,62 +336,16 @@ void check_files(const RunOptions& options, std::size_t solves, const std::files
   }
 }
 
-}  // namespace
-
-int run(const RunOptions& options) {
-  const std::vector<Scene> read = read_scenes(options.scene, options.overrides);
-  std::vector<Scene> scenes = read;
-  const Scene first = scenes.front();
-  tell_notes(scenes);
-  const std::filesystem::path output = output_file(options, first);
-  check_files(options, scenes.size(), output, first);
-  if (options.compare) check_comparable(first);
-  if (first.broadband) check_broadband_options(options, first);
-  if (options.clear_sky) check_clear_sky(first);
-
-  const std::uint64_t available = available_memory_bytes();
-  CloudFiles files(scenes.size() > 1, [&options](const std::string& sentence) {
-    if (!options.quiet) tell("cloudbow: {}\n", printable(sentence));
+CloudFiles cloud_files(const std::vector<Scene>& scenes, const RunOptions& options) {
+  return CloudFiles(scenes.size() > 1, [quiet = options.quiet](const std::string& sentence) {
+    if (!quiet) tell("cloudbow: {}\n", printable(sentence));
   });
-  const InterruptGuard guard;
-  Solved solved;
-  std::vector<Solution> clear_sky;
-  std::optional<RunPlan> plan;
-  std::optional<SpectralInfo> spectral;
-  std::vector<BandProfile> bands;
-  if (options.target) {
-    TargetRun done = reach_target(options, available, files);
-    scenes = std::move(done.scenes);
-    solved = std::move(done.solved);
-    plan = std::move(done.plan);
-  } else {
-    CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
-    check_memory(first, expected, available);
-    if (options.dry_run) {
-      const PlannedScene planned = expected.only
-                                       ? std::move(*expected.only)
-                                       : plan_scene(first, available, files, expected.levels_m, options.threads);
-      print_plan(scenes, planned, expected, available);
-      return exit_done;
-    }
-    if (first.broadband) {
-      BroadbandRun broadband = solve_broadband(scenes, expected, options, available, files);
-      scenes.resize(1);
-      solved = std::move(broadband.solved);
-      spectral = std::move(broadband.info);
-      bands = std::move(broadband.bands);
-    } else {
-      solved = solve_all(scenes, std::move(expected), options, available, files);
-    }
-  }
-  if (options.clear_sky) clear_sky = solve_clear_sky(read, options, available, files);
-  ResultInfo info{first.title, fmt::format("cloudbow {}", version()), history_line(options.command),
+}
+
+ResultInfo result_info(const std::vector<Scene>& scenes, Solved& solved, const RunOptions& options) {
+  ResultInfo info{scenes.front().title, fmt::format("cloudbow {}", version()), history_line(options.command),
                   scenes.front().text};
   info.error_estimates = solved.errors;
-  info.plan = plan;
-  info.spectral = spectral;
-  info.bands = std::move(bands);
-  info.clear_sky = std::move(clear_sky);
   for (const PhaseClassReport& classes : solved.phase_classes) {
     info.phase_classes.push_back(classes.classes);
     info.phase_class_error.push_back(classes.estimated_error);
@@ -405,17 +358,107 @@ int run(const RunOptions& options) {
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
   }
-  const ThreadScope threads(options.threads);
-  write_result(output, solved.solutions, info, solved.by_columns);
-  InterruptGuard::check();
+  return info;
+}
 
-  if (!options.quiet) {
-    print_summaries(scenes, solved, info);
-    fmt::print("\nwritten to {}\n", output.string());
+}  // namespace
+
+PreparedRun prepare_run(const RunOptions& options) {
+  PreparedRun prepared{read_scenes(options.scene, options.overrides), {}};
+  const Scene& first = prepared.scenes.front();
+  tell_notes(prepared.scenes);
+  prepared.output = output_file(options, first);
+  check_files(options, prepared.scenes.size(), prepared.output, first);
+  if (options.compare) check_comparable(first);
+  if (first.broadband) check_broadband_options(options, first);
+  if (options.clear_sky) check_clear_sky(first);
+  return prepared;
+}
+
+RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options) {
+  const std::uint64_t available = available_memory_bytes();
+  CloudFiles files = cloud_files(scenes, options);
+  const InterruptGuard guard;
+  CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
+  check_memory(scenes.front(), expected, available);
+  const PlannedScene planned = expected.only
+                                   ? std::move(*expected.only)
+                                   : plan_scene(scenes.front(), available, files, expected.levels_m, options.threads);
+  const OpticalGrid& grid = planned.scene->problem.grid;
+  return {
+      {grid.box.nx, grid.box.ny, grid.box.nz()},      grid.active_cells(), expected.memory, available, expected.seconds,
+      plan_text(scenes, planned, expected, available)};
+}
+
+SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options) {
+  const std::uint64_t available = available_memory_bytes();
+  CloudFiles files = cloud_files(scenes, options);
+  SolvedRun run{scenes, {}, {}};
+  std::optional<RunPlan> plan;
+  std::optional<SpectralInfo> spectral;
+  std::vector<BandProfile> bands;
+  if (options.target) {
+    TargetRun done = reach_target(options, available, files);
+    run.scenes = std::move(done.scenes);
+    run.solved = std::move(done.solved);
+    plan = std::move(done.plan);
+  } else {
+    CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
+    check_memory(scenes.front(), expected, available);
+    if (scenes.front().broadband) {
+      BroadbandRun broadband = solve_broadband(scenes, expected, options, available, files);
+      run.scenes.resize(1);
+      run.solved = std::move(broadband.solved);
+      spectral = std::move(broadband.info);
+      bands = std::move(broadband.bands);
+    } else {
+      run.solved = solve_all(scenes, std::move(expected), options, available, files);
+    }
   }
-  return std::max({tell_unconverged(scenes, solved.solutions, "", output),
-                   tell_unconverged(scenes, solved.by_columns, " as independent columns", output),
-                   plan ? tell_missed(*plan, output) : exit_done});
+  std::vector<Solution> clear_sky;
+  if (options.clear_sky) clear_sky = solve_clear_sky(scenes, options, available, files);
+  run.info = result_info(run.scenes, run.solved, options);
+  run.info.plan = plan;
+  run.info.spectral = spectral;
+  run.info.bands = std::move(bands);
+  run.info.clear_sky = std::move(clear_sky);
+  return run;
+}
+
+void write_run(const std::filesystem::path& output, const SolvedRun& run, int threads) {
+  const ThreadScope scope(threads);
+  write_result(output, run.solved.solutions, run.info, run.solved.by_columns);
+  InterruptGuard::check();
+}
+
+std::vector<std::string> shortcomings(const SolvedRun& run, const std::string& output) {
+  std::vector<std::string> sentences;
+  add_unconverged(run.scenes, run.solved.solutions, "", output, sentences);
+  add_unconverged(run.scenes, run.solved.by_columns, " as independent columns", output, sentences);
+  const std::optional<RunPlan>& plan = run.info.plan;
+  if (plan && !plan->met) {
+    sentences.push_back(fmt::format("`{}` misses what was asked for, and no better level fits: {} is marked so",
+                                    plan->accuracy, output));
+  }
+  return sentences;
+}
+
+int run(const RunOptions& options) {
+  const PreparedRun prepared = prepare_run(options);
+  if (options.dry_run && !options.target) {
+    fmt::print("{}", estimate_run(prepared.scenes, options).text);
+    return exit_done;
+  }
+  const InterruptGuard guard;
+  const SolvedRun solved = solve_run(prepared.scenes, options);
+  write_run(prepared.output, solved, options.threads);
+  if (!options.quiet) {
+    print_summaries(solved.scenes, solved.solved, solved.info);
+    fmt::print("\nwritten to {}\n", prepared.output.string());
+  }
+  const std::vector<std::string> misses = shortcomings(solved, prepared.output.string());
+  for (const std::string& sentence : misses) tell("cloudbow: {}\n", sentence);
+  return misses.empty() ? exit_done : exit_not_converged;
 }
 
 }  // namespace cloudbow

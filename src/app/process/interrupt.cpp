@@ -1,5 +1,7 @@
 #include "app/process/interrupt.hpp"
 
+#include "app/process/host.hpp"
+
 namespace cloudbow {
 namespace {
 
@@ -11,7 +13,8 @@ void note_signal(int signal) { noted_signal = signal; }
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard() : of_host_(HostScope::calls() != nullptr) {
+  if (of_host_) return;
   noted_signal = 0;
   struct sigaction action {};
   action.sa_handler = note_signal;
@@ -25,12 +28,14 @@ InterruptGuard::InterruptGuard() {
 }
 
 InterruptGuard::~InterruptGuard() {
+  if (of_host_) return;
   for (std::size_t n = 0; n < signals.size(); ++n) sigaction(signals[n], &previous_[n], nullptr);
 }
 
-bool InterruptGuard::noted() { return noted_signal != 0; }
+bool InterruptGuard::noted() { return HostScope::calls() == nullptr && noted_signal != 0; }
 
 void InterruptGuard::check() {
+  if (const HostCalls* host = HostScope::calls()) return host->check_interrupt();
   if (noted_signal != 0) throw Interrupted{noted_signal};
 }
 

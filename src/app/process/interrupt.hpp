@@ -11,7 +11,8 @@ struct Interrupted {
   int signal;
 };
 
-/// While an object exists, the first SIGINT or SIGTERM is only noted; a second one ends the process at once.
+/// While an object exists, the first SIGINT or SIGTERM is only noted; a second one ends the process at once. Within a
+/// HostScope signals are the host's, and check() calls its function.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -25,7 +26,8 @@ class InterruptGuard {
   static void check();
 
  private:
-  std::array<struct sigaction, 2> previous_;
+  const bool of_host_;
+  std::array<struct sigaction, 2> previous_{};
 };
 
 }  // namespace cloudbow

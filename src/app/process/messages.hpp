@@ -1,17 +1,19 @@
-// Messages of the program on stderr. A log that cannot be written (a full disk) must not lose a result, so it is
-// written unchecked; fmt::print would throw.
+// Messages of the program on stderr, or to the host that has loaded it. A log that cannot be written (a full disk) must
+// not lose a result, so it is written unchecked; fmt::print would throw.
 #pragma once
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <string>
 #include <utility>
 
 namespace cloudbow {
 
+void tell_text(const std::string& text);
+
 template <class... Args>
 void tell(fmt::format_string<Args...> text, Args&&... args) {
-  std::fputs(fmt::format(text, std::forward<Args>(args)...).c_str(), stderr);
+  tell_text(fmt::format(text, std::forward<Args>(args)...));
 }
 
 }  // namespace cloudbow

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/process/host.hpp"
 #include "app/process/messages.hpp"
 
 namespace cloudbow {
@@ -19,6 +20,10 @@ ProgressDisplay::~ProgressDisplay() {
 }
 
 void ProgressDisplay::show(const SolverProgress& progress) {
+  if (const HostCalls* host = HostScope::calls()) {
+    if (host->progress) host->progress(progress);
+    return;
+  }
   if (quiet_) return;
   if (terminal_) {
     show_bar(progress);

@@ -1,4 +1,4 @@
-// How a solve is going, on stderr: a bar on a terminal, a line a sweep elsewhere.
+// Progress of a solve on stderr: a bar on a terminal, a line per sweep elsewhere. In a HostScope it is the host's.
 #pragma once
 
 #include <string>

@@ -1,0 +1,170 @@
+"""Result files as Datasets.
+
+The files have few kinds of attributes and variables, which are read here directly: xarray.open_dataset takes four times as long for the small
+results of columns. A group with anything else is left to it.
+"""
+import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Union
+
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Attributes of HDF5's dimension scales and of netCDF-4, which xarray does not show.
+HIDDEN = {b"CLASS", b"NAME", b"DIMENSION_LIST", b"REFERENCE_LIST", b"_Netcdf4Dimid", b"_Netcdf4Coordinates", b"_NCProperties", b"_nc3_strict"}
+# Attributes that change values or coordinates as they are decoded.
+DECODED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "coordinates", "dtype", "calendar", "valid_range", "grid_mapping"}
+
+
+class _Other(Exception):
+    """Something that this reader leaves to xarray."""
+
+
+def _attributes(item: Any) -> dict:
+    """Attributes in their order: text, numbers of numpy, and arrays."""
+    import h5py
+    import numpy as np
+    names: list = []
+    h5py.h5a.iterate(item, lambda name, *_: names.append(name), index_type=h5py.h5.INDEX_CRT_ORDER)
+    attributes = {}
+    for name in names:
+        if name in HIDDEN:
+            continue
+        attribute = h5py.h5a.open(item, name)
+        value = np.empty(attribute.shape, attribute.dtype)
+        if value.dtype.kind not in "ifuS" or value.dtype.kind == "S" and value.shape:
+            raise _Other
+        attribute.read(value)
+        key = name.decode()
+        if value.dtype.kind == "S":
+            attributes[key] = value[()].decode()
+        else:
+            attributes[key] = value.reshape(-1)[0] if value.size == 1 else value
+    return attributes
+
+
+def _dimensions(name: str, dataset: Any) -> tuple:
+    import h5py
+    if h5py.h5ds.is_scale(dataset):
+        if dataset.rank != 1:
+            raise _Other
+        return (name,)
+    names: list = []
+    for axis in range(dataset.rank):
+        h5py.h5ds.iterate(dataset, axis, lambda scale: names.append(h5py.h5i.get_name(scale).decode().rpartition("/")[2]))
+    if len(names) != dataset.rank:
+        raise _Other
+    return tuple(names)
+
+
+def _is_bare_dimension(dataset: Any) -> bool:
+    """Whether netCDF-4 has put this dataset there for the length of a dimension alone."""
+    import h5py
+    return h5py.h5ds.is_scale(dataset) and h5py.h5ds.get_scale_name(dataset).startswith(b"This is a netCDF dimension")
+
+
+def _variable(name: str, dataset: Any) -> "xr.Variable":
+    import h5py
+    import numpy as np
+    import xarray as xr
+    attributes = _attributes(dataset)
+    values = np.empty(dataset.shape, dataset.dtype)
+    fill = attributes.pop("_FillValue", None)
+    if values.dtype.kind not in "ifu" or fill is not None and not (values.dtype.kind == "f" and np.isnan(fill)):
+        raise _Other
+    if DECODED & attributes.keys() or " since " in str(attributes.get("units", "")):
+        raise _Other
+    if values.size:
+        dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, values)
+    return xr.Variable(_dimensions(name, dataset), values, attributes, {} if fill is None else {"_FillValue": fill})
+
+
+def _read_group(group: Any) -> "xr.Dataset":
+    """The variables of a group, without those of groups in it."""
+    import h5py
+    import xarray as xr
+    # A variable of one dimension of its own name becomes a coordinate.
+    return xr.Dataset({name: _variable(name, item) for name, item in _items(group, h5py.h5i.DATASET) if not _is_bare_dimension(item)},
+                      attrs=_attributes(group))
+
+
+def _items(group: Any, kind: int) -> Iterator[tuple]:
+    """(name, object) of the objects of a kind in a group, in the order of their creation."""
+    import h5py
+    names: list = []
+    group.links.iterate(lambda name, *_: names.append(name), idx_type=h5py.h5.INDEX_CRT_ORDER, order=h5py.h5.ITER_INC)
+    for name in names:
+        item = h5py.h5o.open(group, name)
+        if h5py.h5i.get_type(item) == kind:
+            yield name.decode(), item
+
+
+def _groups(group: Any, path: str) -> Iterator[tuple]:
+    """(path, group) of this one and of all below it."""
+    import h5py
+    yield path, group
+    for name, item in _items(group, h5py.h5i.GROUP):
+        yield from _groups(item, f"{path.rstrip('/')}/{name}")
+
+
+def read_groups(path: Union[str, os.PathLike], by_xarray: bool = False) -> dict:
+    """Every group of a file, by its path: "/" is the file's own."""
+    import h5py
+    import xarray as xr
+    datasets: dict = {}
+    with h5py.File(path, "r") as file:
+        for name, group in list(_groups(file["/"].id, "/")):
+            try:
+                datasets[name] = None if by_xarray else _read_group(group)
+            except _Other:
+                datasets[name] = None
+    for name in [name for name, dataset in datasets.items() if dataset is None]:
+        with xr.open_dataset(path, engine="h5netcdf", group=name, decode_timedelta=False) as dataset:
+            datasets[name] = dataset.load()
+            for variable in datasets[name].variables.values():  # the file may be a temporary one
+                variable.encoding.pop("source", None)
+            datasets[name].encoding = {}
+    return datasets
+
+
+class Groups:
+    """`ds.cloudbow.groups`: the groups of a result, such as "/solver", each a Dataset.
+
+    They belong to the Dataset that `run` or `open_result` has returned. Datasets derived from it have none.
+    """
+
+    def __init__(self, dataset: "xr.Dataset"):
+        self.groups: dict = {}
+
+
+def _register_accessor() -> None:
+    import xarray as xr
+    if not hasattr(xr.Dataset, "cloudbow"):
+        xr.register_dataset_accessor("cloudbow")(Groups)
+
+
+def load(path: Union[str, os.PathLike]) -> "xr.Dataset":
+    """Reads a result file, with its groups, into memory."""
+    _register_accessor()
+    try:
+        datasets = read_groups(path)
+    except OSError as error:
+        raise InputError(f"{os.fspath(path)}: can't be read as a result ({error})") from None
+    root = datasets.pop("/")
+    root.cloudbow.groups = datasets
+    return root
+
+
+def open_result(path: Union[str, os.PathLike]) -> "xr.Dataset":
+    """The result file of `cloudbow run` at a path, in memory, as `run` returns it.
+
+    The groups of the file are in `ds.cloudbow.groups`, by their paths ("/solver", "/profile", ...).
+
+    Raises
+    ------
+    InputError
+        If the file is not there or is no HDF5 file.
+    """
+    return load(path)
