@@ -8,16 +8,17 @@ from . import _core
 from ._errors import refuse
 
 # Units of each quantity, with the factor to the program's own unit, which comes first.
+WATER = {"g/m3": 1, "g m-3": 1, "g/m^3": 1, "g m^-3": 1, "g m**-3": 1, "kg/m3": 1e3, "kg m-3": 1e3, "kg/m^3": 1e3, "kg m^-3": 1e3, "kg m**-3": 1e3}
+WATERS = tuple(f"{kind}_water_content" for kind in ("liquid", "rain", "ice", "snow", "graupel"))
 UNITS = {
     "extinction": {"1/m": 1, "m-1": 1, "m^-1": 1, "m**-1": 1, "1/km": 1e-3, "km-1": 1e-3, "km^-1": 1e-3},
-    "liquid_water_content": {"g/m3": 1, "g m-3": 1, "g/m^3": 1, "g m^-3": 1, "g m**-3": 1, "kg/m3": 1e3, "kg m-3": 1e3, "kg/m^3": 1e3, "kg m^-3": 1e3,
-                             "kg m**-3": 1e3},
+    **{name: WATER for name in WATERS},
     "effective_radius": {"um": 1, "\u00b5m": 1, "\u03bcm": 1, "micron": 1, "microns": 1, "micrometer": 1, "micrometers": 1, "micrometre": 1, "m": 1e6},
     "temperature": {"K": 1, "kelvin": 1, "Kelvin": 1},
     "single_scattering_albedo": {"1": 1, "": 1},
     "phase_index": {"1": 1, "": 1},
 }
-CLOUDS = ("extinction", "liquid_water_content")
+CLOUDS = ("extinction", *WATERS)
 LENGTHS = {"m": 1, "metre": 1, "metres": 1, "meter": 1, "meters": 1, "km": 1e3, "kilometre": 1e3, "kilometres": 1e3, "kilometer": 1e3, "kilometers": 1e3}
 AXES = ("z", "y", "x")
 
@@ -161,15 +162,16 @@ def in_units(values: Any, quantity: str, units: str, key: str) -> Any:
 
 def quantity_of(array: Any, key: str, given: Optional[str] = None) -> str:
     """Quantity of a cloud: as the scene says it, else the attribute, else by the units."""
+    key_of_quantity = key.removesuffix(".file") + ".quantity"
     if given is not None and given not in CLOUDS:
-        raise refuse("cloud.quantity", "not one of the choices", repr(given), ", ".join(CLOUDS))
+        raise refuse(key_of_quantity, "not one of the choices", repr(given), ", ".join(CLOUDS))
     attributes = getattr(array, "attrs", {})
     quantity = given or attributes.get("quantity")
     units = str(attributes.get("units", ""))
     if not quantity:
         quantity = next((name for name in UNITS if units and units in UNITS[name] and name in CLOUDS), None)
     if quantity not in CLOUDS:
-        raise refuse(key, "no quantity", repr(quantity or units), f"cloud.quantity, or units of {' or '.join(CLOUDS)}")
+        raise refuse(key, "no quantity", repr(quantity or units), f"{key_of_quantity}, or units of {' or '.join(CLOUDS[:2])}")
     return quantity
 
 

@@ -107,7 +107,13 @@ class _Arrays:
         self.shown: dict = {}
 
     def replace(self) -> None:
-        self._cloud()
+        clouds = self.tree.get("cloud")
+        if isinstance(clouds, list):
+            for n, cloud in enumerate(clouds):
+                if isinstance(cloud, dict):
+                    self._cloud(cloud, f"cloud.{n}")
+        else:
+            self._cloud(_table(self.tree, "cloud"), "cloud")
         surface = _table(self.tree, "surface")
         for key, variable in MAP_KEYS.items():
             value = surface.get(key)
@@ -124,22 +130,23 @@ class _Arrays:
         self.shown[str(path)] = _arrays.shape_text(value)
         return str(path)
 
-    def _index_grids(self) -> Iterator[tuple]:
+    def _index_grids(self, cloud: dict) -> Iterator[tuple]:
+        """Of a cloud's phase function; of all if there is one cloud."""
+        only = cloud.get("phase_function") if isinstance(self.tree.get("cloud"), list) else None
         for name, function in _table(self.tree, "phase_function").items():
-            if isinstance(function, dict) and _arrays.is_array(function.get("index_grid")):
+            if isinstance(function, dict) and _arrays.is_array(function.get("index_grid")) and only in (None, name):
                 yield function, "index_grid", "phase_index", f"phase_function.{name}.index_grid"
 
-    def _cloud(self) -> None:
-        cloud = _table(self.tree, "cloud")
-        others = [(cloud, name, quantity, f"cloud.{name}") for name, quantity in GRID_KEYS.items() if _arrays.is_array(cloud.get(name))]
-        others += self._index_grids()
+    def _cloud(self, cloud: dict, table_key: str) -> None:
+        others = [(cloud, name, quantity, f"{table_key}.{name}") for name, quantity in GRID_KEYS.items() if _arrays.is_array(cloud.get(name))]
+        others += self._index_grids(cloud)
         source = cloud.get("file")
         if not _arrays.is_array(source) and not _arrays.is_dataset(source):
             if others:
-                raise refuse(others[0][3], "an array beside a file", repr(source), "the name of a grid, or cloud.file as an array too")
+                raise refuse(others[0][3], "an array beside a file", repr(source), f"the name of a grid, or {table_key}.file as an array too")
             return
         if cloud.get("up_axis", "z") != "z":
-            raise refuse("cloud.up_axis", "an array has its own axes", cloud["up_axis"], '"z", or no such key')
+            raise refuse(f"{table_key}.up_axis", "an array has its own axes", cloud["up_axis"], '"z", or no such key')
         shown = _arrays.shape_text(source)
         beside = {}
         if _arrays.is_dataset(source):
@@ -147,11 +154,11 @@ class _Arrays:
             name = cloud.get("grid") or next((name for name, array in beside.items() if array.attrs.get("quantity") in _arrays.CLOUDS), None)
             name = name or ("density" if "density" in beside or len(beside) != 1 else next(iter(beside)))
             if name not in beside:
-                raise refuse("cloud.grid", "no such variable of the Dataset", repr(name), ", ".join(beside))
+                raise refuse(f"{table_key}.grid", "no such variable of the Dataset", repr(name), ", ".join(beside))
             source = beside.pop(name)
         else:
             name = cloud.get("grid") or getattr(source, "name", None) or "density"
-        key = "cloud.file"
+        key = f"{table_key}.file"
         quantity = _arrays.quantity_of(source, key, cloud.get("quantity"))
         values, cells = _arrays.placed(source, key, _table(self.tree, "domain"), cloud)
         values = _arrays.in_units(values, quantity, str(getattr(source, "attrs", {}).get("units", "")), key)
@@ -165,7 +172,7 @@ class _Arrays:
             quantity_beside = array.attrs.get("quantity")
             if quantity_beside in _arrays.UNITS and quantity_beside not in _arrays.CLOUDS and array.ndim == 3:
                 grids.append(_arrays.grid(entry, quantity_beside, self._beside(array, source, quantity_beside, f"{key}.{entry}", cells, values.shape)))
-        path = self.folder / "cloud.file.array.vdb"
+        path = self.folder / f"{key}.array.vdb"
         _write(path, cells, grids)
         self.shown[str(path)] = shown
         cloud["file"], cloud["grid"] = str(path), str(name)

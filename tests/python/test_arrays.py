@@ -188,3 +188,24 @@ def test_other_wrong_arrays_name_the_key(cloud):
         with pytest.raises(cb.InputError, match="surface.albedo_map") as error:
             cb.run(dict(cloud, surface={"albedo_map": wrong}))
         assert problem in str(error.value)
+
+
+def test_constituents_are_arrays(cloud, tmp_path):
+    """[[cloud]]: each of the list is an array of its own quantity, on voxels that overlap."""
+    liquid = cloud["cloud"]["file"]
+    ice = (liquid.isel(z=slice(2, 5)) * 4).assign_attrs(units="g m-3", quantity="ice_water_content").rename("ice")
+    first = dict(cloud["cloud"], name="liquid")
+    second = {"name": "ice", "file": ice, "effective_radius_um": 30.0, "single_scattering_albedo": 1.0, "phase_function": "crystals"}
+    cloud["cloud"] = [first, second]
+    cloud["phase_function"]["crystals"] = {"type": "henyey-greenstein", "asymmetry_parameter": 0.75}
+    arrays = cb.run(cloud)
+    cb.write_vdb(tmp_path / "liquid.vdb", liquid)
+    cb.write_vdb(tmp_path / "ice.vdb", ice)
+    cloud["cloud"] = [dict(first, file=str(tmp_path / "liquid.vdb")), dict(second, file=str(tmp_path / "ice.vdb"), grid="ice")]
+    assert_same_results(arrays, cb.run(cloud))
+    cloud["cloud"][1] = dict(second, file=-ice)
+    with pytest.raises(cb.InputError, match=r"cloud\.1\.file"):
+        cb.run(cloud)
+    cloud["cloud"][1] = dict(second, quantity="hail")
+    with pytest.raises(cb.InputError, match=r"cloud\.1\.quantity"):
+        cb.run(cloud)
