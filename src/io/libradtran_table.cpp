@@ -157,6 +157,24 @@ bool includes_factor(const NetcdfFile& file, const MomentRows& rows, const std::
   return false;
 }
 
+/// [row][l] moments g^l of Henyey-Greenstein functions, as long as their terms of a series count.
+MomentRows henyey_greenstein_moments(const std::vector<double>& asymmetry) {
+  constexpr double least_term = 1e-6;
+  constexpr double largest = .995;  // 4700 moments
+  MomentRows rows;
+  for (const double g : asymmetry) {
+    if (!(std::abs(g) <= largest))
+      throw InputError(fmt::format("'gg': asymmetry parameter (found {}, allowed up to {})", g, largest));
+    std::vector<double>& row = rows.emplace_back();
+    double moment = 1;
+    for (int l = 0; l < 2 || (2 * l + 1) * std::abs(moment) > least_term; ++l) {
+      row.push_back(moment);
+      moment *= g;
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 DropletTable read_libradtran_table(const std::filesystem::path& path, std::optional<double> wavelength_um) {
@@ -185,6 +203,11 @@ DropletTable read_libradtran_table(const std::filesystem::path& path, std::optio
   }
   for (double& extinction : table.extinction_m2_per_g) extinction /= 1000;
 
+  if (!file.has("pmom") && file.has("gg")) {
+    table.moments = henyey_greenstein_moments(file.read("gg", {waves, rows}, {wave, 0}, {1, rows}));
+    table.notes.emplace_back("no 'pmom', so that the phase functions are Henyey-Greenstein's with 'gg'");
+    return table;
+  }
   const std::vector<std::size_t> shape = file.shape("pmom");
   if (shape.size() != 4 || shape[0] != waves || shape[1] != rows || shape[2] == 0 || shape[3] < 2) {
     throw InputError(

@@ -280,6 +280,29 @@ TEST_F(DropletTableFile, AsymmetryParametersTellTheFactor) {
   EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), AllOf(HasSubstr("contradict"), HasSubstr("0.425")));
 }
 
+// Moments g^l. Their sum (2l+1) g^l is the forward peak (1 + g)/(1 - g)^2.
+TEST_F(DropletTableFile, AsymmetryParametersAloneAreHenyeyGreensteins) {
+  LibradtranFile content;
+  content.without = "pmom";
+  content.gg = {0.4, 0.35, 0.85, -0.5};
+  content.write(folder_ / "wc.mie.cdf");
+  const DropletTable table = read_droplet_table(folder_ / "wc.mie.cdf", 0.67);
+  ASSERT_EQ(table.moments.size(), 2u);
+  for (std::size_t n = 0; n < 2; ++n) {
+    const double g = content.gg[2 + n];
+    double peak = 0;
+    for (std::size_t l = 0; l < table.moments[n].size(); ++l)
+      peak += static_cast<double>(2 * l + 1) * table.moments[n][l];
+    EXPECT_NEAR(peak, (1 + g) / ((1 - g) * (1 - g)), 1e-5);
+    EXPECT_NEAR(table.moments[n][2], g * g, 1e-15);
+  }
+  ASSERT_EQ(table.notes.size(), 1u);
+  EXPECT_THAT(table.notes[0], HasSubstr("Henyey-Greenstein"));
+  content.gg[2] = 1;
+  content.write(folder_ / "wc.mie.cdf");
+  EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), HasSubstr("asymmetry parameter (found 1, allowed up to 0.995)"));
+}
+
 TEST_F(DropletTableFile, KnowsTheUnitHoweverItIsSpelled) {
   LibradtranFile content;
   for (const char* units : {"km^-1/(g/m^3)", "km-1/(g/m3)", "1/km/(g/m3)", "km^{-1} / (g m^{-3})"}) {
