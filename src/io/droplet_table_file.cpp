@@ -206,23 +206,29 @@ DropletTable read_own_table(hid_t file, std::optional<double> wavelength_um) {
   return table;
 }
 
-DropletTable read_hdf5_table(const std::filesystem::path& path, std::optional<double> wavelength_um) {
+DropletTable read_hdf5_table(const std::filesystem::path& path, std::optional<double> wavelength_um,
+                             std::optional<double> relative_humidity_percent) {
   {
     const hdf5::Handle file = hdf5::open_file(path);
-    if (!hdf5::exists(file, "pmom")) return read_own_table(file, wavelength_um);
+    if (!hdf5::exists(file, "pmom") && !hdf5::exists(file, "wavelen")) {
+      refuse_humidity(relative_humidity_percent);
+      return read_own_table(file, wavelength_um);
+    }
   }
-  return read_libradtran_table(path, wavelength_um);
+  return read_libradtran_table(path, wavelength_um, relative_humidity_percent);
 }
 
-DropletTable read_by_content(const std::filesystem::path& path, std::optional<double> wavelength_um) {
+DropletTable read_by_content(const std::filesystem::path& path, std::optional<double> wavelength_um,
+                             std::optional<double> relative_humidity_percent) {
   std::ifstream stream = open_input(path, "a table of droplets");
   std::array<char, 512> head{};
   stream.read(head.data(), head.size());
   const std::string_view start(head.data(), static_cast<std::size_t>(stream.gcount()));
   stream.close();
-  if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_table(path, wavelength_um);
-  if (start.starts_with("CDF")) return read_libradtran_table(path, wavelength_um);
+  if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_table(path, wavelength_um, relative_humidity_percent);
+  if (start.starts_with("CDF")) return read_libradtran_table(path, wavelength_um, relative_humidity_percent);
   if (is_shdom_table(start)) {
+    refuse_humidity(relative_humidity_percent);
     DropletTable table = read_shdom_table(path);
     choose_wavelength(std::span(&table.wavelength_um, 1), wavelength_um);
     return table;
@@ -286,12 +292,19 @@ void write_droplet_tables(const std::filesystem::path& file, std::span<const Dro
   target.commit();
 }
 
-DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um) {
+void refuse_humidity(std::optional<double> relative_humidity_percent) {
+  if (!relative_humidity_percent) return;
+  throw InputError(fmt::format("a table by effective radius (found relative_humidity_percent {}, allowed no such key)",
+                               *relative_humidity_percent));
+}
+
+DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um,
+                                std::optional<double> relative_humidity_percent) {
   return after_sandbox(file, {.library = "HDF5 or netCDF"}, [&] {
     check_input(file, "a table of droplets");
     hdf5::check_file(file);
     try {
-      DropletTable table = read_by_content(file, wavelength_um);
+      DropletTable table = read_by_content(file, wavelength_um, relative_humidity_percent);
       if (std::string note = check_droplet_table(table); !note.empty()) table.notes.push_back(std::move(note));
       return table;
     } catch (const InputError& error) {

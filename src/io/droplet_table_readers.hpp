@@ -10,7 +10,11 @@
 
 namespace cloudbow {
 
-DropletTable read_libradtran_table(const std::filesystem::path& file, std::optional<double> wavelength_um);
+/// @param relative_humidity_percent of a table by humidity, which becomes one row; no radius then chooses.
+DropletTable read_libradtran_table(const std::filesystem::path& file, std::optional<double> wavelength_um,
+                                   std::optional<double> relative_humidity_percent);
+/// @throws InputError if a humidity is given to a table by radius.
+void refuse_humidity(std::optional<double> relative_humidity_percent);
 DropletTable read_shdom_table(const std::filesystem::path& file);
 /// By the first bytes of the file.
 bool is_shdom_table(std::string_view head);

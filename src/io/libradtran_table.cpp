@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <new>
 #include <optional>
 #include <string>
@@ -175,26 +176,55 @@ MomentRows henyey_greenstein_moments(const std::vector<double>& asymmetry) {
   return rows;
 }
 
-}  // namespace
-
-DropletTable read_libradtran_table(const std::filesystem::path& path, std::optional<double> wavelength_um) {
-  hdf5::start_library();
-  const NetcdfFile file(path);
-  if (!file.has("reff") && file.has("hum")) {
-    throw InputError("a table by relative humidity (found variable 'hum', allowed 'reff', effective radius)");
+/// One row of a table whose rows belong to relative humidities: between two of them extinction and scattering are
+/// linear in the humidity, and phase functions are mixed by scattering. The radius has no meaning.
+DropletTable at_humidity(const DropletTable& rows, const std::vector<double>& humidity, double percent) {
+  if (humidity.size() > 1 && !std::is_sorted(humidity.begin(), humidity.end(), std::less_equal<>()))
+    throw InputError("'hum': does not ascend");
+  if (!(percent >= humidity.front() && percent <= humidity.back())) {
+    throw InputError(fmt::format("no such relative humidity (found {} %, allowed {} to {} %)", percent,
+                                 humidity.front(), humidity.back()));
   }
+  const auto above = std::upper_bound(humidity.begin(), humidity.end(), percent) - humidity.begin();
+  const auto upper = std::min(static_cast<std::size_t>(above), humidity.size() - 1);
+  const std::size_t lower = upper > 0 ? upper - 1 : 0;
+  const double share = upper > lower ? (percent - humidity[lower]) / (humidity[upper] - humidity[lower]) : 0;
+  const auto extinction = [&](std::size_t row, double part) { return part * rows.extinction_m2_per_g[row]; };
+  const auto scattering = [&](std::size_t row, double part) {
+    return extinction(row, part) * rows.single_scattering_albedo[row];
+  };
+  const double scattered = scattering(lower, 1 - share) + scattering(upper, share);
+  DropletTable table;
+  table.wavelength_um = rows.wavelength_um;
+  table.notes = rows.notes;
+  table.effective_radius_um = {1};
+  table.extinction_m2_per_g = {extinction(lower, 1 - share) + extinction(upper, share)};
+  table.single_scattering_albedo = {scattered / table.extinction_m2_per_g.front()};
+  std::vector<double> moments(std::max(rows.moments[lower].size(), rows.moments[upper].size()), 0.);
+  const auto add = [&](std::size_t row, double part) {
+    const double weight = scattered > 0 ? scattering(row, part) / scattered : part;
+    for (std::size_t l = 0; l < rows.moments[row].size(); ++l) moments[l] += weight * rows.moments[row][l];
+  };
+  add(lower, 1 - share);
+  add(upper, share);
+  table.moments = {std::move(moments)};
+  return table;
+}
+
+/// Rows by effective radius, or by humidity: radii are missing then.
+DropletTable read_rows(const NetcdfFile& file, const char* axis, std::optional<double> wavelength_um) {
   const auto only_axis = [&](const char* name) {
     const auto shape = file.shape(name);
     if (shape.size() != 1 || shape[0] == 0) throw InputError(fmt::format("'{}': not a list of numbers", name));
     return shape[0];
   };
-  const std::size_t waves = only_axis("wavelen"), rows = only_axis("reff");
+  const std::size_t waves = only_axis("wavelen"), rows = only_axis(axis);
   const std::vector<double> wavelength = file.read_all("wavelen", {waves});
   const std::size_t wave = choose_wavelength(wavelength, wavelength_um);
 
   DropletTable table;
   table.wavelength_um = wavelength[wave];
-  table.effective_radius_um = file.read_all("reff", {rows});
+  table.effective_radius_um = file.read_all(axis, {rows});
   table.single_scattering_albedo = file.read("ssa", {waves, rows}, {wave, 0}, {1, rows});
   table.extinction_m2_per_g = file.read("ext", {waves, rows}, {wave, 0}, {1, rows});
   const std::string units = file.text_attribute("ext", "units");
@@ -231,6 +261,22 @@ DropletTable read_libradtran_table(const std::filesystem::path& path, std::optio
   if (includes_factor(file, table.moments, asymmetry, table.notes))
     table.moments = without_factor(std::move(table.moments));
   return table;
+}
+
+}  // namespace
+
+DropletTable read_libradtran_table(const std::filesystem::path& path, std::optional<double> wavelength_um,
+                                   std::optional<double> relative_humidity_percent) {
+  hdf5::start_library();
+  const NetcdfFile file(path);
+  const bool by_humidity = file.has("hum") && !file.has("reff");
+  if (by_humidity && !relative_humidity_percent) {
+    throw InputError(
+        "a table by relative humidity (found variable 'hum' without 'reff', allowed with relative_humidity_percent)");
+  }
+  if (!by_humidity) refuse_humidity(relative_humidity_percent);
+  const DropletTable rows = read_rows(file, by_humidity ? "hum" : "reff", wavelength_um);
+  return by_humidity ? at_humidity(rows, rows.effective_radius_um, *relative_humidity_percent) : rows;
 }
 
 }  // namespace cloudbow

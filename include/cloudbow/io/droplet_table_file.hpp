@@ -38,9 +38,13 @@ void write_droplet_tables(const std::filesystem::path& file, std::span<const Dro
 /// - HDF5 by write_droplet_table() and write_droplet_tables();
 /// - netCDF by libRadtran's `mie` (wavelen, reff, ext, ssa, nmom, pmom), classic or netCDF-4;
 /// - text by SHDOM's make_mie_table ("! Mie table vs. effective radius").
+/// - netCDF of that layout with rows by relative humidity (hum in place of reff), as aerosol tables of OPAC have.
 /// @param wavelength_um [um] selects one of a file with several, to 0.1 %.
+/// @param relative_humidity_percent needed for rows by humidity, and for no other table. Such a table becomes one row,
+/// whose effective radius of 1 um has no meaning.
 /// @throws InputError naming the file: no such file, none of these forms, damaged; a variable missing, of the wrong
 /// shape or unit; no such wavelength; and as check_droplet_table() says.
-DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um = std::nullopt);
+DropletTable read_droplet_table(const std::filesystem::path& file, std::optional<double> wavelength_um = std::nullopt,
+                                std::optional<double> relative_humidity_percent = std::nullopt);
 
 }  // namespace cloudbow

@@ -100,7 +100,7 @@ SceneReader::DefinedPhaseFunction SceneReader::read_function_file(
 }
 
 SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& reader) {
-  reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um"});
+  reader.check_keys({"type", "file", "wavelength_um", "effective_radius_um", "relative_humidity_percent"});
   const auto file = existing_spectral_file(reader, "file");
   auto wavelength = reader.find_number("wavelength_um", positive, at_);
   if (!wavelength) wavelength = scene_.wavelength_um;
@@ -110,8 +110,15 @@ SceneReader::DefinedPhaseFunction SceneReader::read_mie(const ConfigReader& read
   DefinedPhaseFunction defined;
   defined.measured = true;
   defined.effective_radius_um = reader.find_number("effective_radius_um", positive);
-  reader.with_place(
-      "file", [&] { defined.droplets = std::make_shared<const DropletTable>(read_droplet_table(file, wavelength)); });
+  const auto humidity = reader.find_number("relative_humidity_percent", {"0 to 100", 0, 100});
+  if (humidity && defined.effective_radius_um)
+    reader.fail("relative_humidity_percent", "chooses the row of a table as effective_radius_um does", "both",
+                "one of the two");
+  reader.with_place("file", [&] {
+    defined.droplets = std::make_shared<const DropletTable>(read_droplet_table(file, wavelength, humidity));
+  });
+  if (humidity) defined.effective_radius_um = defined.droplets->effective_radius_um.front();
+  defined.by_humidity = humidity.has_value();
   note(reader, "file", defined.droplets->notes);
   if (defined.effective_radius_um) {
     reader.with_place("effective_radius_um", [&] { mixture_for(*defined.droplets, *defined.effective_radius_um); });
@@ -174,6 +181,10 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
     cloud.phase_function = add_phase_function(name, *defined.function, defined.measured);
     return;
   }
+  if (defined.by_humidity && (cloud.effective_radius_um || !cloud.effective_radius_grid.empty())) {
+    reader.fail(cloud.effective_radius_um ? "effective_radius_um" : "effective_radius_grid",
+                "the table of the phase function has one row, for its humidity", "a radius", "no such key");
+  }
   cloud.single_scattering_albedo = reader.find_number("single_scattering_albedo", fraction, at_);
   const std::string of_function = fmt::format("phase_function.{}.effective_radius_um", name);
   if (!cloud.effective_radius_grid.empty()) {
@@ -205,7 +216,7 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
     }
     const DropletOptics optics = droplet_optics(*defined.droplets, *radius);
     cloud.extinction_m2_per_g = optics.extinction_m2_per_g;
-    cloud.effective_radius_um = radius;
+    if (!defined.by_humidity) cloud.effective_radius_um = radius;
     if (!cloud.single_scattering_albedo) cloud.single_scattering_albedo = optics.single_scattering_albedo;
     cloud.phase_function = add_phase_function(name, optics.phase_function, true);
   });

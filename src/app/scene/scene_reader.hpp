@@ -67,6 +67,7 @@ class SceneReader {
     bool measured = false;
     std::shared_ptr<const DropletTable> droplets{};
     std::optional<double> effective_radius_um{};
+    bool by_humidity = false;  ///< droplets are the one row of an aerosol, whose radius has no meaning
     std::shared_ptr<const ScenePhaseSet> set{};
     /// Of bulk tables: the table at the g-point, by its radii. Droplets are there too, with the same optics.
     std::optional<BulkOfPoint> bulk{};

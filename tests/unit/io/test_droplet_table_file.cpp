@@ -140,6 +140,7 @@ struct LibradtranFile {
   const char* pmom_units = "including factor 2*l+1";
   const char* ext_units = "km^-1/(g/m^3)";
   const char* without = "";  // a variable to leave out
+  const char* axis = "reff";
   int format = NC_CLOBBER;
 
   void write(const std::filesystem::path& path) const {
@@ -156,7 +157,7 @@ struct LibradtranFile {
       }
       return variable;
     };
-    const int v_lambda = define("wavelen", {lambda}, NC_DOUBLE), v_radius = define("reff", {radius}, NC_DOUBLE);
+    const int v_lambda = define("wavelen", {lambda}, NC_DOUBLE), v_radius = define(axis, {radius}, NC_DOUBLE);
     const int v_ext = define("ext", {lambda, radius}, NC_DOUBLE), v_ssa = define("ssa", {lambda, radius}, NC_DOUBLE);
     const int v_nmom = define("nmom", {lambda, radius, element}, NC_INT);
     const int v_gg = gg.empty() ? -1 : define("gg", {lambda, radius}, NC_DOUBLE);
@@ -278,6 +279,39 @@ TEST_F(DropletTableFile, AsymmetryParametersTellTheFactor) {
   content.gg[2] = 0.85;
   content.write(folder_ / "wc.mie.cdf");
   EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), AllOf(HasSubstr("contradict"), HasSubstr("0.425")));
+}
+
+// Aerosol: between two humidities extinction and scattering are linear, and moments are mixed by scattering.
+TEST_F(DropletTableFile, HumidityChoosesTheRowOfAnAerosol) {
+  LibradtranFile content;
+  content.axis = "hum";
+  content.reff = {50, 80};
+  const auto file = folder_ / "waso.mie.cdf";
+  content.write(file);
+  const DropletTable dry = read_droplet_table(file, 0.67, 50), between = read_droplet_table(file, 0.67, 60);
+  ASSERT_EQ(between.size(), 1u);
+  EXPECT_NEAR(dry.extinction_m2_per_g[0], 0.301, 1e-15);
+  EXPECT_NEAR(dry.moments[0][1], 1.275 / 3, 1e-7);
+  EXPECT_NEAR(read_droplet_table(file, 0.67, 80).extinction_m2_per_g[0], 0.151, 1e-15);
+  const double lower = 0.301 * 2 / 3, upper = 0.151 / 3;
+  const double scattered = lower * 0.99 + upper * 0.98;
+  EXPECT_NEAR(between.extinction_m2_per_g[0], lower + upper, 1e-15);
+  EXPECT_NEAR(between.single_scattering_albedo[0], scattered / (lower + upper), 1e-15);
+  EXPECT_NEAR(between.moments[0][1], (lower * 0.99 * 1.275 + upper * 0.98 * 1.35) / scattered / 3, 1e-7);
+  EXPECT_THAT(message(file, 0.67), HasSubstr("relative_humidity_percent"));
+  const auto refused = [](const std::filesystem::path& of, double percent) {
+    try {
+      read_droplet_table(of, 0.67, percent);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refused(file, 90), HasSubstr("found 90 %, allowed 50 to 80 %"));
+  content.axis = "reff";
+  content.reff = {5, 10};
+  content.write(file);
+  EXPECT_THAT(refused(file, 60), HasSubstr("a table by effective radius"));
 }
 
 // Moments g^l. Their sum (2l+1) g^l is the forward peak (1 + g)/(1 - g)^2.
