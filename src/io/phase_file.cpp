@@ -12,7 +12,6 @@
 namespace cloudbow {
 namespace {
 
-using netcdf4::Attribute;
 
 constexpr double angle_step_deg = 0.5;
 
