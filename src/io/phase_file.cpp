@@ -12,7 +12,6 @@
 namespace cloudbow {
 namespace {
 
-
 constexpr double angle_step_deg = 0.5;
 
 /// As names of variables are written here: "delta-M" becomes "delta_m".
