@@ -183,7 +183,7 @@ def check_cloud(values: Any, key: str) -> None:
             k, j, i = (int(n) for n in np.argwhere(wrong)[0])
             raise refuse(key, f"{problem} at z, y, x = {k}, {j}, {i}", values[k, j, i], "numbers >= 0")
     if not (values > 0).any():
-        raise refuse(key, "no cloud", "nothing but 0", "a number > 0 in a voxel or more")
+        raise refuse(key, "no cloud", "only zeros", "a number > 0 in a voxel or more")
 
 
 def write_map(path: Path, array: Any, name: str, key: str) -> None:

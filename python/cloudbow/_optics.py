@@ -86,7 +86,7 @@ def phase(type: str, *, asymmetry_parameter: Optional[float] = None, forward_asy
           backward_asymmetry_parameter: Optional[float] = None, forward_weight: Optional[float] = None, file: Union[str, os.PathLike, None] = None,
           control_points: int = 162, delta_m_order: int = 12, fits: Optional[Sequence[str]] = None,
           output: Union[str, os.PathLike, None] = None) -> "xr.Dataset":
-    """A phase function by itself, with its fits to control points and their errors, as `cloudbow phase` makes them.
+    """A phase function, with its fits to control points and their errors, as `cloudbow phase` makes them.
 
     Parameters
     ----------

@@ -179,7 +179,7 @@ MomentRows henyey_greenstein_moments(const std::vector<double>& asymmetry) {
 /// One row of a table whose rows belong to relative humidities: between two of them extinction and scattering are
 /// linear in the humidity, and phase functions are mixed by scattering. The radius has no meaning.
 DropletTable at_humidity(const DropletTable& rows, const std::vector<double>& humidity, double percent) {
-  if (humidity.size() > 1 && !std::is_sorted(humidity.begin(), humidity.end(), std::less_equal<>()))
+  if (std::adjacent_find(humidity.begin(), humidity.end(), std::greater_equal<>()) != humidity.end())
     throw InputError("'hum': does not ascend");
   if (!(percent >= humidity.front() && percent <= humidity.back())) {
     throw InputError(fmt::format("no such relative humidity (found {} %, allowed {} to {} %)", percent,
@@ -189,24 +189,20 @@ DropletTable at_humidity(const DropletTable& rows, const std::vector<double>& hu
   const auto upper = std::min(static_cast<std::size_t>(above), humidity.size() - 1);
   const std::size_t lower = upper > 0 ? upper - 1 : 0;
   const double share = upper > lower ? (percent - humidity[lower]) / (humidity[upper] - humidity[lower]) : 0;
-  const auto extinction = [&](std::size_t row, double part) { return part * rows.extinction_m2_per_g[row]; };
-  const auto scattering = [&](std::size_t row, double part) {
-    return extinction(row, part) * rows.single_scattering_albedo[row];
-  };
-  const double scattered = scattering(lower, 1 - share) + scattering(upper, share);
+  const MixedDroplets mixed = mix(rows, {lower, share});
+  const double upper_share = mixed.upper_share_of_scattering(share);
   DropletTable table;
   table.wavelength_um = rows.wavelength_um;
   table.notes = rows.notes;
   table.effective_radius_um = {1};
-  table.extinction_m2_per_g = {extinction(lower, 1 - share) + extinction(upper, share)};
-  table.single_scattering_albedo = {scattered / table.extinction_m2_per_g.front()};
+  table.extinction_m2_per_g = {mixed.extinction_m2_per_g};
+  table.single_scattering_albedo = {mixed.single_scattering_albedo()};
   std::vector<double> moments(std::max(rows.moments[lower].size(), rows.moments[upper].size()), 0.);
-  const auto add = [&](std::size_t row, double part) {
-    const double weight = scattered > 0 ? scattering(row, part) / scattered : part;
+  const auto add = [&](std::size_t row, double weight) {
     for (std::size_t l = 0; l < rows.moments[row].size(); ++l) moments[l] += weight * rows.moments[row][l];
   };
-  add(lower, 1 - share);
-  add(upper, share);
+  add(lower, 1 - upper_share);
+  add(upper, upper_share);
   table.moments = {std::move(moments)};
   return table;
 }

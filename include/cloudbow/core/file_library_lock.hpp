@@ -13,7 +13,7 @@ class FileLibraryLock {
   FileLibraryLock(const FileLibraryLock&) = delete;
   FileLibraryLock& operator=(const FileLibraryLock&) = delete;
 
-  /// For a host with a lock of its own around these libraries, such as Python: its functions are called in place of a
+  /// For a host that already has a lock around these libraries, such as Python: its functions are called in place of a
   /// mutex. They must be recursive. Both null: the mutex. Call it while no object exists.
   static void use(void (*lock)(), void (*unlock)());
 };

@@ -92,7 +92,7 @@ struct VdbCloudGrid {
 
 /// Writes the field with metadata domain_min_m, domain_max_m, quantity, units and creator. The file has a temporary
 /// name beside `path` until it is complete. Cell (0, 0, 0) is voxel (0, 0, 0). Auxiliary grids are stored as float.
-/// @param others fields with voxels of their own, such as ice.
+/// @param others fields with other voxels of the same box, such as ice.
 /// @throws InputError if the file cannot be written, or a value does not fit into half.
 void write_cloud_vdb(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options = {},
                      const std::vector<VdbAuxiliary>& auxiliaries = {}, const std::vector<VdbCloudGrid>& others = {});
