@@ -12,7 +12,7 @@ namespace cloudbow {
 namespace {
 
 // Between the ends the error of columns is up to .94 times the distances there with the ends' weights: measured on ten
-// fields of thick voxels (docs/error-estimates.md).
+// fields of thick voxels (docs/accuracy.md).
 constexpr double between_ends_factor = 1.5;
 
 // Fraction of the power. Errors of columns whose mean is less are not relative to that mean. Under a dark sky, the flux

@@ -7,7 +7,7 @@ the scenes of configs/. Each code is scored against the truth of its own medium:
 which falls with the root of the photons: a line. CPU seconds on one thread; those of SHDOM are of another machine.
 Fails where SHDOM has a smaller error in less time than a level of cloudbow.
 
-usage: CLOUDBOW_REFERENCE_DIR=... fronts.py [FIELD ...] [--document docs/accuracy-and-speed.md] [--plot docs/images/fronts.png]
+usage: CLOUDBOW_REFERENCE_DIR=... fronts.py [FIELD ...] [--document docs/speed.md] [--plot docs/images/fronts.png]
 """
 import csv
 import math

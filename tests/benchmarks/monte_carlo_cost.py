@@ -6,7 +6,7 @@ CLOUDBOW_REFERENCE_DIR for fluxes; for nadir images a run of --reference-photons
 is its standard error, which falls with the root of the photons: from a run of --photons follows the CPU time it takes to the error that cloudbow
 has. Both make what is compared and no more: fluxes at top and bottom, for the image also the image. CPU seconds are the least of REPEATS runs, by turns.
 
-usage: CLOUDBOW_REFERENCE_DIR=... monte_carlo_cost.py [fluxes] [images] [--document docs/performance.md]
+usage: CLOUDBOW_REFERENCE_DIR=... monte_carlo_cost.py [fluxes] [images] [--document docs/speed.md]
 """
 import math
 import os

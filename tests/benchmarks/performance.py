@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """What a solve costs: where the time goes, how it grows with the field and with the directions, what a second thread brings, memory as predicted
-and as measured. Remakes the tables of docs/performance.md.
+and as measured. Remakes the tables of docs/speed.md.
 
 A figure is the least of three runs where one takes less than ten seconds, and of one run otherwise. Seconds are CPU seconds on one thread: of a
 phase, its wall seconds times the share of the processor that the run had. The table of threads has wall seconds, and sets the gain of a second
 thread against what the machine gives to a loop of pure arithmetic run the same way. RICO needs CLOUDBOW_REFERENCE_DIR and is left out without.
 
-usage: performance.py [phases] [scaling] [directions] [threads] [memory] [--voxels 1e4 1e5 1e6 1e7] [--document docs/performance.md]
+usage: performance.py [phases] [scaling] [directions] [threads] [memory] [--voxels 1e4 1e5 1e6 1e7] [--document docs/speed.md]
 """
 import math
 import os

@@ -30,6 +30,8 @@ ELSEWHERE = {
     "scripts/run": "installs and builds",
     "scripts/test": "installs, builds and runs this",
     "scripts/validate": "builds, and takes minutes",
+    "build/release/tests/reference/plane_parallel": "built by scripts/validate; tests/validation/plane_parallel_truths.py runs it",
+    "python3 tests/validation/plane_parallel.py": "needs the one before",
     "cmake --preset": "builds",
     "cmake --install": "installs; tests/consumer does it",
     "CLOUDBOW_REFERENCE_DIR=": "needs the reference data of others",
@@ -52,6 +54,8 @@ CUMULUS = '[cloud]\nfile = "../clouds/fair_weather_cumulus.vdb"\nquantity = "ext
 CELLS = "# nx,ny,nz=2,2,3 dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.3\nix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n1,1,2,20,1,2\n"
 MOMENTS = "0 1 1\n1 0.5 0.4\n2 0.3 0.2\n"
 THERMAL = "[cloud]" + (ROOT / "configs/thermal_cumulus.toml").read_text().partition("[cloud]")[2].partition("[output]")[0]
+GAS = {"gas_solar.nc": "gas/ecckd-1.4_sw_climate_rgb-32b_ckd-definition.nc", "gas_longwave.nc": "gas/ecckd-1.0_lw_climate_fsck-32b_ckd-definition.nc",
+       "droplets.nc": "gas/mie_droplet_scattering.nc"}
 STEP_CLOUD = (ROOT / "configs/step_cloud.toml").read_text()
 
 
@@ -72,10 +76,13 @@ PAGES = {
     "docs/radiance-fields.md": Page(shows=("sin(zenith)",)),
     "docs/pictures.md": Page(completions=[SUN + CUMULUS + "effective_radius_um = 10.0\n", SUN + CUMULUS + '[phase_function.droplets]\ntype = "isotropic"\n']),
     "docs/howto-thermal.md": Page(completions=["", THERMAL]),
-    "docs/howto-heating-rates.md": Page(references={"gas_solar.nc": "gas/ecckd-1.4_sw_climate_rgb-32b_ckd-definition.nc", "gas_longwave.nc": "gas/ecckd-1.0_lw_climate_fsck-32b_ckd-definition.nc",
-                                                           "droplets.nc": "gas/mie_droplet_scattering.nc"}),
-    "docs/accuracy-and-speed.md": Page(),
-    "docs/error-estimates.md": Page(files={"scene.toml": STEP_CLOUD}, shows=("flux errors, about", "can't be promised")),
+    "docs/howto-heating-rates.md": Page(references=GAS),
+    "docs/howto-cloud-effect.md": Page(references=GAS),
+    "docs/howto-3d-effects.md": Page(),
+    "docs/howto-satellite.md": Page(),
+    "docs/howto-solar-energy.md": Page(),
+    "docs/howto-references.md": Page(),
+    "docs/accuracy.md": Page(files={"scene.toml": STEP_CLOUD}, shows=("flux errors, about", "can't be promised")),
     "docs/checkpoints.md": Page(files={"scene.toml": STEP_CLOUD}),
     "docs/verify.md": Page(),
     "docs/phase-function-fits.md": Page(files={"measured.txt": "0 2\n90 0.5\n180 1\n"}),

@@ -10,7 +10,7 @@ Truth: tests/reference/thick_slabs (doubling, in 80 bits) for all columns, kept 
 with other numbers of angles it agrees to 1e-5 of the incident flux, 1e-3 for g .98 under mu0 .001); Beer's law in closed form without scattering; what does not scatter
 neither reflects, what does not absorb loses nothing; tests/reference/monte_carlo for small clouds; the same cloud elsewhere for offsets.
 
-usage: extremes.py [--part columns ...] [--quick] [--jobs 1] [--csv FILE] [--document docs/extremes.md] | --make-truth
+usage: extremes.py [--part columns ...] [--quick] [--jobs 1] [--csv FILE] [--document docs/limits.md] | --make-truth
 """
 import csv
 import itertools
@@ -604,24 +604,12 @@ def map_table(rows):
     return support.markdown_table(["optical depth", *(f"mu0 {mu0:g}" for mu0 in SUNS)], table)
 
 
-def field_table(rows):
-    """Of the small clouds that have a truth."""
-    def both(row, name):
-        return f"{row.values[name]:.4f} ({row.values['true_' + name]:.4f})"
-    return support.markdown_table(["part", "scene", "reflectance", "transmittance", "error %", "its own estimate %", "verdict"], [
-        [row.part, row.name, both(row, "reflectance"), both(row, "transmittance"), f"{row.error:.2f}",
-         f"{row.values['estimate']:.2g}" if "estimate" in row.values else "", row.verdict]
-        for row in rows if row.part in ("aspect", "contrast") and not math.isnan(row.error)])
-
-
 def write_document(path, rows):
     support.write_between_markers(path, "extremes-verdicts", verdict_table(rows))
     columns = [row for row in rows if row.part == "columns"]
     if columns:
         support.write_between_markers(path, "extremes-map", map_table(columns))
         plot(path.parent / "images/extremes.png", columns)
-    if any(row.part in ("aspect", "contrast") for row in rows):
-        support.write_between_markers(path, "extremes-fields", field_table(rows))
 
 
 def main():

@@ -4,7 +4,7 @@
 Truth: the result at `reference`, whose own distance from the truth (docs/validation.md) is no part of it. Time and memory are those of the level's own
 solve, against what was predicted before it (`/plan`); seconds of solves under a fifth of a second are not judged.
 
-usage: goals.py [SCENE ...] [--target 5 1 0.3] [--of domain columns] [--document docs/accuracy-and-speed.md]
+usage: goals.py [SCENE ...] [--target 5 1 0.3] [--of domain columns] [--document docs/accuracy.md]
 """
 import re
 import sys
@@ -81,7 +81,7 @@ def main():
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=", ".join(SCENES))
     parser.add_argument("--target", nargs="+", type=float, default=[5, 1, 0.3], help="per cent")
     parser.add_argument("--of", nargs="+", default=["domain", "columns"], choices=["domain", "columns"])
-    parser.add_argument("--document", type=Path, help="write the table between the markers `goals` of this page")
+    parser.add_argument("--document", type=Path, help="write the tally between the markers `goals` of this page")
     options = parser.parse_args()
     cloudbow = support.Cloudbow(options.cloudbow, options.threads)
     rows = []
@@ -92,10 +92,9 @@ def main():
                 for target in options.target:
                     rows.append(row_of(name, target, of, cloudbow, folder, truth))
                     print(name, of, target, verdict(rows[-1]), {key: value for key, value in rows[-1].items() if key not in ("scene", "of", "target")}, flush=True)
-    text = table(rows) + "\n" + tally(rows) + "\n"
-    print(text)
+    print(table(rows) + "\n" + tally(rows) + "\n")
     if options.document:
-        support.write_between_markers(options.document, "goals", text)
+        support.write_between_markers(options.document, "goals", tally(rows))
     return 1 if any(verdict(row) == "MISSED" for row in rows) else 0
 
 

@@ -48,11 +48,10 @@ class Skipped(Exception):
 
 
 class Section:
-    """Runs drivers on the program under test and keeps their commands for the page."""
+    """Runs drivers on the program under test and prints their commands."""
 
     def __init__(self, options):
         self.options = options
-        self.commands = []
 
     def figures(self, driver, *words):
         self.tell(f"tests/validation/{driver.__name__}.py", *words)
@@ -76,7 +75,6 @@ class Section:
 
     def tell(self, *words):
         command = " ".join(shlex.quote(str(word).replace(f"{ROOT}/", "")) for word in words)
-        self.commands.append(command)
         print(f"    {command}", file=sys.stderr, flush=True)
 
 
@@ -155,20 +153,20 @@ def truths(section):
 
 
 def plane_parallel_errors(section, picture, *settings):
-    """Tables of all cases at every level, and a picture of that name."""
+    """A table of all cases at every level, and a picture of that name."""
     found = {level: [row for row in section.figures(plane_parallel, "--accuracy", level, *settings)] for level in LEVELS}
     failed = [f"`{row['case']}` at {level}" for level, rows in found.items() for row in rows if "failure" in row or not row["converged"]]
     found = {level: [row for row in rows if "failure" not in row] for level, rows in found.items()}
     edge = lambda row: max(row["up"], row["diffuse"], row["direct"])
     inside = lambda row: row["profile"]
-    text = f"{len(found[LEVELS[0]])} cases, {plane_parallel_source()}. In % of the incident flux, median / worst.\n"
-    for title, error in (("top and bottom: upward, diffuse and direct", edge), ("whole profile: every level, every flux", inside)):
-        lines = []
-        for group in [*sorted({row["case"][0] for row in found[LEVELS[0]]}), None]:
-            of = {level: [row for row in rows if group in (None, row["case"][0])] for level, rows in found.items()}
-            lines.append([plane_parallel.group_name(group) if group else "**all**", len(of[LEVELS[0]]), number(max(row["truth"] for row in of[LEVELS[0]]), 1),
-                          *(f"{number(support.median([error(r) for r in rows]))} / {number(max(error(r) for r in rows))}" for rows in of.values())])
-        text += "\n" + markdown_table([title, "cases", "truth's own, worst", *LEVELS], lines)
+    text = f"{len(found[LEVELS[0]])} cases, {plane_parallel_source()}. In % of the incident flux, median / worst.\n\n"
+    groups = [(plane_parallel.group_name(group), group, edge) for group in sorted({row["case"][0] for row in found[LEVELS[0]]})]
+    lines = []
+    for title, group, error in [*groups, ("**all**", None, edge), ("**all, every level and flux of the profile**", None, inside)]:
+        of = {level: [row for row in rows if group in (None, row["case"][0])] for level, rows in found.items()}
+        lines.append([title, len(of[LEVELS[0]]), number(max(row["truth"] for row in of[LEVELS[0]]), 1),
+                      *(f"{number(support.median([error(r) for r in rows]))} / {number(max(error(r) for r in rows))}" for rows in of.values())])
+    text += markdown_table(["top and bottom: upward, diffuse and direct", "cases", "truth's own, worst", *LEVELS], lines)
     worst = {level: max(rows, key=inside) for level, rows in found.items()}
     text += "\nWorst of all: " + "; ".join(f"{level} `{row['case']}` {number(row['profile'])} %" for level, row in worst.items()) + ".\n"
     text += f"Worst energy residual: {max(row['ledger'] for rows in found.values() for row in rows):.0e} of incident. Not converged: {', '.join(failed) or 'none'}.\n"
@@ -390,12 +388,12 @@ def cpu_seconds():
 
 
 def seconds_of(block):
-    match = re.search(r"took (\d+) CPU s", block)
+    match = re.search(r"\((\d+) CPU s\)", block)
     return int(match.group(1)) if match else 0
 
 
 def make(name, options):
-    """The block of a section, with its commands and the time it took; None where it cannot be made."""
+    """The block of a section, with the time it took; None if it cannot be made. The commands of its drivers are printed."""
     section = Section(options)
     print(f"{name} ...", file=sys.stderr, flush=True)
     start = cpu_seconds()
@@ -407,8 +405,7 @@ def make(name, options):
         return None
     seconds = cpu_seconds() - start
     print(f"{name}: {seconds:.0f} CPU s", file=sys.stderr, flush=True)
-    commands = "; ".join(f"`{command}`" for command in dict.fromkeys(section.commands))
-    return f"{text.strip()}\n\nBy `scripts/validate --section {name}`, which took {seconds:.0f} CPU s: {commands}."
+    return f"{text.strip()}\n\nBy `scripts/validate --section {name}` ({seconds:.0f} CPU s)."
 
 
 def write(blocks):

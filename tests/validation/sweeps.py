@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The sweeps that an iteration takes: remakes that table of docs/accuracy.md.
+"""The sweeps that an iteration takes: remakes that table of docs/speed.md.
 
-usage: CLOUDBOW_REFERENCE_DIR=... sweeps.py [--table docs/accuracy.md sweeps]
+usage: CLOUDBOW_REFERENCE_DIR=... sweeps.py [--table docs/speed.md sweeps]
 """
 import sys
 

@@ -5,7 +5,7 @@ Truth: the result files of `cloudbow run` at the same levels, compared here once
 errors must agree to rounding, and those of a result against itself are 0.
 
 usage: tradeoff_command.py
-       tradeoff_command.py --document docs/accuracy-and-speed.md   remakes the tables and plots of that page
+       tradeoff_command.py --document docs/accuracy.md   remakes the tables and plots of that page
 """
 import csv
 import math
@@ -23,7 +23,7 @@ from support import ROOT, Failure
 SCENE = ROOT / "configs/step_cloud.toml"
 ERRORS = ("domain_error_percent", "column_up_error_percent", "column_down_error_percent")
 ROUNDING = 1e-9  # relative: sums over columns in another order
-DOCUMENTED = ("step_cloud", "cumulus")  # of configs/
+DOCUMENTED = ("cumulus",)  # of configs/
 
 
 def tradeoff(cloudbow, folder, name, *options, scene=SCENE, accept=(0,)):

@@ -1,4 +1,4 @@
-// How far off the fluxes of a solution are, judged by cheaper solutions of the same problem (docs/error-estimates.md).
+// How far off the fluxes of a solution are, judged by cheaper solutions of the same problem (docs/accuracy.md).
 #pragma once
 
 #include <optional>

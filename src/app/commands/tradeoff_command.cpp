@@ -30,7 +30,7 @@ void add_tradeoff(CLI::App& app, std::function<int()>& action) {
   tradeoff_app->add_flag("--quiet", options->quiet, "The table and nothing but errors besides");
   tradeoff_app->footer(
       "Each level is a run of its own, with what the scene asks for; what the scene sets in [solver] holds at every "
-      "level (docs/accuracy-and-speed.md).");
+      "level (docs/accuracy.md).");
   tradeoff_app->callback([&action, options] { action = [options] { return tradeoff(*options); }; });
 }
 

@@ -1,5 +1,5 @@
 // Errors from the distances between a solution and its coarse solves, by level of accuracy: measured
-// (docs/error-estimates.md).
+// (docs/accuracy.md).
 #pragma once
 
 #include <string>
