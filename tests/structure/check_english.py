@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Counts words that docs/style.md advises against, in comments (C++ and Python) and in the messages of the program (string literals of src/).
+"""Counts words that docs/style.md advises against, in comments (C++ and Python), in the messages of the program (string literals of src/), and in the
+pages (README.md, CONTRIBUTING.md, docs/, without code and without what scripts write).
 No count may exceed its ceiling in english_ceilings.txt, and a ceiling may only fall: new text follows the style, old text is mended bit by bit.
 
 Truth: the ceilings. The checker checks itself on text with known counts first.
@@ -14,6 +15,7 @@ import sys
 import tokenize
 from pathlib import Path
 
+KINDS = ("comments", "messages", "pages")
 CEILINGS = Path(__file__).with_name("english_ceilings.txt")
 MEASURES = "axis|beam|bin|block|byte|case|cell|channel|class|column|core|direction|file|group|hemisphere|hour|level|line|metre|minute|mutant|object|octant|"
 MEASURES += "ordinate|part|pixel|point|process|processor|ray|row|run|second|segment|side|step|sweep|thread|tile|voxel|wavelength"
@@ -39,6 +41,7 @@ WORDS = {
     "last-gather": (r"\blast gather\b", "final gather"),
 }
 LONGEST_SENTENCE = 20  # words
+GENERATED = ("commands.md", "python-api.md")  # from help texts and docstrings, which are read in the sources
 
 CPP = re.compile(r"""(?P<comment>//[^\n]*|/\*.*?\*/)|(?P<literal>(?:R"(?P<mark>\w*)\(.*?\)(?P=mark)")|"(?:\\.|[^"\\\n])*")|'(?:\\.|[^'\\\n])'""", re.DOTALL)
 
@@ -83,6 +86,24 @@ def python_texts(text):
     return joined(comments) + docstrings
 
 
+def page_texts(text):
+    """Paragraphs, headings, items of lists and cells of tables of a page, without code, equations, addresses and figures that scripts write."""
+    text = re.sub(r"<!-- begin ([\w-]+) -->.*?<!-- end \1 -->|^```.*?^```|^\$\$.*?^\$\$", lambda block: "\n" * block.group().count("\n"), text, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"`[^`\n]*`|\$[^$\n]+\$", "x", re.sub(r"\]\([^)\n]*\)", "]", text))
+    found = []
+    for line, words in enumerate(text.splitlines(), 1):
+        if not words.strip() or re.match(r"\s*(\||#|[-*] |\d+\. )", words):
+            found += [(line, cell) for cell in words.split("|") if re.search(r"[^\W\d_]", cell)] + [None]
+        elif found and found[-1] is not None:
+            found[-1] = (found[-1][0], f"{found[-1][1]} {words.strip()}")
+        else:
+            found.append((line, words.strip()))
+        # A line of text below an item belongs to it.
+        if found and found[-1] is None and re.match(r"\s*([-*] |\d+\. )", words) and len(found) > 1:
+            found.pop()
+    return [part for part in found if part is not None]
+
+
 def long_sentences(text):
     return [sentence for sentence in re.split(r"(?<=[.;:?!])\s+", text) if len(re.findall(r"[^\W\d_][\w'-]*", sentence)) > LONGEST_SENTENCE]
 
@@ -109,8 +130,14 @@ def texts_of(root):
                 yield "messages", f"{place}:{line}", text
 
 
+    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
+    for path in (page for page in pages if page.exists() and page.name not in GENERATED):
+        for line, text in page_texts(path.read_text()):
+            yield "pages", f"{path.relative_to(root)}:{line}", text
+
+
 def counts_of(texts):
-    counts = {(name, kind): 0 for name in WORDS for kind in ("comments", "messages")}
+    counts = {(name, kind): 0 for name in WORDS for kind in KINDS}
     for kind, _, text in texts:
         for name in WORDS:
             counts[name, kind] += len(found_in(name, text))
@@ -119,12 +146,12 @@ def counts_of(texts):
 
 def read_ceilings():
     rows = [line.split() for line in CEILINGS.read_text().splitlines() if line and not line.startswith("#")]
-    return {(name, kind): int(count) for name, *numbers in rows for kind, count in zip(("comments", "messages"), numbers)}
+    return {(name, kind): int(count) for name, *numbers in rows for kind, count in zip(KINDS, numbers)}
 
 
 def write_ceilings(ceilings):
-    head = "# Counts that check_english.py allows: name, in comments, in messages. They may only fall (check_english.py ROOT --lower).\n"
-    CEILINGS.write_text(head + "".join(f"{name:15} {ceilings[name, 'comments']:5} {ceilings[name, 'messages']:5}\n" for name in WORDS))
+    head = "# Counts that check_english.py allows: name, in comments, in messages, in pages. They may only fall (check_english.py ROOT --lower).\n"
+    CEILINGS.write_text(head + "".join(f"{name:15} {ceilings[name, 'comments']:5} {ceilings[name, 'messages']:5} {ceilings[name, 'pages']:5}\n" for name in WORDS))
 
 
 def check_the_checker():
@@ -132,6 +159,8 @@ def check_the_checker():
     assert comments == [(2, "One place where it rains."), (4, "What is told")], comments
     assert literals == [(4, 'where \\" a')], literals
     assert python_texts('"""Where."""\na = "where"  # told\n') == [(2, "told"), (1, "Where.")]
+    page = "# A\n\nOne\ntwo `where` [three](where.md).\n- four\n  five\n\n| a | told |\n\n```\nwhere\n```\n<!-- begin t -->\nwhere\n<!-- end t -->\n"
+    assert [text.strip() for _, text in page_texts(page)] == ["# A", "One two x [three].", "- four five", "a", "told"], page_texts(page)
     assert len(found_in("what-begins", "What is told. What for? So what")) == 1
     assert len(found_in("a-for-per", "8 directions a hemisphere, one a thread; has a voxel, is a file")) == 2
     assert found_in("long-sentence", "word " * 20 + "end.") and not found_in("long-sentence", "word " * 10 + "end. " + "word " * 15)

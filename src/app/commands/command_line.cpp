@@ -70,7 +70,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
           "Replace any key of the scene, as in --set sun.zenith_deg=30 --set layer.0.optical_depth=2; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  run_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+  run_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
       ->check(whole_number(1, 4096));
   run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
   run_app->add_flag("--clear-sky", options->clear_sky,
@@ -210,7 +210,7 @@ void add_mie(CLI::App& app, Action& action, const std::string& command) {
                    "Density of the droplets (default: the substance's, or 1)")
       ->check(finite_number(0, "a density > 0"));
   mie_app->add_option("-o,--output", options->output, "Table (HDF5)")->type_name("FILE")->required();
-  mie_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+  mie_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
       ->check(whole_number(1, 4096));
   mie_app->add_flag("--quiet", options->quiet, "Nothing but errors");
   mie_app->callback([&action, options] { action = [options] { return make_mie_file(*options); }; });

@@ -152,7 +152,7 @@ std::string plan_text(const std::vector<Scene>& scenes, const PlannedScene& plan
                  grid.box.nz(), grid.active_cells());
   text += figures_of(scenes.front(), first);
   if (planned.plan.by_polar_streams()) {
-    fmt::format_to(out, "solver    columns by themselves, {} polar directions a hemisphere\n",
+    fmt::format_to(out, "solver    independent columns, {} polar directions per hemisphere\n",
                    first.options.column_streams);
   } else {
     fmt::format_to(out, "solver    {} control points, {}, tolerance {}\n", first.options.control_points,

@@ -25,7 +25,7 @@ void add_tradeoff(CLI::App& app, std::function<int()>& action) {
   tradeoff_app->add_option("--set", options->overrides, "Replace any key of the scene, as in run; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  tradeoff_app->add_option("--threads", options->threads, "Threads (default: one a processor)")
+  tradeoff_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
       ->check(whole_number(1, 4096));
   tradeoff_app->add_flag("--quiet", options->quiet, "The table and nothing but errors besides");
   tradeoff_app->footer(
