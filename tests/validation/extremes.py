@@ -592,23 +592,10 @@ def plot(path, rows):
     figure.savefig(path, dpi=90)
 
 
-def map_table(rows):
-    """Worst errors by optical depth and sun, with the asymmetry where they are."""
-    table = []
-    for n, tau in enumerate(OPTICAL_DEPTHS):
-        cells = []
-        for mu0 in SUNS:
-            worst = worst_errors(rows, mu0, "error")[0][:, n]
-            cells.append("" if np.all(np.isnan(worst)) else f"{np.nanmax(worst):.4f} ({ASYMMETRIES[int(np.nanargmax(worst))]:g})")
-        table.append([f"{tau:g}", *cells])
-    return support.markdown_table(["optical depth", *(f"mu0 {mu0:g}" for mu0 in SUNS)], table)
-
-
 def write_document(path, rows):
     support.write_between_markers(path, "extremes-verdicts", verdict_table(rows))
     columns = [row for row in rows if row.part == "columns"]
     if columns:
-        support.write_between_markers(path, "extremes-map", map_table(columns))
         plot(path.parent / "images/extremes.png", columns)
 
 

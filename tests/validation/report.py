@@ -263,16 +263,21 @@ def made(section):
 
 def step_radiances(section):
     section.references()
-    levels, text = LEVELS[:3], ""
-    for truth, words in (("I3RC community model", ()), ("tests/reference/monte_carlo, 3e6 photons", ("--made",))):
-        found = {level: section.figures(step_radiance, "--accuracy", level, *words) for level in levels}
-        lines = [[first["case"], first["sensor"], f"{first['mean_noise']:.2f}; {first['noise']:.2f}", *(f"{row['mean']:+.2f}; {row['rms']:.2f}" for row in (first, *others))]
-                 for first, *others in zip(*found.values())]
-        overhead = [row for row in found["fine"] if row["sensor"].startswith("zenith 0")]
-        lines.append(["**straight up, mean of the four**", "", number(math.sqrt(sum(r["mean_noise"]**2 for r in overhead)) / len(overhead)),
-                      *(f"{sum(row['mean'] for row in rows if row['sensor'].startswith('zenith 0')) / len(overhead):+.2f}" for rows in found.values())])
-        text += markdown_table([f"truth: {truth}", "sensor", "its noise: mean; columns", *(f"{level}: mean; columns" for level in levels)], lines) + "\n"
-    return text
+    levels = LEVELS[:3]
+    found = {level: section.figures(step_radiance, "--accuracy", level, "--made") for level in levels}
+    lines = [[first["case"], first["sensor"], f"{first['mean_noise']:.2f}; {first['noise']:.2f}", *(f"{row['mean']:+.2f}; {row['rms']:.2f}" for row in (first, *others))]
+             for first, *others in zip(*found.values())]
+    lines.append(straight_up("straight up, mean of the four", found))
+    other = {level: section.figures(step_radiance, "--accuracy", level) for level in levels}
+    lines.append(straight_up("the same against the I3RC community model", other))
+    return markdown_table(["truth: tests/reference/monte_carlo, 3e6 photons", "sensor", "its noise: mean; columns", *(f"{level}: mean; columns" for level in levels)], lines)
+
+
+def straight_up(title, found):
+    """Row of the mean errors of images from the zenith, with the noise of their truth."""
+    overhead = {level: [row for row in rows if row["sensor"].startswith("zenith 0")] for level, rows in found.items()}
+    noise = [row["mean_noise"] for row in overhead["fine"]]
+    return [f"**{title}**", "", number(math.sqrt(sum(one**2 for one in noise)) / len(noise)), *(f"{sum(row['mean'] for row in rows) / len(rows):+.2f}" for rows in overhead.values())]
 
 
 def order(section):

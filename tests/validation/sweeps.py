@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The sweeps that an iteration takes: remakes that table of docs/speed.md.
+"""The sweeps that an iteration takes: prints what docs/speed.md summarises.
 
-usage: CLOUDBOW_REFERENCE_DIR=... sweeps.py [--table docs/speed.md sweeps]
+usage: CLOUDBOW_REFERENCE_DIR=... sweeps.py
 """
 import sys
 
@@ -46,17 +46,13 @@ def sweeps(references, cloudbow, folder):
 
 def main():
     parser = support.argument_parser(__doc__.splitlines()[0])
-    parser.add_argument("--table", nargs=2, metavar=("FILE", "NAME"), help="write the table between the markers NAME of a document")
     options = parser.parse_args()
     references = support.reference_folder()
     if references is None:
         support.skip("CLOUDBOW_REFERENCE_DIR is not set; it names the folder with fields/, i3rc/ and montecarlo/")
     cloudbow = support.Cloudbow(options.cloudbow, options.threads)
     with support.Workspace(options.keep) as folder:
-        text = sweeps(references, cloudbow, folder)
-    print(text)
-    if options.table:
-        support.write_between_markers(*options.table, text)
+        print(sweeps(references, cloudbow, folder))
     return 0
 
 
