@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A result opens in the tools that people use: xarray with both engines, ncdump, h5dump; units, coordinates and names are right.
 
-Truth: the table of variables in docs/formats.md. Runs a small scene, or looks at the result that is given.
+Truth: the table of variables in docs/result-reference.md. Runs a small scene, or looks at the result that is given.
 
 usage: check_result_file.py [RESULT.h5]
 """

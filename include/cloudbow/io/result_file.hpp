@@ -1,4 +1,4 @@
-// The result file: HDF5 that is also netCDF-4 (docs/formats.md).
+// The result file: HDF5 that is also netCDF-4 (docs/result-reference.md).
 #pragma once
 
 #include <array>
