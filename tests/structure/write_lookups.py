@@ -43,14 +43,18 @@ def without_common(text):
 def table(lines):
     """Rows of positionals or options, each with its explanation, which may stand on the line below."""
     rows = []
-    for line in lines:
-        # Explanations begin in this column, on a line of their own if the name is longer.
-        name, what = (line[:COLUMN].strip(), line[COLUMN:]) if line[COLUMN - 1:COLUMN] in ("", " ") else (line.strip(), "")
+    for line, below in zip(lines, [*lines[1:], "end"]):
+        # Explanations begin in this column, on a line of their own if the name is longer. Without a name the line continues the one before.
+        name, gap, what = line.strip().partition("  ")
+        if not line[:COLUMN].strip():
+            name, what = "", line
+        elif not gap and below[:COLUMN].strip():
+            name, what = line[:COLUMN].strip(), line[COLUMN:]
         if name:
             rows.append([name, what.strip()])
         else:
             rows[-1][1] = f"{rows[-1][1]} {what.strip()}".strip()
-    return "| | |\n| --- | --- |\n" + "".join(row(*parts) for parts in rows)
+    return "| option | meaning |\n| --- | --- |\n" + "".join(row(*parts) for parts in rows)
 
 
 def row(name, what):
@@ -115,7 +119,7 @@ def check_itself():
     text = "A tool\nUsage: x\n\nOptions:\n  -h,--help  Print\n  --a  Letter\n\nSubcommands:\n  one   First\n  two   Second\n\nExit codes: 0 done\n"
     assert subcommands(text) == ["one", "two"] and subcommands("A\n") == []
     assert without_common(text).endswith("Second") and "--help" not in without_common(text) and "--a" in without_common(text)
-    assert table(["  --a INT:N REQUIRED".ljust(30) + "Letter", "  --b Excludes: --a", " " * 30 + "Two"]) == "| | |\n| --- | --- |\n| `--a N` | Letter; required |\n| `--b` | Two; not with --a |\n"
+    assert table(["  --a INT:N REQUIRED".ljust(30) + "Letter", "  --b Excludes: --a", " " * 30 + "Two"]) == "| option | meaning |\n| --- | --- |\n| `--a N` | Letter; required |\n| `--b` | Two; not with --a |\n"
     assert signature(ast.parse("def f(a, b=1, *, c, d='x'): pass").body[0]) == "f(a, b=1, *, c, d='x')"
 
 
