@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes docs/commands.md from the --help texts of the program, and docs/python-api.md from the docstrings of the Python package.
+"""Writes docs/commands.md from the help texts of the program. Writes docs/python-api.md from the docstrings of the package.
 
-usage: write_lookups.py PROGRAM ROOT [--check]      (--check: are the committed pages what program and docstrings say?)
+usage: write_lookups.py PROGRAM ROOT [--check]      (--check: are the committed pages up to date?)
 """
 import ast
 import inspect
