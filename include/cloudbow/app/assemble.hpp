@@ -35,7 +35,7 @@ struct CloudFigures {
 struct AssembledScene {
   Problem problem;
   SolverOptions options;
-  bool one_column = false;                        ///< as accuracy_options() takes it
+  bool one_column = false;                        ///< layers alone, or voxels of one column
   std::optional<PhaseClassReport> phase_classes;  ///< if droplets vary from voxel to voxel
   std::vector<CloudFigures> clouds;               ///< of each constituent
   std::vector<float> cloud_optical_depth;  ///< [y][x] of the problem's columns, without layers; empty: not asked for

@@ -146,13 +146,13 @@ void check_asks_no_azimuths(const Scene& scene) {
                   scene.where("solver.mode"), found));
 }
 
-SolverOptions solver_options(const Scene& scene, bool one_column) {
+SolverOptions solver_options(const Scene& scene, HorizontalExtent extent) {
   const SceneSolver& solver = scene.solver;
   const bool measured =
       std::any_of(scene.clouds.begin(), scene.clouds.end(),
                   [](const SceneCloud& cloud) { return cloud.droplets != nullptr || cloud.phase_set != nullptr; }) ||
       std::any_of(scene.phase_functions.begin(), scene.phase_functions.end(), [](const auto& p) { return p.measured; });
-  SolverOptions options = accuracy_options(solver.accuracy, one_column, measured);
+  SolverOptions options = accuracy_options(solver.accuracy, extent, measured);
   if (solver.delta_m_order) {
     options.fit.beam_delta_m_order += *solver.delta_m_order - options.fit.delta_m_order;
     options.fit.delta_m_order = *solver.delta_m_order;
@@ -223,6 +223,16 @@ std::vector<float> albedo_of_columns(const Scene& scene, const BoxGrid& box, con
   }
 }
 
+/// By the columns of the domain. @param field null: layers alone.
+HorizontalExtent horizontal_extent(const Domain& domain, const CloudField* field) {
+  if (field == nullptr) return HorizontalExtent::column;
+  const auto has_one = [&](int axis) {
+    return std::lround((domain.max_m[axis] - domain.min_m[axis]) / field->cell_size_m[axis]) == 1;
+  };
+  if (has_one(0) && has_one(1)) return HorizontalExtent::column;
+  return has_one(0) || has_one(1) ? HorizontalExtent::slice : HorizontalExtent::field;
+}
+
 /// Optical depths of the box's columns, which have faces in common with those of the constituents: 0 beside the clouds.
 std::vector<float> optical_depth_of_columns(const OpenedClouds& clouds, const BoxGrid& box) {
   std::vector<double> sum(box.columns(), 0.);
@@ -280,11 +290,9 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
   problem.sky_radiance = scene.sky_radiance;
   problem.surface = scene.surface;
 
-  const bool one_column =
-      field == nullptr || (std::lround((domain.max_m[0] - domain.min_m[0]) / field->cell_size_m[0]) == 1 &&
-                           std::lround((domain.max_m[1] - domain.min_m[1]) / field->cell_size_m[1]) == 1);
-  assembled.options = solver_options(scene, one_column);
-  assembled.one_column = one_column;
+  const HorizontalExtent extent = horizontal_extent(domain, field);
+  assembled.options = solver_options(scene, extent);
+  assembled.one_column = extent == HorizontalExtent::column;
 
   std::vector<double> forward_fraction;
   for (const PhaseFunction& phase : problem.phase) {

@@ -17,7 +17,7 @@ enum class SolvedAs {
   column_by_its_streams   ///< one, without iteration
 };
 
-/// @param one_column as accuracy_options() takes it; fields that do not vary and are solved as one count too.
+/// @param one_column of AssembledScene; fields that do not vary and are solved as one count too.
 SolvedAs solved_as(const SolvePlan& plan, bool one_column);
 
 /// Weights for estimate_error() at a level of accuracy.

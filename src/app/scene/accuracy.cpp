@@ -37,6 +37,15 @@ constexpr std::array<Level, 2> column_ladder{{
     {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 12, 1, 0, 1e-4, 1e-3},
     {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 14, .5, 0, 1e-5, 2e-4},
 }};
+// A slice costs little, so it gets more polar angles: walls of clouds under a low sun need them.
+struct SliceOrdinates {
+  const char* accuracy;
+  const char* directions;
+};
+constexpr std::array<SliceOrdinates, 2> slice_ladder{{
+    {"balanced", "double-gauss-12x16"},
+    {"fine", "double-gauss-16x24"},
+}};
 constexpr int measured_beam_excess = 2;
 
 }  // namespace
@@ -54,7 +63,8 @@ double class_tolerance(const std::string& accuracy) {
   return level->class_tolerance;
 }
 
-SolverOptions accuracy_options(const std::string& name, bool one_column, bool measured_phase_functions) {
+SolverOptions accuracy_options(const std::string& name, HorizontalExtent extent, bool measured_phase_functions) {
+  const bool one_column = extent == HorizontalExtent::column;
   const auto called = [&name](const Level& level) { return name == level.name; };
   const auto* const for_column = std::find_if(column_ladder.begin(), column_ladder.end(), called);
   const auto* const for_any = std::find_if(ladder.begin(), ladder.end(), called);
@@ -64,6 +74,9 @@ SolverOptions accuracy_options(const std::string& name, bool one_column, bool me
   SolverOptions options;
   options.control_points = level.control_points;
   options.directions = level.directions;
+  for (const SliceOrdinates& ordinates : slice_ladder) {
+    if (extent == HorizontalExtent::slice && name == ordinates.accuracy) options.directions = ordinates.directions;
+  }
   options.fit.delta_m_order = level.delta_m_order;
   options.fit.beam_delta_m_order =
       measured_phase_functions ? level.delta_m_order + measured_beam_excess : level.beam_delta_m_order;

@@ -46,7 +46,7 @@ struct FittedScattering {
 };
 
 FittedScattering fitted(const char* accuracy) {
-  const SolverOptions level = accuracy_options(accuracy, false, false);
+  const SolverOptions level = accuracy_options(accuracy, HorizontalExtent::field, false);
   FittedScattering made;
   made.ordinates = make_ordinate_set(level.directions);
   made.options = level.fit;

@@ -66,8 +66,12 @@ Problem field_problem(const ExtinctionField& field, double single_scattering_alb
   return problem;
 }
 
-SolverOptions column_options(const char* accuracy) { return without_cache(accuracy_options(accuracy, true, false)); }
+SolverOptions column_options(const char* accuracy) {
+  return without_cache(accuracy_options(accuracy, HorizontalExtent::column, false));
+}
 
-SolverOptions field_options(const char* accuracy) { return without_cache(accuracy_options(accuracy, false, false)); }
+SolverOptions field_options(const char* accuracy) {
+  return without_cache(accuracy_options(accuracy, HorizontalExtent::field, false));
+}
 
 }  // namespace cloudbow

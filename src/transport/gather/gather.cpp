@@ -76,7 +76,8 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
     const double mu = std::sqrt((i + .5) / count);
     const double azimuth = 2 * std::numbers::pi * fraction(golden * i);
     const double sine = std::sqrt(1 - mu * mu);
-    set.push_back({{sine * std::cos(azimuth), sine * std::sin(azimuth), side * mu}, std::numbers::pi / (count * mu)});
+    const double spacing = std::numbers::pi / (count * mu);
+    set.push_back({{sine * std::cos(azimuth), sine * std::sin(azimuth), side * mu}, spacing, spacing});
   }
   if (!sun_travel) return set;
   const int extra = count / 4;
@@ -89,7 +90,7 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
     const double sine = std::sqrt(std::max(0., 1 - cosine * cosine));
     const double azimuth = 2 * std::numbers::pi * fraction(golden * i + .37);
     const Direction travel = cosine * *sun_travel + sine * (std::cos(azimuth) * a + std::sin(azimuth) * b);
-    if (travel.z() * side > grazing) set.push_back({travel, 0.});
+    if (travel.z() * side > grazing) set.push_back({travel, 0., 1 / (extra * henyey_greenstein_density(cosine))});
   }
   for (GatherDirection& d : set) {
     d.weight = 1 / (count * std::abs(d.travel.z()) / std::numbers::pi +
@@ -107,7 +108,8 @@ std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, 
     const double sine = std::sqrt(std::max(0., 1 - cosine * cosine));
     const double azimuth = 2 * std::numbers::pi * fraction(golden * static_cast<double>(i));
     const Direction travel = cosine * sun_travel + sine * (std::cos(azimuth) * a + std::sin(azimuth) * b);
-    if (travel.z() < -grazing) set.push_back({travel, 1 / (static_cast<double>(angles.size()) * angles[i].density)});
+    const double spacing = 1 / (static_cast<double>(angles.size()) * angles[i].density);
+    if (travel.z() < -grazing) set.push_back({travel, spacing, spacing});
   }
   return set;
 }

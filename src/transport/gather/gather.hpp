@@ -19,11 +19,13 @@ namespace cloudbow {
 
 struct GatherDirection {
   Direction travel;
-  double weight;  ///< sr
+  double weight;   ///< sr
+  double spacing;  ///< [sr] per direction of its own set, of the spiral or of those about the sun: what it stands for alone
 };
 
-/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, count/4 more that crowd about its direction
-/// as HG(.85) does. Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance
+/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, those of count/4 more in that hemisphere that
+/// crowd about its direction as HG(.85) does: upward as well, because grazing light leaves upward after small deflections.
+/// Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance
 /// heuristic: Veach 1997).
 std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel);
 

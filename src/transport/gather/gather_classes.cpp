@@ -10,10 +10,11 @@ constexpr int most_classes = 16;
 
 double fraction(double x) { return x - std::floor(x); }
 
-// Distance over which the beam of one direction spreads, per unit height.
+// Distance over which the beam of one direction spreads, per unit height. Its own set alone gives the spacing: the
+// density of both sets together would smooth rays too little (columns up, sun at 84 degrees: 1 in place of .7 %).
 double beam_spread(const GatherDirection& direction) {
   const double mu2 = direction.travel.z() * direction.travel.z();
-  return std::sqrt(.5 * direction.weight * (1 / (mu2 * mu2) + 1 / mu2));
+  return std::sqrt(.5 * direction.spacing * (1 / (mu2 * mu2) + 1 / mu2));
 }
 
 }  // namespace

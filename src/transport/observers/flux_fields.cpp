@@ -205,7 +205,7 @@ class FluxFields {
     note_factor(solution, factor);
     report_progress(.25);
     top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,
-                                gather_directions(options_.gather_directions, true, std::nullopt));
+                                gather_directions(options_.gather_directions, true, sun_direction()));
     const double by_ordinates = profile_up(system_.box.nz());
     if (system_.box.periodic) {
       note_factor(solution, rescale(top_up_, by_ordinates));
@@ -233,7 +233,7 @@ class FluxFields {
     const int count = options_.gather_directions;
     inner_down_ = gather(gather_scene(), false, gather_directions(count, false, sun_direction()));
     report_progress(.7);
-    inner_up_ = gather(gather_scene(), true, gather_directions(count, true, std::nullopt));
+    inner_up_ = gather(gather_scene(), true, gather_directions(count, true, sun_direction()));
     report_progress(.9);
     if (!peak_directions_.empty()) inner_peak_ = gather(peak_scene(), false, peak_directions_);
   }

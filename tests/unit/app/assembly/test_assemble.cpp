@@ -503,11 +503,13 @@ TEST_F(AssembleTest, SettingsOverrideTheLadder) {
 }
 
 TEST(Accuracy, ColumnsAreSolvedInDoubleAndFineOnesWithTheirOwnDirections) {
-  EXPECT_TRUE(accuracy_options("balanced", true, false).double_precision);
-  EXPECT_EQ(accuracy_options("balanced", true, false).directions, "reduced-double-gauss-12x20");
-  EXPECT_EQ(accuracy_options("fine", false, false).directions, "double-gauss-12x24");
-  EXPECT_EQ(accuracy_options("fine", true, false).directions, "double-gauss-16x24");
-  EXPECT_EQ(accuracy_options("fine", true, true).fit.beam_delta_m_order, 16);
+  EXPECT_TRUE(accuracy_options("balanced", HorizontalExtent::column, false).double_precision);
+  EXPECT_EQ(accuracy_options("balanced", HorizontalExtent::column, false).directions, "reduced-double-gauss-12x20");
+  EXPECT_EQ(accuracy_options("fine", HorizontalExtent::field, false).directions, "double-gauss-12x24");
+  EXPECT_EQ(accuracy_options("fine", HorizontalExtent::slice, false).directions, "double-gauss-16x24");
+  EXPECT_EQ(accuracy_options("draft", HorizontalExtent::slice, false).directions, "double-gauss-6x8");
+  EXPECT_EQ(accuracy_options("fine", HorizontalExtent::column, false).directions, "double-gauss-16x24");
+  EXPECT_EQ(accuracy_options("fine", HorizontalExtent::column, true).fit.beam_delta_m_order, 16);
 }
 
 const std::string air = "[atmosphere]\nheight_m = [0, 1000]\ntemperature_k = [290, 280]\nstandard = \"us-1976\"\n";

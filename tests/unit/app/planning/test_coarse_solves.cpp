@@ -20,7 +20,7 @@ Problem small_field() {
 
 TEST(CoarseSolves, OfColumnsAreOneSolve) {
   const Problem problem = small_field();
-  SolverOptions options = accuracy_options("balanced", false, false);
+  SolverOptions options = accuracy_options("balanced", HorizontalExtent::field, false);
   options.independent_columns = true;
   const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
   EXPECT_EQ(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
@@ -35,7 +35,7 @@ TEST(CoarseSolves, OfColumnsAreOneSolve) {
 
 TEST(CoarseSolves, OfOneColumnByItsStreamsHaveOtherStreams) {
   const auto coarse_streams = [](int streams) {
-    SolverOptions options = accuracy_options("balanced", true, false);
+    SolverOptions options = accuracy_options("balanced", HorizontalExtent::column, false);
     options.independent_columns = true;
     options.column_streams = streams;
     return coarse_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams;
@@ -102,7 +102,7 @@ TEST(CoarseSolves, TellWhatThickCellsCost) {
 
 TEST(CoarseSolves, OfFieldsAreTwoAndAProbe) {
   const Problem problem = small_field();
-  const SolverOptions options = accuracy_options("balanced", false, false);
+  const SolverOptions options = accuracy_options("balanced", HorizontalExtent::field, false);
   const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
   EXPECT_NE(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
   EXPECT_GE(coarse_solves.constant.report.sweeps, 1);

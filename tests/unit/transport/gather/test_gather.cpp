@@ -72,6 +72,39 @@ TEST(GatherDirections, CrowdAboutTheSunEnoughForItsPeak) {
   }
 }
 
+TEST(GatherDirections, OfLightThatLeavesUpwardCrowdAboutAGrazingSun) {
+  // A horizontal beam's Henyey-Greenstein light: half goes up. Its flux up is 1/(2 pi) int sin^2(t) P(cos t) dt.
+  constexpr double g = .85;
+  const auto peak = [](double c) { return (1 - g * g) / std::pow(1 + g * g - 2 * g * c, 1.5); };
+  double truth = 0;
+  constexpr int steps = 20000;
+  for (int i = 0; i < steps; ++i) {
+    const double angle = pi * (i + .5) / steps;
+    truth += std::sin(angle) * std::sin(angle) * peak(std::cos(angle)) / (2 * pi) * pi / steps;
+  }
+  const Direction sun = travel_along(-1e-6, 37);
+  const auto set = gather_directions(512, true, sun);
+  EXPECT_NEAR(static_cast<double>(set.size()), 512 + 64, 2);
+  for (const auto& d : set) EXPECT_GT(d.travel.z(), 0);
+  const double found = cosine_weighted(set, [&](const Direction& d) { return peak(d.dot(sun)) / (4 * pi); });
+  EXPECT_NEAR(found / truth, 1, .01);  // as of the peak of an overhead sun
+}
+
+TEST(GatherDirections, AreSpacedAsTheirOwnSetIs) {
+  const Direction sun = travel_along(-.2, 37);
+  for (const bool upward : {false, true}) {
+    const auto alone = gather_directions(512, upward, std::nullopt);
+    const auto mixed = gather_directions(512, upward, sun);
+    ASSERT_GT(mixed.size(), alone.size());
+    for (std::size_t i = 0; i < mixed.size(); ++i) {
+      EXPECT_LT(mixed[i].weight, mixed[i].spacing);  // both sets share its light
+      if (i < alone.size()) {
+        EXPECT_EQ(mixed[i].spacing, alone[i].weight);
+      }
+    }
+  }
+}
+
 TEST(PeakDirections, StandAtTheirAnglesFromTheSun) {
   const Direction sun = travel_along(-.3, 37);
   const std::vector<PeakAngle> angles{{1., 400.}, {.99, 50.}, {.9, 2.}, {.5, .1}};
@@ -85,6 +118,7 @@ TEST(PeakDirections, StandAtTheirAnglesFromTheSun) {
     });
     ASSERT_NE(angle, angles.end());
     EXPECT_NEAR(set[i].weight, 1 / (4 * angle->density), 1e-15);
+    EXPECT_EQ(set[i].spacing, set[i].weight);
   }
 }
 
