@@ -8,6 +8,9 @@ Cases are such that an order is to be expected: smooth fields and smooth phase f
   cell: second order and better.
 - Space, 2D: a cloud whose extinction is a smooth periodic function, in n x n cells, the directions held; truth is the finest field. The domain's
   reflectance and the absorbed power of blocks of cells: cells of constant extinction and rays at one place a column are second order.
+- Space, thick voxels: a wall of three voxels of optical depth 3 from side to side beside clear air, lit from its side; its voxels cut in 1, 2 and 4
+  along each axis, without the cuts of its own that the program makes. Truth is the finest cut. The first metres of a lit side have most of the
+  light, and slopes of the light itself describe it: between first and second order.
 - Angle, control points: a smooth phase function of few moments, as it is interpolated between control points; truth is the function itself. Second
   order in the points' distance. Fluxes have no order in it: their moments are held whatever the points, and what is left is shown beside.
 - Angle, ordinates: isotropic scattering, which control points hold exactly, at more and more polar angles; truth is adding and doubling. Gauss
@@ -139,6 +142,36 @@ def study_field(options, cloudbow, folder):
                   [math.sqrt(np.mean((absorbed(n) - truth) ** 2)) / truth.mean() for n in counts], "2", 1.8)]
 
 
+def wall(parts, cloudbow, folder):
+    """A wall of 3 x 1 x 4 voxels of 60 m, 2 clear ones before it and 3 behind, each cut in `parts` along x and z."""
+    size = 60 / parts
+    text, cloud = folder / f"wall_{parts}.txt", folder / f"wall_{parts}.vdb"
+    text.write_text("".join(f"{i} 0 {k} 0.05\n" for k in range(4 * parts) for i in range(2 * parts, 5 * parts)))
+    cloudbow.call("cloud", "import", text, "--format", "columns", "--voxel-size-m", size, size, size, "--columns", 8 * parts, 1, "-o", cloud)
+    return cloud
+
+
+def study_thick_voxels(options, cloudbow, folder):
+    counts, finest = (1, 2, 4), 32
+    studies = []
+    for mu0 in (0.3, 0.6):
+        found = {}
+        for n in (*counts, finest):
+            tables = [("cloud", {"file": str(wall(n, cloudbow, folder)), "quantity": "extinction", "single_scattering_albedo": 0.99,
+                                 "phase_function": "droplets"}),
+                      ("phase_function.droplets", {"type": "henyey-greenstein", "asymmetry_parameter": 0.85}),
+                      ("sun", {"zenith_deg": support.zenith_deg(mu0), "azimuth_deg": 180.0, "irradiance_w_m2": 1 / mu0}), ("surface", {"albedo": 0.1}),
+                      ("solver", {"tolerance": 1e-6, "control_points": 42, "directions": "double-gauss-6x8", "gather_directions": 16,
+                                  "max_level_optical_depth": 0, "max_column_optical_depth": 0}),
+                      ("output", {"fields": ["fluxes", "absorption"]})]
+            found[n] = solve(f"wall_{n}_{mu0}", tables, cloudbow, folder)["absorbed_power"].reshape(4, n, 8, n).mean(axis=(1, 3))[:, 2:5]
+        truth = found[finest]
+        error = [math.sqrt(np.mean((found[n] - truth) ** 2)) / truth.mean() for n in counts]
+        studies.append(Study(f"thick voxels, mu0 {mu0}", "width of a cell / voxel", "absorbed power by voxel, RMS / mean", f"voxels in {finest} x {finest} parts",
+                             [1 / n for n in counts], error, "1.5 and more", 1.5))
+    return studies
+
+
 SMOOTH_MOMENTS = [1.0, 0.6, 0.36, 0.2, 0.1, 0.04]
 POINTS = (42, 162, 642)
 
@@ -173,7 +206,7 @@ def plot(path, studies):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.4), constrained_layout=True)
-    for axis, title, names in ((axes[0], "space", ("layer", "field")), (axes[1], "directions", ("control", "ordinates"))):
+    for axis, title, names in ((axes[0], "space", ("layer", "field", "thick")), (axes[1], "directions", ("control", "ordinates"))):
         for study, marker in zip((s for s in studies if s.name.startswith(names)), "osD^v"):
             slope = f"slope {study.slope:.1f}" if math.isfinite(study.least) else "no order: moments are held"
             axis.loglog(study.step, study.error, f"{marker}-", markersize=4, label=f"{study.name}: {study.quantity.split(',')[0]}, {slope}")
@@ -190,7 +223,7 @@ def plot(path, studies):
     figure.savefig(path, dpi=110)
 
 
-STUDIES = {"layer": study_layer, "field": study_field, "control-points": study_control_points, "ordinates": study_ordinates}
+STUDIES = {"layer": study_layer, "field": study_field, "thick-voxels": study_thick_voxels, "control-points": study_control_points, "ordinates": study_ordinates}
 
 
 def arguments():
