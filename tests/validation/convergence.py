@@ -143,7 +143,7 @@ def study_field(options, cloudbow, folder):
 
 
 def wall(parts, cloudbow, folder):
-    """A wall of 3 x 1 x 4 voxels of 60 m, 2 clear ones before it and 3 behind, each cut in `parts` along x and z."""
+    """A wall of 3 x 1 x 4 voxels, 2 clear ones before it and 3 behind. Each is cut in `parts` along x and z."""
     size = 60 / parts
     text, cloud = folder / f"wall_{parts}.txt", folder / f"wall_{parts}.vdb"
     text.write_text("".join(f"{i} 0 {k} 0.05\n" for k in range(4 * parts) for i in range(2 * parts, 5 * parts)))
