@@ -9,12 +9,14 @@
 #include <exception>
 #include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "app/commands/mie_command.hpp"
 #include "app/commands/phase_options.hpp"
-#include "app/commands/run.hpp"
 #include "app/process/version.hpp"
+#include "app/runs/run.hpp"
+#include "app/runs/sweep.hpp"
 #include "app/verify/verify.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/printable.hpp"
@@ -57,6 +59,22 @@ RunEstimate check_scene(const RunOptions& options, const Callables& callables) {
   RunEstimate estimate;
   without_lock(callables, [&] { estimate = estimate_run(prepare_run(options).scenes, options); });
   return estimate;
+}
+
+/// Lists of a sweep: (key, values as --set takes them, whether they are a dimension).
+using Lists = std::vector<std::tuple<std::string, std::vector<std::string>, bool>>;
+
+/// @returns exit code and sentences on runs that failed or did not converge
+SweepOutcome sweep_scene(const RunOptions& run, const Lists& lists, int jobs, const SceneText& scene_text,
+                         const Callables& callables) {
+  SweepOptions options{run, {}, jobs, [&scene_text](std::string& scene) { scene_text.apply_to(scene); }};
+  for (const auto& [key, values, is_list] : lists) options.keys.push_back({key, values, is_list});
+  SweepOutcome outcome;
+  without_lock(callables, [&] {
+    for (const SweptKey& key : options.keys) check_values(key);
+    outcome = solve_sweep(options, plan_sweep(options));
+  });
+  return outcome;
 }
 
 /// Checks of `cloudbow verify`, one by one: (name, statement, unit, tolerance, found, passed, error, seconds).
@@ -132,6 +150,16 @@ PYBIND11_MODULE(_core, module) {
         return run_scene(options, {scene_text, shown}, {message, progress});
       },
       py::arg("options"), py::arg("scene_text"), py::arg("shown"), py::arg("message"), py::arg("progress"));
+  py::class_<SweepOutcome>(module, "SweepOutcome")
+      .def_readonly("exit_code", &SweepOutcome::exit_code)
+      .def_readonly("sentences", &SweepOutcome::sentences);
+  module.def(
+      "sweep",
+      [](const RunOptions& options, const Lists& lists, int jobs, const std::map<std::string, std::string>& shown,
+         const py::object& message, const py::object& progress) {
+        return sweep_scene(options, lists, jobs, {"", shown}, {message, progress});
+      },
+      py::arg("options"), py::arg("lists"), py::arg("jobs"), py::arg("shown"), py::arg("message"), py::arg("progress"));
   module.def(
       "check",
       [](const RunOptions& options, const py::object& message) {

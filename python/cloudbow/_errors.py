@@ -11,6 +11,10 @@ class NotConverged(UserWarning):
     """A solution did not reach its tolerance, or its energy ledger does not close. The result is there and is marked so."""
 
 
+class RunFailed(UserWarning):
+    """A run of a sweep has no result: its values are NaN. The message says why."""
+
+
 class Note(UserWarning):
     """A guess or a correction that was made in reading the input."""
 

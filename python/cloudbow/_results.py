@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 # Attributes of HDF5's dimension scales and of netCDF-4, which xarray does not show.
 HIDDEN = {b"CLASS", b"NAME", b"DIMENSION_LIST", b"REFERENCE_LIST", b"_Netcdf4Dimid", b"_Netcdf4Coordinates", b"_NCProperties", b"_nc3_strict"}
 # Attributes that change values or coordinates as they are decoded.
-DECODED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "coordinates", "dtype", "calendar", "valid_range", "grid_mapping"}
+DECODED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "dtype", "calendar", "valid_range", "grid_mapping"}
 
 
 class _Other(Exception):
@@ -78,16 +78,23 @@ def _variable(name: str, dataset: Any) -> "xr.Variable":
         raise _Other
     if values.size:
         dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, values)
-    return xr.Variable(_dimensions(name, dataset), values, attributes, {} if fill is None else {"_FillValue": fill})
+    encoding = {} if fill is None else {"_FillValue": fill}
+    if "coordinates" in attributes:  # as xarray does
+        encoding["coordinates"] = attributes.pop("coordinates")
+    return xr.Variable(_dimensions(name, dataset), values, attributes, encoding)
 
 
 def _read_group(group: Any) -> "xr.Dataset":
     """The variables of a group, without those of groups in it."""
     import h5py
     import xarray as xr
-    # A variable of one dimension of its own name becomes a coordinate.
-    return xr.Dataset({name: _variable(name, item) for name, item in _items(group, h5py.h5i.DATASET) if not _is_bare_dimension(item)},
-                      attrs=_attributes(group))
+    variables = {name: _variable(name, item) for name, item in _items(group, h5py.h5i.DATASET) if not _is_bare_dimension(item)}
+    named = {name for variable in variables.values() for name in variable.encoding.get("coordinates", "").split()}
+    if not named <= variables.keys():
+        raise _Other
+    # A variable of one dimension of its own name becomes a coordinate, and so do those that others name.
+    dataset = xr.Dataset(variables, attrs=_attributes(group))
+    return dataset.set_coords(named) if named else dataset
 
 
 def _items(group: Any, kind: int) -> Iterator[tuple]:

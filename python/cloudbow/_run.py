@@ -54,7 +54,7 @@ def call_text(function: str, scene: Any, settings: Optional[Mapping] = None) -> 
     return f"cloudbow.{function}({what}{f', set: {keys}' if keys else ''})"
 
 
-def _options(file: SceneFile, threads: Optional[int], **others: Any) -> Any:
+def options_of(file: SceneFile, threads: Optional[int], **others: Any) -> Any:
     options = _core.RunOptions()
     options.scene, options.overrides, options.threads = file.path, file.overrides, threads_of(threads)
     for name, value in others.items():
@@ -121,7 +121,7 @@ def run(scene: Scene, *, set: Optional[Mapping[str, Any]] = None, threads: Optio
     with workspace() as folder, explained(folder):
         file = prepare(scene, set, folder)
         target = folder / "result.h5" if output is None else Path(output)
-        options = _options(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("run", scene, set))
+        options = options_of(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("run", scene, set))
         misses = _core.run(options=options, scene_text=file.text, shown=file.shown, message=notes(folder), progress=report)
         result = load(target)
     for sentence in misses:
@@ -141,6 +141,6 @@ def check(scene: Scene, *, set: Optional[Mapping[str, Any]] = None, threads: Opt
     """
     with workspace() as folder, explained(folder):
         file = prepare(scene, set, folder)
-        found = _core.check(options=_options(file, threads, output=folder / "result.h5", compare=bool(compare), dry_run=True), message=notes(folder))
+        found = _core.check(options=options_of(file, threads, output=folder / "result.h5", compare=bool(compare), dry_run=True), message=notes(folder))
     nx, ny, nz = found.cells
     return Check((nx, ny), nz, found.active_cells, found.memory_bytes, found.available_bytes, found.seconds, found.text)

@@ -89,8 +89,9 @@ void set_deflated_chunks(hid_t creation_properties, const std::vector<hsize_t>& 
 }
 
 void write_deflated(hid_t dataset, const std::vector<hsize_t>& shape, const std::vector<hsize_t>& chunk,
-                    std::span<const std::byte> values, std::size_t value_bytes) {
-  const std::vector<Chunk> chunks = chunks_of(shape, chunk, values, value_bytes);
+                    std::span<const std::byte> values, std::size_t value_bytes, const std::vector<hsize_t>& leading) {
+  std::vector<Chunk> chunks = chunks_of(shape, chunk, values, value_bytes);
+  for (Chunk& one : chunks) one.offset.insert(one.offset.begin(), leading.begin(), leading.end());
   std::size_t chunk_values = 1;
   for (const hsize_t length : chunk) chunk_values *= length;
   const auto count = static_cast<int>(chunks.size());

@@ -16,10 +16,12 @@ std::vector<hsize_t> chunk_shape(const std::vector<hsize_t>& shape, std::size_t 
 /// Sets the filters that write_deflated() applies: shuffle and deflate.
 void set_deflated_chunks(hid_t creation_properties, const std::vector<hsize_t>& chunk);
 
-/// Writes a whole dataset that was created so. The bytes do not depend on the number of threads.
-/// @param values in the dataset's own type and byte order
+/// Writes a whole dataset that was created so, or one block of it. The bytes do not depend on the number of threads.
+/// @param values in the dataset's own type and byte order.
+/// @param leading indices on axes before those of `shape`; along them chunks have length 1.
 /// @throws Error
 void write_deflated(hid_t dataset, const std::vector<hsize_t>& shape, const std::vector<hsize_t>& chunk,
-                    std::span<const std::byte> values, std::size_t value_bytes);
+                    std::span<const std::byte> values, std::size_t value_bytes,
+                    const std::vector<hsize_t>& leading = {});
 
 }  // namespace cloudbow::hdf5

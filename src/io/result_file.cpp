@@ -28,6 +28,8 @@ using netcdf4::Attribute;
 using Attributes = std::vector<Attribute>;
 using Dimensions = std::vector<std::string>;
 
+// The scalar coordinates of write_sun().
+Attribute of_the_sun() { return {"coordinates", "solar_zenith_angle solar_azimuth_angle"}; }
 constexpr const char* without_sun_disc = "the sun's disc is left out";
 
 Attributes attributes_of(const OutputField& field, const FieldNames& names) {
@@ -142,6 +144,37 @@ class ResultWriter : private SolutionWriter {
   }
 
  private:
+  /// As write_variable(), of a field that depends on the sun.
+  template <class Values>
+  void write_lit(hid_t file, const std::string& name, const Dimensions& dimensions, const Values& values_of,
+                 Attributes attributes) const {
+    if (info_.sun) attributes.push_back(of_the_sun());
+    write_variable(file, name, dimensions, values_of, attributes);
+  }
+
+  void write_sun(hid_t file) const {
+    if (!info_.sun) return;
+    netcdf4::write_scalar_coordinate(
+        file, "solar_zenith_angle", info_.sun->zenith_deg,
+        {{"units", "degree"}, {"long_name", "zenith angle of the sun"}, {"standard_name", "solar_zenith_angle"}});
+    netcdf4::write_scalar_coordinate(file, "solar_azimuth_angle", info_.sun->bearing_deg,
+                                     {{"units", "degree"},
+                                      {"long_name", "azimuth of the sun, clockwise from north, which is +y"},
+                                      {"standard_name", "solar_azimuth_angle"}});
+  }
+
+  void write_z(hid_t file) const {
+    const std::vector<double>& edge = first_.box.z_edge_m;
+    Attributes attributes = height_attributes(first_.box.cloud);
+    attributes.push_back({"bounds", "z_bounds"});
+    netcdf4::write_coordinate(file, "z", midpoints(edge), attributes);
+    netcdf4::write_dimension(file, "bound", 2);
+    std::vector<double> bounds;
+    for (std::size_t k = 0; k + 1 < edge.size(); ++k) bounds.insert(bounds.end(), {edge[k], edge[k + 1]});
+    netcdf4::write_variable(file, "z_bounds", {"z", "bound"}, std::span<const double>(bounds),
+                            {{"long_name", "lower and upper face of each cell"}});
+  }
+
   void write_z_edge(hid_t group) const {
     netcdf4::write_coordinate(group, "z_edge", first_.box.z_edge_m,
                               vertical_attributes("height of the horizontal interfaces"));
@@ -154,8 +187,9 @@ class ResultWriter : private SolutionWriter {
                               horizontal_attributes("cell centre, x", "X", box.dx_m));
     netcdf4::write_coordinate(file, "y", centres(box.ny, box.y_min_m, box.dy_m),
                               horizontal_attributes("cell centre, y", "Y", box.dy_m));
-    netcdf4::write_coordinate(file, "z", midpoints(box.z_edge_m), height_attributes(box.cloud));
+    write_z(file);
     write_z_edge(file);
+    write_sun(file);
 
     if (flux_level_name() == "z_flux") {
       netcdf4::write_coordinate(file, "z_flux", flux_heights(first_), vertical_attributes("height of the fluxes"));
@@ -164,7 +198,7 @@ class ResultWriter : private SolutionWriter {
       const bool at_levels = field.grid == OutputField::Grid::levels;
       if (!at_levels && (first_.*field.values).empty()) continue;
       const FieldNames field_names = names(field);
-      write_variable(
+      write_lit(
           file, field_names.name, {at_levels ? flux_level_name() : "z", "y", "x"},
           [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field, field_names));
     }
@@ -205,6 +239,7 @@ class ResultWriter : private SolutionWriter {
                                                          emits() ? "longwave" : "shortwave")});
     }
     attributes.push_back({"cell_methods", cell_methods});
+    if (info_.sun && dimensions.size() == 3) attributes.push_back(of_the_sun());
     write_variable(
         group, "heating_rate",
         dimensions, [&](const Solution& s) -> auto& { return info_.heating_rates[index_of(s)].*values; }, attributes);
@@ -219,20 +254,28 @@ class ResultWriter : private SolutionWriter {
     for (const OutputField& field : output_fields()) {
       if (field.grid != OutputField::Grid::levels) continue;
       const FieldNames field_names = names(field);
-      write_variable(file, fmt::format("difference_{}", field_names.name), {flux_level_name(), "y", "x"},
-                     [this, &field](const Solution& s) {
-                       std::vector<float> difference = s.*field.values;
-                       const Solution& columns = by_columns_[index_of(s)];
-                       std::transform(difference.begin(), difference.end(), (columns.*field.values).begin(),
-                                      difference.begin(), std::minus<>());
-                       return difference;
-                     },
-                     {{"units", field_names.units},
-                      {"long_name", fmt::format("{}: this solution minus independent columns", field_names.long_name)},
-                      {"cell_methods", "area: mean"}});
+      write_lit(file, fmt::format("difference_{}", field_names.name), {flux_level_name(), "y", "x"},
+                [this, &field](const Solution& s) {
+                  std::vector<float> difference = s.*field.values;
+                  const Solution& columns = by_columns_[index_of(s)];
+                  std::transform(difference.begin(), difference.end(), (columns.*field.values).begin(),
+                                 difference.begin(), std::minus<>());
+                  return difference;
+                },
+                {{"units", field_names.units},
+                 {"long_name", fmt::format("{}: this solution minus independent columns", field_names.long_name)},
+                 {"cell_methods", "area: mean"}});
+      Attributes attributes = attributes_of(field, field_names);
+      attributes[1] = {"long_name", fmt::format("{}: independent columns", field_names.long_name)};
+      write_lit(
+          file, fmt::format("independent_columns_{}", field_names.name), {flux_level_name(), "y", "x"},
+          [ this, &field ](const Solution& s) -> auto& { return by_columns_[index_of(s)].*field.values; }, attributes);
     }
 
     hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
+    write_wavelength(group);
+    write_z_edge(group);
+    write_profiles(group, SolutionWriter(by_columns_, info_));
     const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
     if (emits()) {
       const auto flux = [&of](double EnergyFluxes::*term) {
@@ -266,11 +309,11 @@ class ResultWriter : private SolutionWriter {
   void write_error_field(hid_t file, const char* name, const char* which,
                          std::vector<float> ErrorEstimate::*field) const {
     if ((info_.error_estimates.front().*field).empty()) return;
-    write_variable(file, name,
-                   {"y", "x"}, [&](const Solution& s) -> auto& { return info_.error_estimates[index_of(s)].*field; },
-                   {{"units", units("W m-2")},
-                    {"long_name", fmt::format("estimated error of the flux {}", which)},
-                    {"cell_methods", "area: mean"}});
+    write_lit(file, name,
+              {"y", "x"}, [&](const Solution& s) -> auto& { return info_.error_estimates[index_of(s)].*field; },
+              {{"units", units("W m-2")},
+               {"long_name", fmt::format("estimated error of the flux {}", which)},
+               {"cell_methods", "area: mean"}});
   }
 
   /// Of an image whose radiance is `radiance_of` a solution; only if there is a sun, and nothing else shines.
@@ -280,7 +323,7 @@ class ResultWriter : private SolutionWriter {
     if (emits() ||
         std::none_of(solutions_.begin(), solutions_.end(), [](const Solution& s) { return s.sun.has_value(); }))
       return;
-    write_variable(
+    write_lit(
         file, "reflectance_factor_" + name, {plane.y, plane.x},
         [&](const Solution& s) { return reflectance_factor(radiance_of(s), s.sun); },
         {{"units", "1"},
@@ -296,7 +339,7 @@ class ResultWriter : private SolutionWriter {
                                     const Radiance& radiance_of) const {
     const std::vector<std::string>& wanted = info_.brightness_temperatures;
     if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) return;
-    write_variable(
+    write_lit(
         file, "brightness_temperature_" + name, {plane.y, plane.x},
         [&](const Solution& s) { return brightness_temperature(radiance_of(s), *info_.thermal[index_of(s)].planck); },
         {{"units", "K"},
@@ -324,16 +367,16 @@ class ResultWriter : private SolutionWriter {
       const View& view = first_.images[n].view;
       const ImagePlane plane = write_view_plane(file, view);
       const auto radiance_of = [n](const Solution& s) -> auto& { return s.images[n].radiance; };
-      write_variable(file, "radiance_" + view.name, {plane.y, plane.x}, radiance_of,
-                     {{"units", units("W m-2 sr-1")},
-                      {"long_name",
-                       fmt::format("diffuse radiance at the {} of the domain, mean over the {} where the line of sight "
-                                   "crosses it",
-                                   view.travel.z() > 0 ? "top" : "bottom", view.width == 0 ? "column" : "pixel")},
-                      {"cell_methods", "area: mean"},
-                      {"comment", without_sun_disc},
-                      {"sensor_zenith_deg", std::acos(std::clamp(view.travel.z(), -1., 1.)) / degree},
-                      {"sensor_azimuth_deg", std::atan2(view.travel.y(), view.travel.x()) / degree}});
+      write_lit(file, "radiance_" + view.name, {plane.y, plane.x}, radiance_of,
+                {{"units", units("W m-2 sr-1")},
+                 {"long_name",
+                  fmt::format("diffuse radiance at the {} of the domain, mean over the {} where the line of sight "
+                              "crosses it",
+                              view.travel.z() > 0 ? "top" : "bottom", view.width == 0 ? "column" : "pixel")},
+                 {"cell_methods", "area: mean"},
+                 {"comment", without_sun_disc},
+                 {"sensor_zenith_deg", std::acos(std::clamp(view.travel.z(), -1., 1.)) / degree},
+                 {"sensor_azimuth_deg", std::atan2(view.travel.y(), view.travel.x()) / degree}});
       write_reflectance_factor(file, view.name, plane, radiance_of);
       write_brightness_temperature(file, view.name, plane, radiance_of);
     }
@@ -350,18 +393,29 @@ class ResultWriter : private SolutionWriter {
       netcdf4::write_coordinate(file, plane.x.c_str(), centres(camera.width, 0, 1),
                                 {{"units", "1"}, {"long_name", "pixel centre, columns from the image's left edge"}});
       const auto radiance_of = [n](const Solution& s) -> auto& { return s.camera_images[n].radiance; };
-      write_variable(file, "camera_" + camera.name, {plane.y, plane.x}, radiance_of,
-                     {{"units", units("W m-2 sr-1")},
-                      {"long_name", "diffuse radiance that a camera sees, mean over the pixel"},
-                      {"comment", without_sun_disc},
-                      {"projection", projection_name(camera.projection)},
-                      {"position_m", components(camera.position_m)},
-                      {"forward", components(camera.forward)},
-                      {"right", components(camera.right)},
-                      {"up", components(camera.up)},
-                      {"field_of_view_deg", camera.field_of_view / degree}});
+      write_lit(file, "camera_" + camera.name, {plane.y, plane.x}, radiance_of,
+                {{"units", units("W m-2 sr-1")},
+                 {"long_name", "diffuse radiance that a camera sees, mean over the pixel"},
+                 {"comment", without_sun_disc},
+                 {"projection", projection_name(camera.projection)},
+                 {"position_m", components(camera.position_m)},
+                 {"forward", components(camera.forward)},
+                 {"right", components(camera.right)},
+                 {"up", components(camera.up)},
+                 {"field_of_view_deg", camera.field_of_view / degree}});
       write_reflectance_factor(file, camera.name, plane, radiance_of);
       write_brightness_temperature(file, camera.name, plane, radiance_of);
+    }
+  }
+
+  /// Domain means of the fluxes at `z_edge` of the group.
+  static void write_profiles(hid_t group, const SolutionWriter& of) {
+    for (const OutputField& field : output_fields()) {
+      if (field.profile == nullptr) continue;
+      const FieldNames field_names = of.names(field);
+      of.write_variable(
+          group, field_names.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
+          attributes_of(field, field_names));
     }
   }
 
@@ -370,13 +424,7 @@ class ResultWriter : private SolutionWriter {
     hdf5::Handle group = netcdf4::create_group(file, "profile");
     write_wavelength(group);
     write_z_edge(group);
-    for (const OutputField& field : output_fields()) {
-      if (field.profile == nullptr) continue;
-      const FieldNames field_names = names(field);
-      write_variable(
-          group, field_names.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
-          attributes_of(field, field_names));
-    }
+    write_profiles(group, *this);
     if (!info_.heating_rates.empty()) {
       netcdf4::write_coordinate(group, "z", midpoints(first_.box.z_edge_m), height_attributes(first_.box.cloud));
       write_heating_rate(group, {"z"}, "area: mean z: mean", &HeatingRate::profile);
@@ -392,13 +440,7 @@ class ResultWriter : private SolutionWriter {
     write_wavelength(group);
     netcdf4::write_coordinate(group, "z_edge", clear.first().box.z_edge_m,
                               vertical_attributes("height of the horizontal interfaces without clouds"));
-    for (const OutputField& field : output_fields()) {
-      if (field.profile == nullptr) continue;
-      const FieldNames field_names = clear.names(field);
-      clear.write_variable(
-          group, field_names.name, {"z_edge"}, [&field](const Solution& s) -> auto& { return s.*field.profile; },
-          attributes_of(field, field_names));
-    }
+    write_profiles(group, clear);
     const auto of = [&clear](double EnergyFluxes::*term) {
       return clear.each([term](const Solution& s) { return energy_fluxes(s.ledger).*term; });
     };

@@ -11,11 +11,13 @@
 namespace cloudbow {
 namespace {
 
-/// All that the reading of a grid depends on, but the domain, which all clouds of a scene share.
+/// All that the reading of a grid depends on.
 std::string key_of(const std::filesystem::path& file, const VdbReadOptions& options, double low, double high) {
-  return fmt::format("{}\n{}\n{} {} {} {} {} {}", file.string(), options.grid, options.scale, low, high,
+  const VdbDomain domain = options.domain_m.value_or(VdbDomain{});
+  return fmt::format("{}\n{}\n{} {} {} {} {} {} {} {} {}", file.string(), options.grid, options.scale, low, high,
                      options.auxiliary_quantity, options.up_axis,
-                     fmt::join(options.voxel_size_m.value_or(std::array<double, 3>{}), " "));
+                     fmt::join(options.voxel_size_m.value_or(std::array<double, 3>{}), " "),
+                     fmt::join(domain.min_m, " "), fmt::join(domain.max_m, " "), options.ignores_background);
 }
 
 /// Stands for the voxels of a field: constituents of one file have different ones.
@@ -29,10 +31,12 @@ std::uint64_t voxels_of(const CloudField& field) {
 }  // namespace
 
 void CloudFiles::note(const std::string& sentence) {
+  const std::lock_guard lock(mutex_);
   if (tell_ && told_.insert(sentence).second) tell_(sentence);
 }
 
 VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptions& options) {
+  const std::lock_guard lock(mutex_);
   const std::string key = key_of(file, options, 0, 0);
   if (const auto kept = field_.find(key); kept != field_.end()) return kept->second;
   VdbCloud field = read_cloud_vdb(file, options);
@@ -43,6 +47,7 @@ VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptio
 
 std::vector<float> CloudFiles::auxiliary(const std::filesystem::path& file, const CloudField& field,
                                          const VdbReadOptions& options, double low, double high) {
+  const std::lock_guard lock(mutex_);
   const std::string key = fmt::format("{}\n{}", key_of(file, options, low, high), voxels_of(field));
   if (const auto kept = auxiliary_.find(key); kept != auxiliary_.end()) return kept->second;
   std::vector<float> value = read_auxiliary_vdb(file, field, options, low, high);

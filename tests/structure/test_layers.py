@@ -15,7 +15,7 @@ LAYERS = ["core", "sphere", "optics", "medium", "transport", "results", "io", "p
 # Rooms of a layer: its folders in src/, from the lowest to the highest. A room includes rooms below it.
 ROOMS = {
     "transport": ["problem", "grid", "rays", "scattering", "system", "acceleration", "iteration", "columns", "reduction", "gather", "observers", "driver"],
-    "app": ["process", "scene", "assembly", "verify", "planning", "commands"],
+    "app": ["process", "scene", "assembly", "verify", "planning", "runs", "commands"],
 }
 LARGEST_ROOM = 2500  # lines
 ROOT = Path(sys.argv.pop(1)) if len(sys.argv) > 1 and Path(sys.argv[1]).is_dir() else Path(__file__).resolve().parents[2]

@@ -90,6 +90,7 @@ PAGES = {
     "docs/howto-satellite.md": Page(),
     "docs/howto-solar-energy.md": Page(),
     "docs/howto-references.md": Page(),
+    "docs/howto-sweeps.md": Page(),
     "docs/accuracy.md": Page(files={"scene.toml": STEP_CLOUD}, shows=("flux errors, about", "can't be promised")),
     "docs/checkpoints.md": Page(files={"scene.toml": STEP_CLOUD}),
     "docs/verify.md": Page(),

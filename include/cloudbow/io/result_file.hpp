@@ -62,6 +62,12 @@ struct ConstituentInfo {
   std::vector<double> water_path_g_m2{};  ///< of each solution; empty: the grid holds extinction
 };
 
+/// Position of the sun, by the definitions of CF.
+struct SunPosition {
+  double zenith_deg = 0;
+  double bearing_deg = 0;  ///< clockwise from north, which is +y
+};
+
 struct ResultInfo {
   std::string title;
   std::string source;  ///< program name and version
@@ -83,6 +89,7 @@ struct ResultInfo {
   std::vector<ConstituentInfo> constituents{};
   std::vector<std::vector<float>> cloud_optical_depth{};  ///< [y][x] of each solution, or none
   std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
+  std::optional<SunPosition> sun{};                       ///< scalar coordinates, if there is a sun
 };
 
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,

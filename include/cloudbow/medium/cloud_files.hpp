@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,7 +15,8 @@
 
 namespace cloudbow {
 
-/// The grids of one cloud. If grids are kept, a repeated request returns the one in memory.
+/// The grids of clouds. If grids are kept, a repeated request returns the one in memory. Several threads may use one
+/// object.
 class CloudFiles {
  public:
   /// @param keep grids will be requested more than once.
@@ -32,6 +34,7 @@ class CloudFiles {
                                const VdbReadOptions& options, double low, double high);
 
  private:
+  std::recursive_mutex mutex_;
   bool keep_;
   std::function<void(const std::string&)> tell_;
   std::set<std::string> told_;

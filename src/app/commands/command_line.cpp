@@ -20,7 +20,7 @@
 #include "app/commands/gas_commands.hpp"
 #include "app/commands/mie_command.hpp"
 #include "app/commands/phase_command.hpp"
-#include "app/commands/run.hpp"
+#include "app/commands/sweep_command.hpp"
 #include "app/commands/tradeoff_command.hpp"
 #include "app/commands/usage_error.hpp"
 #include "app/commands/verify_command.hpp"
@@ -30,6 +30,7 @@
 #include "app/process/interrupt.hpp"
 #include "app/process/messages.hpp"
 #include "app/process/version.hpp"
+#include "app/runs/run.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/printable.hpp"
 #include "cloudbow/plots/render.hpp"
@@ -252,6 +253,7 @@ int parse_and_act(int argc, const char* const* argv) {
       "does not hold");
   Action action;
   add_run(app, action, command_text(argc, argv));
+  add_sweep(app, action, command_text(argc, argv));
   add_cloud(app, action);
   add_mie(app, action, command_text(argc, argv));
   add_gas(app, action, command_text(argc, argv));

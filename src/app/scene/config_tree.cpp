@@ -206,20 +206,6 @@ std::string toml_text(const ConfigNode& root) {
   return text.str();
 }
 
-/// "VALUE" as TOML if it is one value, else as a string.
-ConfigNode parse_override_value(const std::string& value, const std::string& place) {
-  try {
-    const toml::table parsed = toml::parse(fmt::format("value = {}", value), place);
-    if (parsed.size() == 1) return convert(*parsed.get("value"), place);
-  } catch (const toml::parse_error&) {
-  }
-  ConfigNode node;
-  node.kind = ConfigNode::Kind::scalar;
-  node.scalar = value;
-  node.place = place;
-  return node;
-}
-
 void apply_override(ConfigNode& root, const std::string& assignment) {
   const std::string shown = assignment.substr(0, longest_place);
   const bool printable = std::none_of(shown.begin(), shown.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
@@ -233,8 +219,8 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
     throw InputError(
         fmt::format("--set: found '{}', allowed KEY=VALUE with a dotted key, as in sun.zenith_deg=30", shown));
   }
-  const std::string value = assignment.substr(equals + 1);
-  if (parts.size() > max_toml_depth || first_line_too_deep(fmt::format("value = {}", value))) fail_too_deep(place);
+  if (parts.size() > max_toml_depth) fail_too_deep(place);
+  const ConfigNode value = config_value(assignment.substr(equals + 1), place);
 
   ConfigNode* node = &root;
   std::string path;
@@ -262,7 +248,7 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
           fmt::format("{}: {}: goes below a value (found {} above it, allowed a table)", place, path, describe(*node)));
     }
   }
-  *node = parse_override_value(value, place);
+  *node = value;
 }
 
 }  // namespace
@@ -270,6 +256,16 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
 const ConfigNode* ConfigNode::find(const std::string& key) const {
   const auto found = std::find(keys.begin(), keys.end(), key);
   return found == keys.end() ? nullptr : &items[static_cast<std::size_t>(found - keys.begin())];
+}
+
+ConfigNode config_value(const std::string& value, const std::string& place) {
+  if (first_line_too_deep(fmt::format("value = {}", value))) fail_too_deep(place);
+  try {
+    const toml::table parsed = toml::parse(fmt::format("value = {}", value), place);
+    if (parsed.size() == 1) return convert(*parsed.get("value"), place);
+  } catch (const toml::parse_error&) {
+  }
+  return {ConfigNode::Kind::scalar, value, {}, {}, place};
 }
 
 std::string describe_key(const std::string& key) { return shortened(key_text(key)); }

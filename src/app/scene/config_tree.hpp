@@ -36,6 +36,9 @@ struct ConfigTree {
 /// cannot be read, is not TOML (with line and column), or an override cannot be applied.
 ConfigTree read_config(const std::filesystem::path& path, std::span<const std::string> overrides);
 
+/// The value of an override: TOML if it is one value, else a string. @throws InputError if it is nested too deeply.
+ConfigNode config_value(const std::string& value, const std::string& place);
+
 /// A node as messages show it: a number, a string in quotes, "a table", "an array of 3".
 std::string describe(const ConfigNode& node);
 /// A key as messages show it: as TOML writes it, shortened.

@@ -61,7 +61,7 @@ def check_xarray(folder, engine):
         assert full.attrs["Conventions"] == "CF-1.10"
         assert full.attrs["title"] == "Wolken über Köln"
         assert full.attrs["scene"] == "[sun]\nzenith_deg = 60.0\n"
-        assert set(full.data_vars) == set(FLUXES) | {"absorbed_power", "actinic_flux"}
+        assert set(full.data_vars) == set(FLUXES) | {"absorbed_power", "actinic_flux", "z_bounds"}
         for variable, (name, standard_name) in enumerate(FLUXES.items(), start=1):
             flux = full[name]
             assert flux.dims == ("z_edge", "y", "x") and flux.shape == (9, 48, 64) and flux.dtype == "float32"
@@ -100,7 +100,7 @@ def check_xarray(folder, engine):
 
     with xarray.open_dataset(folder / "boundaries.h5", engine=engine) as boundaries:
         print(boundaries)
-        assert set(boundaries.data_vars) == set(FLUXES)
+        assert set(boundaries.data_vars) == set(FLUXES) | {"z_bounds"}
         assert boundaries.upwelling_flux.dims == ("z_flux", "y", "x")
         np.testing.assert_array_equal(boundaries.z_flux, [z_edge(3)[0], z_edge(3)[3]])
         assert boundaries.z_flux.attrs["units"] == "m"

@@ -346,9 +346,32 @@ TEST_F(ResultFile, HoldsTheDifferenceFromIndependentColumns) {
     EXPECT_THAT(shape, ElementsAre(solution.flux_level.size(), 4, 3));
     EXPECT_THAT(read_values<float>(file, "difference_downwelling_diffuse_flux", H5T_NATIVE_FLOAT), testing::Each(0.0F));
     EXPECT_THAT(read_values<float>(file, "difference_direct_flux", H5T_NATIVE_FLOAT), testing::Each(-0.5F));
+    EXPECT_EQ(read_values<float>(file, "independent_columns_upwelling_flux", H5T_NATIVE_FLOAT), columns.upwelling_flux);
+    EXPECT_EQ(read_values<float>(file, "independent_columns_direct_flux", H5T_NATIVE_FLOAT), columns.direct_flux);
+    EXPECT_EQ(read_values<double>(file, "independent_columns/upwelling_flux", H5T_NATIVE_DOUBLE),
+              columns.profile_upwelling_flux);
     EXPECT_EQ(read_number(file, "independent_columns", "reflectance"), 0.75);
     H5Fclose(file);
   }
+}
+
+TEST_F(ResultFile, HoldsTheSunAndTheFacesOfCells) {
+  ResultInfo info = sample::info();
+  info.sun = SunPosition{60, 75};
+  write_result(folder_ / "r.h5", sample::solution(2, 2, 2), info);
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  std::vector<hsize_t> shape;
+  EXPECT_THAT(read_values<double>(file, "solar_zenith_angle", H5T_NATIVE_DOUBLE, &shape), ElementsAre(60));
+  EXPECT_THAT(shape, IsEmpty());
+  EXPECT_THAT(read_values<double>(file, "solar_azimuth_angle", H5T_NATIVE_DOUBLE), ElementsAre(75));
+  EXPECT_THAT(read_values<double>(file, "z_bounds", H5T_NATIVE_DOUBLE, &shape), ElementsAre(510, 530, 530, 560));
+  EXPECT_THAT(shape, ElementsAre(2, 2));
+  std::array<char, 100> text{};
+  EXPECT_GE(H5LTget_attribute_string(file, "upwelling_flux", "coordinates", text.data()), 0);
+  EXPECT_STREQ(text.data(), "solar_zenith_angle solar_azimuth_angle");
+  EXPECT_GE(H5LTget_attribute_string(file, "z", "bounds", text.data()), 0);
+  EXPECT_EQ(std::string(text.data(), 8), "z_bounds");
+  H5Fclose(file);
 }
 
 TEST_F(ResultFile, LeavesOutWhatTheSolutionLacks) {

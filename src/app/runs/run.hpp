@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "app/planning/solve_scenes.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/io/result_file.hpp"
+#include "cloudbow/medium/cloud_files.hpp"
 
 namespace cloudbow {
 
@@ -29,6 +32,8 @@ struct RunEstimate {
   std::uint64_t available_bytes = 0;  ///< memory of this machine
   double seconds = 0;                 ///< predicted
   std::string text;                   ///< all of it in lines for a terminal, with figures of the cloud
+  /// Coordinates of the result by name, and sizes of images.
+  std::map<std::string, std::vector<double>> coordinates;
 };
 
 /// A run before its result is written.
@@ -41,12 +46,17 @@ struct SolvedRun {
 /// Reads the scenes and checks options and files against them; prints what reading guessed or corrected.
 /// @throws InputError.
 PreparedRun prepare_run(const RunOptions& options);
+/// The same of one of several runs. @param printed notes so far: each is printed once
+PreparedRun prepare_run(const RunOptions& options, std::set<std::string>& printed);
 
 /// Opens the cloud and predicts the cost. @throws InputError, also if memory is too little; Interrupted.
 RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options);
+/// @param files clouds of this run and of others
+RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files);
 
 /// @throws InputError, Interrupted.
 SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options);
+SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files);
 
 /// Writes the result file. @throws InputError, Interrupted.
 void write_run(const std::filesystem::path& output, const SolvedRun& run, int threads);

@@ -1,4 +1,4 @@
-#include "app/commands/run.hpp"
+#include "app/runs/run.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -121,6 +121,12 @@ std::string cloud_text(const CloudFigures& cloud, bool has_g_points, double colu
   return text;
 }
 
+/// @returns 0 to 360, clockwise from north. @param azimuth_deg counter-clockwise from east.
+double bearing_of(double azimuth_deg) {
+  const double bearing = std::fmod(90 - azimuth_deg, 360);
+  return bearing < 0 ? bearing + 360 : bearing;
+}
+
 /// By these a wrong unit is seen.
 std::string figures_of(const Scene& scene, const AssembledScene& assembled) {
   std::string text;
@@ -175,11 +181,10 @@ std::string plan_text(const std::vector<Scene>& scenes, const PlannedScene& plan
 }
 
 /// Each once: the scenes of a spectrum share their files.
-void tell_notes(const std::vector<Scene>& scenes) {
-  std::set<std::string> told;
+void tell_notes(const std::vector<Scene>& scenes, std::set<std::string>& printed) {
   for (const Scene& scene : scenes) {
     for (const std::string& note : scene.notes) {
-      if (told.insert(note).second) tell("cloudbow: {}\n", printable(note));
+      if (printed.insert(note).second) tell("cloudbow: {}\n", printable(note));
     }
   }
 }
@@ -355,18 +360,48 @@ ResultInfo result_info(const std::vector<Scene>& scenes, Solved& solved, const R
   info.constituents =
       constituents_of(scenes.front(), solved, static_cast<double>(solved.solutions.front().box.columns()));
   add_thermal(scenes, solved, info);
+  if (const std::optional<SceneSun>& sun = scenes.front().sun)
+    info.sun = {sun->zenith_deg, bearing_of(sun->azimuth_deg)};
   for (const Scene& scene : scenes) {
     if (scene.wavelength_um) info.wavelengths_um.push_back(*scene.wavelength_um);
   }
   return info;
 }
 
+std::map<std::string, std::vector<double>> coordinates_of(const std::vector<Scene>& scenes,
+                                                          const PlannedScene& planned) {
+  const AssembledScene& scene = *planned.scene;
+  const BoxGrid& box = scene.problem.grid.box;
+  std::map<std::string, std::vector<double>> coordinates{{"x", {static_cast<double>(box.nx), box.x_min_m, box.dx_m}},
+                                                         {"y", {static_cast<double>(box.ny), box.y_min_m, box.dy_m}},
+                                                         {"z_edge", box.z_edge_m}};
+  std::vector<double>& fluxes = coordinates["z_flux"];
+  for (const int level : flux_levels(box, scene.options)) fluxes.push_back(level);
+  for (const Scene& one : scenes) {
+    if (one.wavelength_um) coordinates["wavelength"].push_back(*one.wavelength_um);
+  }
+  for (const View& view : scene.options.views)
+    coordinates["x_" + view.name] = {static_cast<double>(view.width), static_cast<double>(view.height)};
+  for (const Camera& camera : scene.options.cameras)
+    coordinates["row_" + camera.name] = {static_cast<double>(camera.width), static_cast<double>(camera.height)};
+  if (scene.options.radiance_field) {
+    coordinates["control_point"] = {static_cast<double>(scene.options.control_points)};
+    coordinates["active_voxel"] = {static_cast<double>(scene.problem.grid.active_cells())};
+  }
+  return coordinates;
+}
+
 }  // namespace
 
 PreparedRun prepare_run(const RunOptions& options) {
+  std::set<std::string> printed;
+  return prepare_run(options, printed);
+}
+
+PreparedRun prepare_run(const RunOptions& options, std::set<std::string>& printed) {
   PreparedRun prepared{read_scenes(options.scene, options.overrides), {}};
   const Scene& first = prepared.scenes.front();
-  tell_notes(prepared.scenes);
+  tell_notes(prepared.scenes, printed);
   prepared.output = output_file(options, first);
   check_files(options, prepared.scenes.size(), prepared.output, first);
   if (options.compare) check_comparable(first);
@@ -376,23 +411,35 @@ PreparedRun prepare_run(const RunOptions& options) {
 }
 
 RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options) {
-  const std::uint64_t available = available_memory_bytes();
   CloudFiles files = cloud_files(scenes, options);
   const InterruptGuard guard;
+  return estimate_run(scenes, options, files);
+}
+
+RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files) {
+  const std::uint64_t available = available_memory_bytes();
   CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
   check_memory(scenes.front(), expected, available);
   const PlannedScene planned = expected.only
                                    ? std::move(*expected.only)
                                    : plan_scene(scenes.front(), available, files, expected.levels_m, options.threads);
   const OpticalGrid& grid = planned.scene->problem.grid;
-  return {
-      {grid.box.nx, grid.box.ny, grid.box.nz()},      grid.active_cells(), expected.memory, available, expected.seconds,
-      plan_text(scenes, planned, expected, available)};
+  return {{grid.box.nx, grid.box.ny, grid.box.nz()},
+          grid.active_cells(),
+          expected.memory,
+          available,
+          expected.seconds,
+          plan_text(scenes, planned, expected, available),
+          coordinates_of(scenes, planned)};
 }
 
 SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options) {
-  const std::uint64_t available = available_memory_bytes();
   CloudFiles files = cloud_files(scenes, options);
+  return solve_run(scenes, options, files);
+}
+
+SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files) {
+  const std::uint64_t available = available_memory_bytes();
   SolvedRun run{scenes, {}, {}};
   std::optional<RunPlan> plan;
   std::optional<SpectralInfo> spectral;

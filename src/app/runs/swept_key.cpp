@@ -1,0 +1,204 @@
+#include "app/runs/swept_key.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "app/scene/config_tree.hpp"
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+constexpr std::size_t most_values = 10000;
+constexpr const char* allowed = "KEY=VALUE,VALUE,... or KEY=FIRST:LAST:STEP";
+
+/// Names of coordinates, variables and attributes of results that are also last parts of keys.
+constexpr std::array<std::string_view, 15> taken{
+    "x",   "y",      "z",         "bound",         "file",          "name",   "mode", "directions", "control_points",
+    "air", "method", "gas_model", "optical_depth", "wavelength_um", "band_um"};
+
+[[noreturn]] void fail(const std::string& assignment, const std::string& problem) {
+  throw InputError(fmt::format("--set {}: {}", assignment.substr(0, 200), problem));
+}
+
+/// Parts between separators that are neither in quotes nor in brackets.
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  char quote = 0;
+  int depth = 0;
+  bool escaped = false;
+  for (const char c : text) {
+    if (quote != 0) {
+      if (c == quote && !escaped) quote = 0;
+      escaped = c == '\\' && quote == '"' && !escaped;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '[' || c == '{') {
+      ++depth;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    } else if (c == separator && depth == 0) {
+      parts.emplace_back();
+      continue;
+    }
+    parts.back() += c;
+  }
+  return parts;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto begin = text.find_first_not_of(" \t");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+std::optional<double> number_of(const std::string& text) {
+  double value = 0;
+  const char* const first = text.data() + (text.starts_with('+') ? 1 : 0);
+  const auto [end, error] = std::from_chars(first, text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// Digits after the point; none: the number has an exponent.
+std::optional<int> decimals(const std::string& text) {
+  if (text.find_first_of("eE") != std::string::npos) return std::nullopt;
+  const auto point = text.find('.');
+  return point == std::string::npos ? 0 : static_cast<int>(text.size() - point - 1);
+}
+
+/// Numbers of "FIRST:LAST:STEP"; none: the text is no range.
+std::optional<std::vector<std::string>> range_of(const std::string& assignment, const std::string& text) {
+  const std::vector<std::string> parts = split(text, ':');
+  if (parts.size() != 3) return std::nullopt;
+  std::array<double, 3> number{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const std::optional<double> value = number_of(trimmed(parts[n]));
+    if (!value) return std::nullopt;
+    number[n] = *value;
+  }
+  const auto [first, last, step] = number;
+  if (step == 0 || (last - first) * step < 0) {
+    fail(assignment,
+         fmt::format("a range without end (found {}, allowed FIRST:LAST:STEP whose STEP leads to LAST)", text));
+  }
+  // A last step that falls short by rounding alone is a step.
+  const double steps = std::floor((last - first) / step * (1 + 1e-12) + 1e-9);
+  if (steps >= static_cast<double>(most_values))
+    fail(assignment, fmt::format("a range too long (found {:.0f} values, allowed {})", steps + 1, most_values));
+  const std::optional<int> of_first = decimals(trimmed(parts[0])), of_step = decimals(trimmed(parts[2]));
+  std::vector<std::string> values;
+  for (int n = 0; n <= static_cast<int>(steps); ++n) {
+    const double value = first + n * step;
+    values.push_back(of_first && of_step ? fmt::format("{:.{}f}", value, std::max(*of_first, *of_step))
+                                         : fmt::format("{}", value));
+  }
+  return values;
+}
+
+}  // namespace
+
+SweptKey parse_swept_key(const std::string& assignment) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InputError(fmt::format("--set: found '{}', allowed {}", assignment.substr(0, 200), allowed));
+  SweptKey swept{trimmed(assignment.substr(0, equals)), {}};
+  const std::vector<std::string> items = split(assignment.substr(equals + 1), ',');
+  swept.is_list = items.size() > 1;
+  for (const std::string& untrimmed : items) {
+    const std::string item = trimmed(untrimmed);
+    if (item.empty()) fail(assignment, fmt::format("an empty value (allowed {})", allowed));
+    if (const auto range = range_of(assignment, item)) {
+      swept.is_list = true;
+      swept.values.insert(swept.values.end(), range->begin(), range->end());
+    } else {
+      swept.values.push_back(item);
+    }
+  }
+  check_values(swept);
+  return swept;
+}
+
+void check_values(const SweptKey& swept) {
+  const auto refuse = [&swept](const std::string& problem) {
+    throw InputError(fmt::format("--set {}: {}", swept.key, problem));
+  };
+  if (swept.values.empty()) refuse("an empty list (allowed one value or more)");
+  if (swept.values.size() > most_values)
+    refuse(fmt::format("too many values (found {}, allowed {})", swept.values.size(), most_values));
+  const CoordinateValues values = coordinate_values(swept);
+  std::set<std::pair<double, std::string>> seen;
+  for (std::size_t n = 0; n < swept.values.size(); ++n) {
+    const bool repeated =
+        values.texts.empty() ? !seen.emplace(values.numbers[n], "").second : !seen.emplace(0, values.texts[n]).second;
+    if (repeated) refuse(fmt::format("a value twice (found {}, allowed each once)", swept.values[n]));
+  }
+}
+
+CoordinateValues coordinate_values(const SweptKey& key) {
+  CoordinateValues values;
+  for (const std::string& text : key.values) {
+    const ConfigNode node = config_value(text, fmt::format("--set {}", key.key));
+    if (const auto* integer = std::get_if<std::int64_t>(&node.scalar)) {
+      values.numbers.push_back(static_cast<double>(*integer));
+    } else if (const auto* real = std::get_if<double>(&node.scalar)) {
+      values.numbers.push_back(*real);
+    }
+    const auto* const word = std::get_if<std::string>(&node.scalar);
+    values.texts.push_back(node.kind == ConfigNode::Kind::scalar && word != nullptr ? *word : text);
+  }
+  if (values.numbers.size() == values.texts.size()) {
+    values.texts.clear();
+  } else {
+    values.numbers.clear();
+  }
+  return values;
+}
+
+std::vector<std::string> dimension_names(std::span<const SweptKey> keys) {
+  const auto last_part = [](const std::string& key) { return key.substr(key.rfind('.') + 1); };
+  std::vector<std::string> names;
+  for (const SweptKey& key : keys) {
+    std::string name = last_part(key.key);
+    const auto alike =
+        std::count_if(keys.begin(), keys.end(), [&](const SweptKey& other) { return last_part(other.key) == name; });
+    if (alike > 1 || std::find(taken.begin(), taken.end(), name) != taken.end()) {
+      name = key.key;
+      std::replace(name.begin(), name.end(), '.', '_');
+    }
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+std::string units_of_key(const std::string& key) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 14> endings{{{"_w_m2_sr", "W m-2 sr-1"},
+                                                                              {"_w_m2", "W m-2"},
+                                                                              {"_g_m3", "g m-3"},
+                                                                              {"_g_m2", "g m-2"},
+                                                                              {"_m_s", "m s-1"},
+                                                                              {"_deg", "degree"},
+                                                                              {"_um", "um"},
+                                                                              {"_km", "km"},
+                                                                              {"_m", "m"},
+                                                                              {"_pa", "Pa"},
+                                                                              {"_ppm", "1e-6"},
+                                                                              {"_ppb", "1e-9"},
+                                                                              {"_k", "K"},
+                                                                              {"_percent", "percent"}}};
+  for (const auto& [ending, units] : endings) {
+    if (key.ends_with(ending)) return units;
+  }
+  return "1";
+}
+
+}  // namespace cloudbow

@@ -1,0 +1,116 @@
+// The sweep of columns, from arguments to the file. Truth: single runs, counts of the product, exit codes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "../commands/call_cloudbow.hpp"
+#include "../temporary_folder.hpp"
+#include "app/runs/sweep.hpp"
+#include "cloudbow/core/error.hpp"
+
+namespace cloudbow {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const std::string slab = R"(title = "slab"
+[[layer]]
+bottom_m = 0
+top_m = 100
+optical_depth = 1
+single_scattering_albedo = 0.9
+phase_function = "rayleigh"
+[sun]
+zenith_deg = 60
+azimuth_deg = 0
+[surface]
+albedo = 0.1
+[solver]
+accuracy = "draft"
+)";
+
+SweepOptions options_of(const TemporaryFolder& folder, const std::vector<std::string>& lists) {
+  SweepOptions options;
+  options.run.scene = folder.write("scene.toml", slab);
+  options.run.output = folder / "out.h5";
+  options.run.quiet = true;
+  for (const std::string& list : lists) options.keys.push_back(parse_swept_key(list));
+  return options;
+}
+
+TEST(Sweep, PlansTheProduct) {
+  const TemporaryFolder folder;
+  const SweepPlan plan =
+      plan_sweep(options_of(folder, {"sun.zenith_deg=0:80:40", "solver.accuracy=draft", "surface.albedo=0,0.5"}));
+  ASSERT_EQ(plan.runs.size(), 6);
+  EXPECT_EQ(plan.to_solve, 6);
+  EXPECT_THAT(plan.runs[1].settings, testing::ElementsAre("sun.zenith_deg=0", "surface.albedo=0.5"));
+  EXPECT_THAT(plan.runs[2].settings, testing::ElementsAre("sun.zenith_deg=40", "surface.albedo=0"));
+  EXPECT_THAT(plan.runs[2].scene, HasSubstr("zenith_deg = 40"));
+  ASSERT_EQ(plan.dimensions.size(), 2);
+  EXPECT_EQ(plan.dimensions[0].name, "zenith_deg");
+  EXPECT_EQ(plan.dimensions[0].units, "degree");
+  EXPECT_GT(plan.memory_bytes, 0);
+  EXPECT_THAT(plan.text, AllOf(HasSubstr("3 (zenith_deg) x 2 (albedo): 6"), HasSubstr("memory")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5.parts"));
+}
+
+TEST(Sweep, RefusesBeforeAnythingIsSolved) {
+  const TemporaryFolder folder;
+  const auto plan = [&folder](const std::vector<std::string>& lists) {
+    return [&folder, lists] { plan_sweep(options_of(folder, lists)); };
+  };
+  // The last scene of the product is wrong.
+  EXPECT_THAT(plan({"sun.zenith_deg=0,30,95"}), ThrowsMessage<InputError>(HasSubstr("zenith_deg=95")));
+  EXPECT_THAT(plan({"sun.zenit=0,30"}), ThrowsMessage<InputError>(HasSubstr("zenit")));
+  EXPECT_THAT(plan({"sun.zenith_deg=0"}), ThrowsMessage<InputError>(HasSubstr("nothing to sweep")));
+  EXPECT_THAT(plan({"sun.zenith_deg=0,1", "sun.zenith_deg=2,3"}), ThrowsMessage<InputError>(HasSubstr("twice")));
+  EXPECT_THAT(plan({"sun.zenith_deg=0:89:0.1", "surface.albedo=0:1:0.01"}),
+              ThrowsMessage<InputError>(HasSubstr("too many runs")));
+  EXPECT_THAT(plan({"layer.0.top_m=100,200"}), ThrowsMessage<InputError>(AllOf(HasSubstr("z_edge"), HasSubstr("200"))));
+}
+
+TEST(Sweep, CommandEndsWithAFileAndNoParts) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.toml", slab), out = folder / "out.h5";
+  const Outcome done = cloudbow({"sweep", scene, "--set", "sun.zenith_deg=0:80:40", "--jobs", "2", "-o", out});
+  EXPECT_EQ(done.exit_code, 0) << done.errors;
+  EXPECT_THAT(done.output, HasSubstr("3 runs written"));
+  EXPECT_THAT(done.errors, HasSubstr("3 of 3: sun.zenith_deg="));
+  EXPECT_TRUE(std::filesystem::exists(out));
+  EXPECT_FALSE(std::filesystem::exists(out + ".parts"));
+}
+
+TEST(Sweep, GoesOnWithTheResultsThatAreThere) {
+  const TemporaryFolder folder;
+  const SweepOptions few = options_of(folder, {"sun.zenith_deg=0,40"});
+  const SweepPlan plan = plan_sweep(few);
+  // Finished runs of a sweep that was ended before it was complete.
+  const SweepOptions other = options_of(folder, {"sun.zenith_deg=40,80"});
+  EXPECT_EQ(plan_sweep(other).runs[0].key, plan.runs[1].key);
+  EXPECT_NE(plan_sweep(other).runs[1].key, plan.runs[1].key);
+  EXPECT_EQ(solve_sweep(few, plan).exit_code, 0);
+  EXPECT_EQ(plan_sweep(other).to_solve, 2) << "a complete sweep leaves nothing";
+}
+
+TEST(Sweep, UsageErrors) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.toml", slab), out = folder / "out.h5";
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"sweep"},
+                                             {"sweep", scene, "-o", out},
+                                             {"sweep", scene, "--set", "sun.zenith_deg=0,1"},
+                                             {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", scene},
+                                             {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", out, "--jobs", "0"},
+                                             {"sweep", scene, "--set", "sun.zenith_deg=0:10", "-o", out},
+                                             {"sweep", scene, "--set", "sun.zenith_deg=0,,10", "-o", out}}) {
+    const Outcome outcome = cloudbow(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+}  // namespace
+}  // namespace cloudbow
