@@ -3,9 +3,11 @@
 The files have few kinds of attributes and variables, which are read here directly: xarray.open_dataset takes four times as long for the small
 results of columns. A group with anything else is left to it.
 """
+import io
 import os
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Union
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from ._errors import InputError
 
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
 HIDDEN = {b"CLASS", b"NAME", b"DIMENSION_LIST", b"REFERENCE_LIST", b"_Netcdf4Dimid", b"_Netcdf4Coordinates", b"_NCProperties", b"_nc3_strict"}
 # Attributes that change values or coordinates as they are decoded.
 DECODED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "dtype", "calendar", "valid_range", "grid_mapping"}
+
+BARE_DIMENSION = b"This is a netCDF dimension"
+LARGEST_KEPT = 1 << 20  # bytes of a file whose content is kept for its groups
 
 
 class _Other(Exception):
@@ -52,8 +57,15 @@ def _dimensions(name: str, dataset: Any) -> tuple:
             raise _Other
         return (name,)
     names: list = []
+
+    def add(scale: Any) -> None:
+        # HDF5 searches the file for the name of an object; a scale of a coordinate has it as an attribute.
+        found = h5py.h5ds.get_scale_name(scale)
+        if not found or found.startswith(BARE_DIMENSION):
+            found = h5py.h5i.get_name(scale).rpartition(b"/")[2]
+        names.append(found.decode())
     for axis in range(dataset.rank):
-        h5py.h5ds.iterate(dataset, axis, lambda scale: names.append(h5py.h5i.get_name(scale).decode().rpartition("/")[2]))
+        h5py.h5ds.iterate(dataset, axis, add)
     if len(names) != dataset.rank:
         raise _Other
     return tuple(names)
@@ -62,7 +74,7 @@ def _dimensions(name: str, dataset: Any) -> tuple:
 def _is_bare_dimension(dataset: Any) -> bool:
     """Whether netCDF-4 has put this dataset there for the length of a dimension alone."""
     import h5py
-    return h5py.h5ds.is_scale(dataset) and h5py.h5ds.get_scale_name(dataset).startswith(b"This is a netCDF dimension")
+    return h5py.h5ds.is_scale(dataset) and h5py.h5ds.get_scale_name(dataset).startswith(BARE_DIMENSION)
 
 
 def _variable(name: str, dataset: Any) -> "xr.Variable":
@@ -116,19 +128,24 @@ def _groups(group: Any, path: str) -> Iterator[tuple]:
         yield from _groups(item, f"{path.rstrip('/')}/{name}")
 
 
-def read_groups(path: Union[str, os.PathLike], by_xarray: bool = False) -> dict:
-    """Every group of a file, by its path: "/" is the file's own."""
+def read_groups(source: Union[str, os.PathLike, bytes], by_xarray: bool = False, root: bool = True, others: bool = True) -> dict:
+    """Every group of a file, by its path: "/" is the file's own.
+
+    `source` is the path or the content of the file. Without `root` or `others` these groups are left out.
+    """
     import h5py
     import xarray as xr
     datasets: dict = {}
-    with h5py.File(path, "r") as file:
-        for name, group in list(_groups(file["/"].id, "/")):
+    with h5py.File(h5py.h5f.open_file_image(source) if isinstance(source, bytes) else source, "r") as file:
+        groups = [("/", file["/"].id)] if not others else [(name, group) for name, group in _groups(file["/"].id, "/") if root or name != "/"]
+        for name, group in groups:
             try:
                 datasets[name] = None if by_xarray else _read_group(group)
             except _Other:
                 datasets[name] = None
     for name in [name for name, dataset in datasets.items() if dataset is None]:
-        with xr.open_dataset(path, engine="h5netcdf", group=name, decode_timedelta=False) as dataset:
+        file_like = io.BytesIO(source) if isinstance(source, bytes) else source
+        with xr.open_dataset(file_like, engine="h5netcdf", group=name, decode_timedelta=False) as dataset:
             datasets[name] = dataset.load()
             for variable in datasets[name].variables.values():  # the file may be a temporary one
                 variable.encoding.pop("source", None)
@@ -143,7 +160,21 @@ class Groups:
     """
 
     def __init__(self, dataset: "xr.Dataset"):
-        self.groups: dict = {}
+        self._content: Optional[bytes] = None
+        self._groups: dict = {}
+
+    @property
+    def groups(self) -> dict:
+        if self._content is not None:
+            self._groups, self._content = read_groups(self._content, root=False), None
+        return self._groups
+
+    def set(self, source: Union[str, os.PathLike, bytes]) -> None:
+        """Groups of a file: at once, or of its content when they are first asked for."""
+        if isinstance(source, bytes):
+            self._content = source
+        else:
+            self._groups = read_groups(source, root=False)
 
 
 def _register_accessor() -> None:
@@ -156,11 +187,12 @@ def load(path: Union[str, os.PathLike]) -> "xr.Dataset":
     """Reads a result file, with its groups, into memory."""
     _register_accessor()
     try:
-        datasets = read_groups(path)
-    except OSError as error:
+        # Groups take longer than the variables of a small result, and few calls look at them.
+        source = Path(path).read_bytes() if os.path.getsize(path) <= LARGEST_KEPT else path
+        root = read_groups(source, others=False)["/"]
+        root.cloudbow.set(source)
+    except (OSError, RuntimeError) as error:
         raise InputError(f"{os.fspath(path)}: can't be read as a result ({error})") from None
-    root = datasets.pop("/")
-    root.cloudbow.groups = datasets
     return root
 
 
