@@ -72,6 +72,7 @@ def outputs(bench):
     os.symlink("coming.h5", bench.folder / "to_coming.h5")
     for name in ("hard.h5", "soft.h5", "./cloud.vdb", f"../{bench.folder.name}/cloud.vdb"):
         bench.expect_refusal(f"result over the cloud as {name}", ["run", scene, "--quiet", "-o", name], ["overwrite an input", "cloud.vdb"])
+        bench.expect_refusal(f"sweep over the cloud as {name}", ["sweep", scene, "--quiet", "--set", "sun.zenith_deg=0,30", "-o", name], ["overwrite an input", "cloud.vdb"])
         bench.expect_refusal(f"checkpoint over the cloud as {name}", ["run", scene, "--quiet", "-o", "r.h5", "--checkpoint", name], ["overwrite an input", "cloud.vdb"])
     overwrites = [("one file for result and checkpoint", ["run", scene, "-o", "coming.h5", "--checkpoint", "to_coming.h5"], ["checkpoint would overwrite the result"]),
                   ("names that differ by case", ["run", scene, "-o", "coming.h5", "--checkpoint", "COMING.h5"], ["checkpoint would overwrite the result"]),

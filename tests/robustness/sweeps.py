@@ -117,12 +117,15 @@ class Checker:
             if process.returncode == 0:
                 break
             kills += 1
-            most = max(most, len(list(self.parts.glob("run-*.h5"))) if self.parts.exists() else 0)
-            if self.output.exists() or process.returncode not in {-signal.SIGKILL, -signal.SIGTERM, 128 + signal.SIGTERM}:
+            most = max(most, len(list(self.parts.glob("run-*.h5"))))
+            if self.output.exists():  # killed between its last two steps, the file and the removal of the parts
+                break
+            if process.returncode not in {-signal.SIGKILL, -signal.SIGTERM, 128 + signal.SIGTERM}:
                 self.expect("killed sweep", False, f"exit code {process.returncode}: {message.strip()}")
                 return kills
         wrong = differences(contents(self.output), self.truth)
-        self.expect(f"after {kills} kills, up to {most} runs kept", not wrong and not self.parts.exists(), ", ".join(wrong[:5]))
+        self.expect(f"after {kills} kills, up to {most} runs kept", not wrong and (process.returncode != 0 or not self.parts.exists()), ", ".join(wrong[:5]))
+        shutil.rmtree(self.parts, ignore_errors=True)
         return kills
 
     def interrupted(self, least=1, **others):

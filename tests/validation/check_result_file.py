@@ -55,7 +55,10 @@ def check_dataset(path, engine, complain):
         complain(axis in data.coords, f"{engine}: {axis} is no coordinate")
         complain(bool((np.diff(data[axis]) > 0).all()), f"{engine}: {axis} does not ascend")
     complain(data.sizes["z_edge"] == data.sizes["z"] + 1, f"{engine}: z_edge is not one longer than z")
-    for name, variable in data.variables.items():
+    complain(data.z.attrs.get("bounds") == "z_bounds" and bool((data.z_bounds.mean("bound") == data.z).all()), f"{engine}: z_bounds are not the faces of the cells")
+    for name, degrees in (("solar_zenith_angle", 40.0), ("solar_azimuth_angle", 60.0)):  # the azimuth clockwise from north
+        complain(name in data.upwelling_flux.coords and float(data[name]) == degrees and data[name].attrs.get("standard_name") == name, f"{engine}: {name} is not {degrees}")
+    for name, variable in data.drop_vars("z_bounds").variables.items():
         complain("units" in variable.attrs and "long_name" in variable.attrs, f"{engine}: {name} lacks units or long_name")
         complain(name not in UNITS or variable.attrs.get("units") == UNITS[name], f"{engine}: {name} has units {variable.attrs.get('units')}")
         complain(name not in DIMENSIONS or variable.dims == DIMENSIONS[name], f"{engine}: {name} has dimensions {variable.dims}")

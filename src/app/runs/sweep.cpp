@@ -141,6 +141,11 @@ struct Finished {
   std::string message{};
 };
 
+Finished end_of(const std::filesystem::path& part) {
+  std::string sentence = shortcoming_of_result(part);
+  return {sentence.empty() ? exit_done : exit_not_converged, std::move(sentence)};
+}
+
 /// Messages of a host, and its interrupts by way of a flag: only its own thread can ask it.
 class WorkerScope {
  public:
@@ -166,17 +171,17 @@ class Workers {
     for (std::size_t n = 0; n < plan.runs.size(); ++n) {
       if (!plan.runs[n].done) waiting_.push_back(n);
     }
+    jobs_ = std::min(waiting_.size(), static_cast<std::size_t>(options.jobs));
     const int threads = common_.threads > 0 ? common_.threads : omp_get_max_threads();
-    common_.threads = std::max(1, threads / options.jobs);
+    common_.threads = std::max(1, threads / std::max(1, static_cast<int>(jobs_)));
   }
 
   /// @returns the end of each run; of those that were done before, nothing.
   std::vector<Finished> solve() {
-    const std::size_t count = std::min(waiting_.size(), static_cast<std::size_t>(options_.jobs));
     const HostCalls* host = HostScope::calls();
     std::vector<std::thread> threads;
-    running_ = count;
-    for (std::size_t n = 0; n < count; ++n) threads.emplace_back([this, host] { work(host); });
+    running_ = jobs_;
+    for (std::size_t n = 0; n < jobs_; ++n) threads.emplace_back([this, host] { work(host); });
     std::exception_ptr interrupt;
     try {
       wait(host);
@@ -264,18 +269,12 @@ class Workers {
     }
   }
 
- public:
-  static Finished end_of(const std::filesystem::path& part) {
-    std::string sentence = shortcoming_of_result(part);
-    return {sentence.empty() ? exit_done : exit_not_converged, std::move(sentence)};
-  }
-
- private:
   const SweepOptions& options_;
   const SweepPlan& plan_;
   const SweepParts& parts_;
   RunOptions common_;
   std::vector<std::size_t> waiting_;  ///< runs to solve
+  std::size_t jobs_ = 0;              ///< of them at a time
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;  ///< of the members below
   std::condition_variable changed_;
@@ -365,7 +364,7 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
   bool any = false, all = true;
   for (std::size_t n = 0; n < plan.runs.size(); ++n) {
     const PlannedSweepRun& run = plan.runs[n];
-    if (run.done) finished[n] = Workers::end_of(parts.file(run.key));
+    if (run.done) finished[n] = end_of(parts.file(run.key));
     const Finished& end = finished[n];
     const bool has_result = end.exit_code == exit_done || end.exit_code == exit_not_converged;
     any = any || has_result;
