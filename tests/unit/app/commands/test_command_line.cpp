@@ -38,8 +38,8 @@ accuracy = "draft"
 )";
 
 TEST(CommandLine, HelpAndVersion) {
-  EXPECT_THAT(cloudbow({"--help"}).output,
-              AllOf(HasSubstr("run"), HasSubstr("cloud"), HasSubstr("render"), HasSubstr("export")));
+  EXPECT_THAT(cloudbow({"--help"}).output, AllOf(HasSubstr("run"), HasSubstr("sweep"), HasSubstr("cloud"),
+                                                 HasSubstr("render"), HasSubstr("export")));
   EXPECT_THAT(cloudbow({"export", "--help"}).output,
               AllOf(HasSubstr("from the scene to the sensor"), HasSubstr("--zenith-deg"), HasSubstr("--actinic")));
   EXPECT_THAT(cloudbow({"run", "--help"}).output,
@@ -422,7 +422,7 @@ TEST(CommandLine, TradeoffLeavesOutWhatCannotDoTheScene) {
 TEST(CommandLine, WordsThatNobodyKnowsComeWithThoseThatAreKnown) {
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"rn", "scene.toml"},
-            "cloudbow: unknown command (found rn, allowed run, cloud, mie, gas, render, export, "},
+            "cloudbow: unknown command (found rn, allowed run, sweep, cloud, mie, gas, render, export, "},
            {{"rn", "scene.toml"}, "; did you mean run?)"},
            {{"info", "cloud.vdb"}, "; did you mean cloud info?)"},
            {{"cloud", "mke", "slab"},
