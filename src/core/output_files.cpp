@@ -40,8 +40,8 @@ const std::vector<std::string>& endings_of(OutputKind kind) {
                                               {OutputKind::checkpoint, {".h5", ".hdf5", ".checkpoint", ".ckpt", ".ck"}},
                                               {OutputKind::vdb, {".vdb"}},
                                               {OutputKind::csv, {".csv", ".txt"}},
-                                              {OutputKind::plot, {".png"}},
-                                              {OutputKind::picture, {".png", ".exr"}}};
+                                              {OutputKind::plot, {".png", ".svg", ".pdf"}},
+                                              {OutputKind::picture, {".png", ".svg", ".pdf", ".exr"}}};
   return std::ranges::find(table, kind, &KindEndings::kind)->endings;
 }
 

@@ -135,73 +135,210 @@ std::vector<float> upside_down(const std::vector<float>& value, int rows, int co
   return transposed;
 }
 
-FluxImage read_image(hid_t file, const std::string& where, const std::string& variable, const ImageChoice& choice) {
-  const auto there = images(file);
-  if (std::find(there.begin(), there.end(), variable) == there.end()) {
-    throw InputError(fmt::format(
-        "{}: there is no map \"{}\" to draw, the file has {}", where, variable,
-        there.empty() ? std::string("none (is it a cloudbow result?)") : fmt::format("{}", fmt::join(there, ", "))));
-  }
-  const Handle dataset = hdf5::open_dataset(file, variable.c_str());
-  const ImageShape kind = *image_shape(dataset);
-  std::vector<hsize_t> size = shape_of(dataset);
-  const auto x = read_axis(file, where, kind.x, size[size.size() - 1]);
-  const auto y = read_axis(file, where, kind.y, size[size.size() - 2]);
-  const double dx = spacing(x, spacing(y, 1));
-  const double dy = spacing(y, dx);
+std::string text_or_nothing(hid_t object, const char* name) {
+  return hdf5::has_attribute(object, name) ? hdf5::attribute_text(object, name) : "";
+}
 
-  FluxImage image;
-  image.variable = variable;
-  image.units = hdf5::attribute_text(dataset, "units");
-  std::vector<hsize_t> start(size.size(), 0);
-  if (choice.wavelength_um && !kind.spectral) {
+[[noreturn]] void throw_missing(const std::string& where, const std::string& kind, const std::string& variable,
+                                const std::vector<std::string>& there) {
+  throw InputError(fmt::format(
+      "{}: there is no {} \"{}\" to draw, the file has {}", where, kind, variable,
+      there.empty() ? std::string("none (is it a cloudbow result?)") : fmt::format("{}", fmt::join(there, ", "))));
+}
+
+/// A part of a variable that is read, along each dimension.
+struct Selection {
+  std::vector<hsize_t> size, start;
+  std::optional<double> wavelength_um;
+};
+
+/// One wavelength, if the variable has any.
+Selection select_wavelength(hid_t file, const std::string& where, const std::string& variable, hid_t dataset,
+                            std::optional<double> wanted_um) {
+  Selection selection{shape_of(dataset), {}, {}};
+  selection.start.assign(selection.size.size(), 0);
+  const bool spectral = selection.size.size() > 1 && dimension_name(dataset, 0) == "wavelength";
+  if (wanted_um && !spectral) {
     throw InputError(fmt::format(
         "{}: --wavelength-um chooses among the wavelengths of a spectrum (found {} um, allowed none: {} has "
         "no axis of wavelengths)",
-        where, *choice.wavelength_um, variable));
+        where, *wanted_um, variable));
   }
-  if (kind.spectral) {
-    const auto there_um = read_axis(file, where, "wavelength", size[0]);
-    const double wanted = choice.wavelength_um.value_or(there_um.front());
-    const auto nearest = std::min_element(there_um.begin(), there_um.end(), [wanted](double a, double b) {
-      return std::abs(a - wanted) < std::abs(b - wanted);
-    });
-    image.wavelength_um = *nearest;
-    start[0] = static_cast<hsize_t>(nearest - there_um.begin());
-    size[0] = 1;
+  if (!spectral) return selection;
+  const auto there_um = read_axis(file, where, "wavelength", selection.size[0]);
+  const double wanted = wanted_um.value_or(there_um.front());
+  const auto nearest = std::min_element(there_um.begin(), there_um.end(), [wanted](double a, double b) {
+    return std::abs(a - wanted) < std::abs(b - wanted);
+  });
+  selection.wavelength_um = *nearest;
+  selection.start[0] = static_cast<hsize_t>(nearest - there_um.begin());
+  selection.size[0] = 1;
+  return selection;
+}
+
+/// The row or column of cells nearest to a section. @param centre of the cells along its axis
+std::size_t find_row(const std::vector<double>& centre, double width, const SectionPlane& section,
+                     const std::string& where) {
+  const double first = centre.front() - 0.5 * width, last = centre.back() + 0.5 * width;
+  const double slack = 1e-6 * (last - first);
+  if (!(section.at_m >= first - slack && section.at_m <= last + slack)) {
+    throw InputError(fmt::format("{}: the section lies outside the domain (found {} = {} m, allowed {} to {} m)", where,
+                                 section.axis, section.at_m, first, last));
   }
+  const auto nearer = [&](double a, double b) { return std::abs(a - section.at_m) < std::abs(b - section.at_m); };
+  return static_cast<std::size_t>(std::min_element(centre.begin(), centre.end(), nearer) - centre.begin());
+}
+
+/// Horizontal axes of a variable.
+struct Horizontal {
+  std::vector<double> x, y;
+  double dx = 1, dy = 1;
+};
+
+/// @param choice with a section, or the variable has one row or column only
+FluxImage read_section(hid_t file, const std::string& where, hid_t dataset, FluxImage image, Selection selection,
+                       unsigned vertical, const Horizontal& axes, const ImageChoice& choice) {
+  const std::size_t rank = selection.size.size();
+  const std::string levels = dimension_name(dataset, vertical);
+  image.rows = static_cast<int>(selection.size[vertical]);
+  image.row_edge_m = levels == "z" ? read_axis(file, where, "z_edge", selection.size[vertical] + 1)
+                                   : edges_between(read_axis(file, where, levels, selection.size[vertical]));
+  image.rows_along = "z";
+  const bool along_x = choice.section ? choice.section->axis == 'y' : axes.x.size() > 1;
+  if (choice.section) {
+    const auto& centre = along_x ? axes.y : axes.x;
+    const std::size_t row = find_row(centre, along_x ? axes.dy : axes.dx, *choice.section, where);
+    const std::size_t axis = along_x ? rank - 2 : rank - 1;
+    selection.start[axis] = row;
+    selection.size[axis] = 1;
+    image.place = fmt::format("section {} at {} = {:g} m", along_x ? "x-z" : "y-z", choice.section->axis, centre[row]);
+  } else {
+    image.place = axes.x.size() > 1 ? "section x-z" : axes.y.size() > 1 ? "section y-z" : "column";
+  }
+  image.columns_along = along_x ? "x" : "y";
+  const auto& centre = along_x ? axes.x : axes.y;
+  image.columns = static_cast<int>(centre.size());
+  image.column_width_m = along_x ? axes.dx : axes.dy;
+  image.column_start_m = centre.front() - 0.5 * image.column_width_m;
+  // One of the two horizontal axes has length 1, so that [z][y][x] is [row][column] already.
+  image.value = hdf5::read_block<float>(dataset, {selection.start, selection.size});
+  return image;
+}
+
+FluxImage read_image(hid_t file, const std::string& where, const std::string& variable, const ImageChoice& choice) {
+  const auto there = images(file);
+  if (std::find(there.begin(), there.end(), variable) == there.end()) throw_missing(where, "map", variable, there);
+  const Handle dataset = hdf5::open_dataset(file, variable.c_str());
+  const ImageShape kind = *image_shape(dataset);
+  FluxImage image;
+  image.variable = variable;
+  image.units = hdf5::attribute_text(dataset, "units");
+  image.long_name = text_or_nothing(dataset, "long_name");
+  image.scene_title = text_or_nothing(file, "title");
+  Selection selection = select_wavelength(file, where, variable, dataset, choice.wavelength_um);
+  image.wavelength_um = selection.wavelength_um;
+  auto& [size, start, wavelength_um] = selection;
+  Horizontal axes{read_axis(file, where, kind.x, size[size.size() - 1]),
+                  read_axis(file, where, kind.y, size[size.size() - 2])};
+  axes.dx = spacing(axes.x, spacing(axes.y, 1));
+  axes.dy = spacing(axes.y, axes.dx);
+
   const unsigned vertical = kind.spectral ? 1 : 0;
-  if (kind.levels && size[vertical] > 1 && (x.size() == 1 || y.size() == 1)) {
-    // One of the two horizontal axes has length 1, so that [z][y][x] is [row][column] already.
-    const std::string name = dimension_name(dataset, vertical);
-    image.place = x.size() > 1 ? "section x-z" : y.size() > 1 ? "section y-z" : "column";
-    image.columns = static_cast<int>(std::max(x.size(), y.size()));
-    image.rows = static_cast<int>(size[vertical]);
-    image.column_width_m = x.size() > 1 ? dx : dy;
-    image.row_edge_m = name == "z" ? read_axis(file, where, "z_edge", size[vertical] + 1)
-                                   : edges_between(read_axis(file, where, name, size[vertical]));
-    image.value = hdf5::read_block<float>(dataset, {start, size});
-    return image;
+  const bool has_levels = kind.levels && size[vertical] > 1;
+  if (choice.section && !has_levels) {
+    throw InputError(
+        fmt::format("{}: a section needs a variable with several levels (found {}, allowed those along z, "
+                    "z_edge or z_flux)",
+                    where, variable));
   }
+  if (choice.section || (has_levels && (axes.x.size() == 1 || axes.y.size() == 1)))
+    return read_section(file, where, dataset, std::move(image), std::move(selection), vertical, axes, choice);
   if (kind.levels) {
     const auto height = read_axis(file, where, dimension_name(dataset, vertical), size[vertical]);
     start[vertical] = find_level(height, choice.level, where);
     size[vertical] = 1;
     image.place = fmt::format("z = {:g} m", height[start[vertical]]);
   }
-  image.columns = static_cast<int>(x.size());
-  image.rows = static_cast<int>(y.size());
+  image.columns = static_cast<int>(axes.x.size());
+  image.rows = static_cast<int>(axes.y.size());
   image.value = hdf5::read_block<float>(dataset, {start, size});
   if (kind.camera) {
     image.place = "camera";
     image.value = upside_down(image.value, image.rows, image.columns);
-    image.row_edge_m.resize(y.size() + 1);
+    image.row_edge_m.resize(axes.y.size() + 1);
     std::iota(image.row_edge_m.begin(), image.row_edge_m.end(), 0.0);
   } else {
-    image.column_width_m = dx;
-    image.row_edge_m = edges_around(y, dy);
+    image.column_width_m = axes.dx;
+    image.column_start_m = axes.x.front() - 0.5 * axes.dx;
+    image.row_edge_m = edges_around(axes.y, axes.dy);
   }
   return image;
+}
+
+constexpr const char* profile_group = "profile";
+
+bool is_profile(hid_t group, const std::string& name) {
+  return name != "z" && name != "z_edge" && name != "wavelength" &&
+         !shape_of(hdf5::open_dataset(group, name.c_str())).empty();
+}
+
+std::vector<std::string> profiles(hid_t file) {
+  std::vector<std::string> names;
+  if (hdf5::exists(file, profile_group)) {
+    const Handle group = hdf5::open_group(file, profile_group);
+    names = hdf5::member_names(group, H5_INDEX_NAME);
+    std::erase_if(names, [&group](const std::string& name) { return !is_profile(group, name); });
+  }
+  for (const std::string& name : images(file)) {
+    const auto kind = image_shape(hdf5::open_dataset(file, name.c_str()));
+    if (kind->levels && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+/// Means over the values of each level.
+std::vector<double> level_means(const std::vector<float>& value, std::size_t levels) {
+  const std::size_t count = value.size() / levels;
+  std::vector<double> mean;
+  for (std::size_t level = 0; level < levels; ++level) {
+    double sum = 0;
+    for (std::size_t n = 0; n < count; ++n) sum += value[level * count + n];
+    mean.push_back(sum / static_cast<double>(count));
+  }
+  return mean;
+}
+
+FluxProfile read_profile(hid_t file, const std::string& where, const std::string& variable,
+                         std::optional<double> wavelength_um) {
+  const auto there = profiles(file);
+  if (std::find(there.begin(), there.end(), variable) == there.end()) throw_missing(where, "profile", variable, there);
+  std::optional<Handle> group;
+  if (hdf5::exists(file, profile_group)) group.emplace(hdf5::open_group(file, profile_group));
+  const bool stored = group && hdf5::exists(*group, variable.c_str());
+  const Handle dataset = hdf5::open_dataset(stored ? static_cast<hid_t>(*group) : file, variable.c_str());
+  const Selection selection = select_wavelength(file, where, variable, dataset, wavelength_um);
+  const unsigned vertical = selection.wavelength_um ? 1 : 0;
+  if (selection.size.size() <= vertical)
+    throw InputError(fmt::format("{}: {} has no levels (found one value, allowed one a level)", where, variable));
+  const std::size_t levels = selection.size[vertical];
+  FluxProfile profile{variable,
+                      hdf5::attribute_text(dataset, "units"),
+                      text_or_nothing(dataset, "long_name"),
+                      text_or_nothing(file, "title"),
+                      selection.wavelength_um,
+                      read_axis(file, where, dimension_name(dataset, vertical), levels),
+                      {},
+                      0,
+                      0};
+  const std::vector<double> edge = read_coordinate(file, "z_edge");
+  profile.bottom_m = edge.empty() ? profile.height_m.front() : edge.front();
+  profile.top_m = edge.empty() ? profile.height_m.back() : edge.back();
+  if (stored) {
+    profile.value = hdf5::read_block<double>(dataset, {selection.start, selection.size});
+  } else {
+    profile.value = level_means(hdf5::read_block<float>(dataset, {selection.start, selection.size}), levels);
+  }
+  return profile;
 }
 
 /// Does something with an open result file.
@@ -231,6 +368,16 @@ std::vector<std::string> list_flux_images(const std::filesystem::path& result_fi
 FluxImage read_flux_image(const std::filesystem::path& result_file, const std::string& variable,
                           const ImageChoice& choice) {
   return with_result(result_file, [&](hid_t file) { return read_image(file, result_file.string(), variable, choice); });
+}
+
+std::vector<std::string> list_flux_profiles(const std::filesystem::path& result_file) {
+  return with_result(result_file, [](hid_t file) { return profiles(file); });
+}
+
+FluxProfile read_flux_profile(const std::filesystem::path& result_file, const std::string& variable,
+                              std::optional<double> wavelength_um) {
+  return with_result(result_file,
+                     [&](hid_t file) { return read_profile(file, result_file.string(), variable, wavelength_um); });
 }
 
 }  // namespace cloudbow

@@ -1,15 +1,23 @@
 #include "cloudbow/io/png_file.hpp"
 
+#include <fmt/format.h>
 #include <png.h>
 
 #include <cassert>
 
 #include "cloudbow/core/atomic_file.hpp"
+#include "cloudbow/core/error.hpp"
 #include "cloudbow/io/picture_format.hpp"
 
 namespace cloudbow {
 
 namespace {
+
+void check_png(const std::filesystem::path& file) {
+  if (picture_format(file) == PictureFormat::png) return;
+  throw InputError(fmt::format("{}: pixels alone are no SVG or PDF (found {}, allowed .png)", file.string(),
+                               file.extension().string()));
+}
 
 /// @param png format and size set
 std::vector<std::uint8_t> encode(const std::filesystem::path& file, png_image& png,
@@ -38,7 +46,7 @@ png_image make_png(int width, int height, png_uint_32 format) {
 }  // namespace
 
 void write_png(const std::filesystem::path& file, const IndexedImage& image) {
-  picture_format(file);
+  check_png(file);
   assert(image.colour.size() <= 255 &&
          image.index.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   std::vector<std::uint8_t> colormap(4, 0);
@@ -49,7 +57,7 @@ void write_png(const std::filesystem::path& file, const IndexedImage& image) {
 }
 
 void write_png(const std::filesystem::path& file, const RgbImage& image) {
-  picture_format(file);
+  check_png(file);
   assert(image.rgb.size() == 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   png_image png = make_png(image.width, image.height, PNG_FORMAT_RGB);
   write_file_atomically(file, encode(file, png, image.rgb, nullptr));

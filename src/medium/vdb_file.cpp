@@ -1,8 +1,6 @@
 #include "cloudbow/medium/vdb_file.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <chrono>
 #include <cstdint>
@@ -10,7 +8,8 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/file_library_lock.hpp"
-#include "cloudbow/core/sandbox.hpp"
+#include "cloudbow/core/module.hpp"
+#include "cloudbow/core/sanitizers.hpp"
 #include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "vdb_module.hpp"
@@ -19,69 +18,13 @@ namespace cloudbow {
 
 namespace {
 
-constexpr const char* module_file = "cloudbow_vdb.so";
-
-#if defined(__SANITIZE_ADDRESS__)  // GCC
-constexpr bool has_address_sanitizer = true;
-#elif defined(__has_feature)  // Clang
-constexpr bool has_address_sanitizer = __has_feature(address_sanitizer);
-#else
-constexpr bool has_address_sanitizer = false;
-#endif
-
-#if defined(__SANITIZE_THREAD__)
-constexpr bool has_thread_sanitizer = true;
-#elif defined(__has_feature)
-constexpr bool has_thread_sanitizer = __has_feature(thread_sanitizer);
-#else
-constexpr bool has_thread_sanitizer = false;
-#endif
-
-#if defined(RTLD_DEEPBIND)
-constexpr int own_symbols_first = RTLD_DEEPBIND;
-#else
-constexpr int own_symbols_first = 0;  // not in other C libraries
-#endif
-
-/// OpenVDB's log starts threads as it is loaded. It ends the program, or never returns, if there is no memory for them.
-void check_memory_to_load() {
-  constexpr std::uint64_t log_threads = 4;
-  constexpr std::uint64_t libraries = 100'000'000;  // 65 MB, and what reading a small file takes
-  pthread_attr_t attributes{};
-  std::size_t stack = 8'388'608;
-  if (pthread_getattr_default_np(&attributes) == 0) {
-    pthread_attr_getstacksize(&attributes, &stack);
-    pthread_attr_destroy(&attributes);
-  }
-  const std::uint64_t left = memory_left_by_limits(), needed = libraries + log_threads * stack;
-  if (left >= needed) return;
-  throw InputError(fmt::format(
-      "{}: too little memory to load OpenVDB (found {} MB that the limits of this process leave, allowed {} "
-      "MB and more) raise `ulimit -v` and `ulimit -d`",
-      module_file, left / 1'000'000, needed / 1'000'000));
-}
-
-const void* load_symbol() {
-  // OpenVDB has 60,000 symbols to find. In its own libraries first, that takes 30 ms; in those of the program
-  // first, 55. The runtimes of sanitizers refuse this order.
-  constexpr bool sanitized = has_address_sanitizer || has_thread_sanitizer;
-  void* const library = dlopen(module_file, RTLD_NOW | RTLD_LOCAL | (sanitized ? 0 : own_symbols_first));
-  const void* const symbol = library != nullptr ? dlsym(library, "cloudbow_vdb_module") : nullptr;
-  if (symbol == nullptr) {
-    throw InputError(
-        fmt::format("{}: the part of cloudbow that reads and writes OpenVDB files cannot be loaded ({}) "
-                    "install cloudbow anew, or add the module's folder to LD_LIBRARY_PATH",
-                    module_file, dlerror()));
-  }
-  return symbol;
-}
-
-/// Found by the run path of the program: its build folder, or lib/cloudbow beside the bin/ that it is installed in.
 /// It stays loaded: OpenVDB's threads outlive any call.
 const VdbModule& vdb_module() {
   static const VdbModule& module = []() -> const VdbModule& {
-    check_memory_to_load();
-    const void* const symbol = load_symbol();
+    // The libraries take 65 MB, and reading a small file some more. OpenVDB's log starts threads as it is loaded.
+    // It has 60,000 symbols to find. In its own libraries first, that takes 30 ms; in those of the program first, 55.
+    const void* const symbol = load_module("cloudbow_vdb.so", "cloudbow_vdb_module",
+                                           {"OpenVDB", "reads and writes OpenVDB files", 100'000'000, 4, true});
     // The address sanitizer's allocator, unlike the C library's, is not kept consistent over a fork. So the threads
     // that OpenVDB's log has just started must be idle before the first read in a sandbox.
     if constexpr (has_address_sanitizer) std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -48,6 +48,12 @@ Rgb grey(double t) { return srgb(100 * t, 0, 0); }
 /// exact.
 Rgb blue_yellow(double t) { return srgb(20 + 72 * t, 25 + 22 * t * t * t, 290 - 195 * t); }
 
+/// From blue over near-white to red, the two arms with the same lightness. The chroma rises inside the gamut of sRGB.
+Rgb blue_red(double t) {
+  const double strength = std::abs(2 * t - 1);
+  return srgb(96 - 58 * strength, 60 * std::pow(strength, 0.9), t < 0.5 ? 250 + 40 * strength : 32);
+}
+
 int hex_digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
 
 /// A colour of a published list, linearly between its neighbours. @param t 0 to 1
@@ -74,8 +80,11 @@ struct Colormap {
   const char* name;
   Rgb (*colour)(double t);  ///< of 0 to 1
 };
-constexpr std::array<Colormap, 4> colormaps{
-    {{"grey", grey}, {"blue-yellow", blue_yellow}, {"viridis", viridis}, {"cividis", cividis}}};
+constexpr std::array<Colormap, 5> colormaps{{{"grey", grey},
+                                             {"blue-yellow", blue_yellow},
+                                             {"viridis", viridis},
+                                             {"cividis", cividis},
+                                             {diverging_colormap, blue_red}}};
 
 }  // namespace
 

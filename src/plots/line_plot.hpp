@@ -1,17 +1,17 @@
 // Plots of curves: linear or logarithmic axes, polar diagrams, legends.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "plots/plot_canvas.hpp"
+#include "plots/axis.hpp"
+#include "plots/drawing.hpp"
 
 namespace cloudbow {
 
 struct PlotSeries {
-  std::string label;  ///< empty: not in the legend
+  std::string label;  ///< plain text; empty: not in the legend
   std::vector<double> x, y;
   Stroke stroke;
   bool has_line = true;
@@ -19,20 +19,10 @@ struct PlotSeries {
   std::vector<std::string> point_label{};  ///< above each point to the right; empty: none
 };
 
-struct PlotAxis {
-  std::string label;
-  bool logarithmic = false;
-  std::optional<std::pair<double, double>> range;  ///< default: of the data, widened to ticks
-  std::optional<double> tick_spacing;              ///< linear axes; default: about six ticks, at 1, 2 or 5 times 10^n
-};
-
-enum class LegendPlace { none, top_left, top_right, bottom_left, bottom_right };
-
 struct LinePlot {
   std::string title;
   PlotAxis x, y;
   std::vector<PlotSeries> series;  ///< not finite, or <= 0 on a logarithmic axis: the line is broken there
-  LegendPlace legend = LegendPlace::top_right;
 };
 
 /// Curves around a point: 0 degrees to the right, counter-clockwise; the radius is the logarithm of the value.
@@ -42,18 +32,14 @@ struct PolarPlot {
   std::vector<PlotSeries> series;   ///< x: angle [deg], y: value
 };
 
-/// @param text_size height of a capital letter of the labels [pixels]
-void draw(PlotCanvas& canvas, const PlotBox& box, const LinePlot& plot, double text_size);
-void draw(PlotCanvas& canvas, const PlotBox& box, const PolarPlot& plot, double text_size);
+/// Both fill the box with title, axes and curves.
+void draw(Drawing& drawing, const PlotBox& box, const LinePlot& plot);
+void draw(Drawing& drawing, const PlotBox& box, const PolarPlot& plot);
 
-/// Entries side by side, in as many rows as the width needs; from the top of the box. @returns the height used.
-double draw_legend(PlotCanvas& canvas, const PlotBox& box, const std::vector<PlotSeries>& series, double text_size);
-
-/// Values at the ticks of an axis, least to largest, inside the range. Logarithmic: powers of ten, or with `minor`
-/// their multiples 2 to 9.
-std::vector<double> axis_ticks(const PlotAxis& axis, std::pair<double, double> range, bool minor = false);
-/// The range of an axis that shows these values.
-std::pair<double, double> axis_range(const PlotAxis& axis, const std::vector<double>& values);
+/// Entries side by side, in as many rows as the width needs; from the top of the box.
+void draw_legend(Drawing& drawing, PlotPoint top_left, double width, const std::vector<PlotSeries>& series);
+/// The height that they use.
+double legend_height(double width, const std::vector<PlotSeries>& series);
 
 /// Eight colours that can be distinguished with any colour vision (Okabe & Ito 2008), in turn.
 PlotColour plot_colour(std::size_t index);

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "plots/frame.hpp"
 #include "plots/line_plot.hpp"
 
 namespace cloudbow {
 namespace {
 
-constexpr int width = 1500, row = 620;
-constexpr double text_size = 11, margin = 18, polar_width = 600;
+constexpr double width = 675, row = 280, margin = 10, polar_width = 270;
 constexpr double most_decades = 6;  // below the largest value
 
 struct Curves {
@@ -26,13 +26,13 @@ Stroke stroke_of(PhaseFitMethod method) {
   const auto index = static_cast<std::size_t>(method);
   switch (method) {
     case PhaseFitMethod::linear_programming:
-      return {plot_colour(1), 2.6, {}, 1};
+      return {plot_colour(1), 1.4};
     case PhaseFitMethod::linear_programming_interpolant:
-      return {{120, 60, 0}, 1.8, {9, 6}, 1};
+      return {{120, 60, 0}, 0.9, {5, 3}};
     case PhaseFitMethod::linear_programming_bounded:
-      return {{160, 0, 60}, 1.8, {3, 4.5}, 1};
+      return {{160, 0, 60}, 0.9, {2, 2.5}};
     default:
-      return {plot_colour(std::array<std::size_t, 5>{5, 0, 2, 3, 4}[index]), 1.6, {}, 1};
+      return {plot_colour(std::array<std::size_t, 5>{5, 0, 2, 3, 4}[index]), 0.9};
   }
 }
 
@@ -40,7 +40,7 @@ Curves curves_of(const FittedFunction& fitted, const PhaseReport& report) {
   std::vector<double> angle;
   for (int i = 0; i <= 1440; ++i) angle.push_back(0.25 * i);
   Curves curves;
-  PlotSeries truth{"the function itself", angle, {}, {{0, 0, 0}, 3.4, {}, 1}};
+  PlotSeries truth{"the function itself", angle, {}, {{0, 0, 0}, 1.8}};
   for (const double a : angle) truth.y.push_back(fitted.function(std::cos(a * std::numbers::pi / 180)));
   const auto [least, largest] = std::minmax_element(truth.y.begin(), truth.y.end());
   const double high = std::pow(10, std::ceil(std::log10(1.02 * *largest)));
@@ -69,30 +69,29 @@ double flat_top(const Curves& curves) {
 }  // namespace
 
 void write_phase_plot(const std::filesystem::path& file, const PhaseReport& report) {
-  const auto rows = static_cast<int>(report.functions.size());
-  constexpr double title_height = 3.5 * text_size, legend_height = 7 * text_size;
-  PlotCanvas canvas(width, static_cast<int>(title_height + rows * row + legend_height + margin));
-  canvas.text(fmt::format("{}; {} control points", report.title, report.points.size()), {width / 2.0, 2.2 * text_size},
-              1.4 * text_size, TextAnchor::centre);
-  double top = title_height;
+  Drawing drawing{.width = width, .title = report.title};
+  double top = margin;
+  top += draw_title(drawing, fmt::format("{}; {} control points", report.title, report.points.size()), {width / 2, top},
+                    width - 2 * margin, 13) +
+         margin;
   std::vector<PlotSeries> legend;
   for (const FittedFunction& fitted : report.functions) {
     const Curves curves = curves_of(fitted, report);
     LinePlot plot;
     plot.title = fitted.name;
-    plot.x = {"scattering angle [degree]", false, std::pair(0.0, 180.0), 30};
-    plot.y = {"phase function", true, curves.range, {}};
-    if (curves.flat) plot.y = {"phase function", false, std::pair(0.0, flat_top(curves)), {}};
+    plot.x = {.name = "scattering angle", .unit = "degree", .range = std::pair(0.0, 180.0), .tick_spacing = 30};
+    plot.y = {.name = "phase function", .unit = "1", .logarithmic = true, .range = curves.range};
+    if (curves.flat) plot.y = {.name = "phase function", .unit = "1", .range = std::pair(0.0, flat_top(curves))};
     plot.series = curves.series;
-    plot.legend = LegendPlace::none;
-    draw(canvas, {margin, top, width - polar_width - margin, top + row}, plot, text_size);
-    draw(canvas, {width - polar_width, top, width - margin, top + row},
-         PolarPlot{fitted.name + ", around the direction of travel", curves.range, curves.series}, text_size);
+    draw(drawing, {margin, top, width - polar_width - margin, top + row - margin}, plot);
+    draw(drawing, {width - polar_width, top, width - margin, top + row - margin},
+         PolarPlot{fitted.name + ", around the direction of travel", curves.range, curves.series});
     legend = curves.series;
     top += row;
   }
-  draw_legend(canvas, {6 * text_size, top + margin / 2, width - margin, top + legend_height}, legend, text_size);
-  canvas.write_png(file);
+  draw_legend(drawing, {4 * margin, top}, width - 5 * margin, legend);
+  drawing.height = top + legend_height(width - 5 * margin, legend) + margin;
+  write_drawing(file, drawing);
 }
 
 }  // namespace cloudbow

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "cloudbow/core/atomic_file.hpp"
+#include "plots/frame.hpp"
 #include "plots/line_plot.hpp"
 
 namespace cloudbow {
@@ -48,8 +49,7 @@ std::array<Curve, kinds.size()> curves_of(const TradeoffReport& report) {
   return curves;
 }
 
-constexpr double text_size = 11;
-constexpr double dot = 3.5, front_dot = 6;
+constexpr double dot = 1.8, front_dot = 3.2;
 
 std::pair<double, double> error_range(const TradeoffReport& report) {
   std::vector<double> errors;
@@ -58,7 +58,7 @@ std::pair<double, double> error_range(const TradeoffReport& report) {
       if (row.errors) errors.push_back((*row.errors).*kind.of);
     }
   }
-  return axis_range({"", true, {}, {}}, errors);
+  return axis_range({.name = "", .unit = "", .logarithmic = true}, errors);
 }
 
 /// Names of the levels, each at its largest error.
@@ -125,13 +125,13 @@ void write_tradeoff_csv(const std::filesystem::path& file, const TradeoffReport&
 void write_tradeoff_plot(const std::filesystem::path& file, const TradeoffReport& report) {
   LinePlot plot;
   plot.title = report.title;
-  plot.x = {"CPU seconds of the solve", true, {}, {}};
-  plot.y = {fmt::format("error against {} [%]", report.truth), true, error_range(report), {}};
-  plot.legend = LegendPlace::none;
+  plot.x = {.name = "CPU time of the solve", .unit = "s", .logarithmic = true};
+  plot.y = {.name = fmt::format("error against {}", report.truth), .unit = "%", .logarithmic = true};
+  plot.y.range = error_range(report);
   std::vector<PlotSeries> legend;
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const Curve curve = curve_of(report, kinds[k].of);
-    const Stroke stroke{plot_colour(k), 2, {}, 1};
+    const Stroke stroke{plot_colour(k), 1.2};
     plot.series.push_back({"", curve.seconds, curve.error, stroke, false, dot});
     PlotSeries front{kinds[k].name, {}, {}, stroke, true, front_dot};
     for (const std::size_t n : curve.front) {
@@ -145,17 +145,24 @@ void write_tradeoff_plot(const std::filesystem::path& file, const TradeoffReport
     if (row.errors) continue;
     const auto [least, largest] = *plot.y.range;
     const double seconds = row.cost.cpu_seconds;
-    plot.series.push_back({"truth: " + row.level, {seconds, seconds}, {least, largest}, {{0, 0, 0}, 1.5, {6, 5}, 1}});
+    plot.series.push_back({"truth: " + row.level, {seconds, seconds}, {least, largest}, {{0, 0, 0}, 0.9, {4, 3}}});
     legend.push_back(plot.series.back());
   }
   plot.series.push_back(level_names(report));
 
-  PlotCanvas canvas(900, 640);
-  draw(canvas, {18, 10, 882, 540}, plot, text_size);
-  draw_legend(canvas, {90, 545, 882, 600}, legend, text_size);
-  canvas.text("joined, with large dots: the Pareto front, where no other level has less error in as little time",
-              {90, 617}, text_size);
-  canvas.write_png(file);
+  constexpr double plot_height = 290, width = figure_width - 2 * figure_margin;
+  Drawing drawing{.width = figure_width, .title = report.title};
+  draw(drawing, {figure_margin, figure_margin, figure_width - figure_margin, plot_height}, plot);
+  draw_legend(drawing, {4 * figure_margin, plot_height + figure_margin}, width - 4 * figure_margin, legend);
+  DrawnText note{
+      .markup = "joined, with large dots: the Pareto front (no other level has less error in as little time)",
+      .place = {4 * figure_margin, plot_height + 2 * figure_margin + legend_height(width - 4 * figure_margin, legend)},
+      .size = 8,
+      .hold = TextHold::top,
+      .max_width = width - 4 * figure_margin};
+  drawing.add(note);
+  drawing.height = text_box(note).bottom + figure_margin;
+  write_drawing(file, drawing);
 }
 
 }  // namespace cloudbow

@@ -43,8 +43,8 @@ def main():
         folder = Path(name)
         run("cmake", "--install", options.build, "--prefix", folder / "first")
         prefix = (folder / "first").rename(folder / "moved")
-        module = prefix / options.libdir / "cloudbow" / "cloudbow_vdb.so"
-        assert module.is_file(), module
+        module, drawing = (prefix / options.libdir / "cloudbow" / f"cloudbow_{name}.so" for name in ("vdb", "drawing"))
+        assert module.is_file() and drawing.is_file(), (module, drawing)
 
         cloud = folder / "cloud.vdb"
         clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
@@ -60,7 +60,16 @@ def main():
         print(said)
         assert "voxels 32" in said, said
 
+        figure = folder / "cloud.svg"
+        plot = ("cloud", "info", cloud, "--plot", figure)
+        run(prefix / "bin/cloudbow", *plot, env=clean)
+        assert figure.read_text().startswith("<?xml"), figure
+
         # With the module gone the program says so: that it was found above is no accident of this build's folder.
+        figure.unlink()
+        drawing.unlink()
+        without = subprocess.run([str(prefix / "bin/cloudbow"), *map(str, plot)], capture_output=True, text=True, env=clean)
+        assert without.returncode == 2 and "cloudbow_drawing.so" in without.stderr and not figure.exists(), without
         module.unlink()
         without = subprocess.run([str(prefix / "bin/cloudbow"), "cloud", "info", str(cloud)], capture_output=True, text=True, env=clean)
         assert without.returncode == 2 and "cloudbow_vdb.so" in without.stderr, without

@@ -383,6 +383,16 @@ def main():
         vdb = folder / "output.vdb"
         checker.expect_error("render: a wavelength of no spectrum", ["render", folder / "result.h5", "--wavelength-um", "0.5", "-o", folder / "output.png"],
                              ["result.h5", "--wavelength-um", "spectrum", "0.5"], folder / "output.png")
+        for name, arguments, words in (
+                ("a section that is none", ["--section", "z=3"], ["section", "z=3", "y=METRES"]),
+                ("a section without a number", ["--section", "x=3m"], ["section", "x=3m"]),
+                ("a section outside", ["--section", "y=1e6"], ["result.h5", "y = 1000000"]),
+                ("a section of a map", ["--section", "y=100", "--field", "optical_depth"], ["result.h5", "optical_depth"]),
+                ("a profile of nothing", ["--profile", "--field", "z"], ["result.h5", "no profile", "upwelling_flux"]),
+                ("pixels and a width", ["--bare", "--size", "600"], ["bare", "size"]),
+                ("a tiny figure", ["--size", "20"], ["--size", "20", "200"]),
+                ("min above all", ["--min", "1e9"], ["min", "1e+09"])):
+            checker.expect_error(f"render: {name}", ["render", folder / "result.h5", *arguments, "-o", folder / "output.png"], words, folder / "output.png")
         slab = ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "9", "9", "9"]
         for name, ending, command, words in (
                 ("mie", "toml", ["mie", "--wavelength-um", "0.55", "--effective-radius-um", "1", "-o"], ["the table", ".h5"]),
@@ -398,10 +408,10 @@ def main():
                 ("phase plot", "h5", ["phase", "rayleigh", "--plot"], ["the plot", ".png"]),
                 ("tradeoff table", "png", ["tradeoff", scene, "--csv"], ["the table", ".csv"]),
                 ("tradeoff plot", "csv", ["tradeoff", scene, "--plot"], ["the plot", ".png"]),
-                ("render", "h5", ["render", folder / "result.h5", "-o"], ["the picture", ".png, .exr"])):
+                ("render", "h5", ["render", folder / "result.h5", "-o"], ["the picture", ".png, .svg, .pdf, .exr"])):
             file = folder / f"output.{ending}"
             checker.expect_error(f"ending of another kind: {name}", [*command, f'output.file="{file}"' if name == "output.file" else file], [file.name, f"found .{ending}", *words], file)
-        for ending in ("jpg", "pdf", "gif"):
+        for ending in ("jpg", "eps", "gif"):
             picture = folder / f"output.{ending}"
             checker.expect_error(f"render: {ending}", ["render", folder / "result.h5", "-o", picture], [picture.name, ".png", ".exr"], picture)
             checker.expect_error(f"cloud info: {ending}", ["cloud", "info", cloud, "--plot", picture], [picture.name, ".png"], picture)

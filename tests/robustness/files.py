@@ -108,6 +108,11 @@ def outputs(bench):
         bench.expect_refusal(name, command, words)
     done = bench.run("run", scene, "--quiet", "-o", "result.h5")
     bench.check(done.returncode == 0, "a result", done.stderr)
+    for ending in ("png", "svg", "pdf"):
+        for name in ("a", "b"):
+            done = bench.run("render", "result.h5", "-o", f"{name}.{ending}")
+            bench.check(done.returncode == 0, f"a figure {name}.{ending}", done.stderr)
+        bench.check((bench.folder / f"a.{ending}").read_bytes() == (bench.folder / f"b.{ending}").read_bytes(), f"the same {ending} twice", "")
     bench.expect_refusal("render over the result", ["render", "result.h5", "-o", "./result.h5"], ["picture would overwrite an input"])
     bench.expect_refusal("export over the result", ["export", "result.h5", "--vdb", "result.h5", "--actinic"], ["grids would overwrite an input"])
     table = next((bench.folder / "cache" / "cloudbow").glob("scattering-*.table"))

@@ -27,6 +27,7 @@ THIRD_PARTY = {
     r"netcdf\.h": {"medium", "io"},
     r"png\.h": {"medium", "io"},
     r"zlib\.h": {"medium", "io"},
+    r"cairo[\w-]*\.h|pango/": {"plots"},
     r"xxh(ash|3)\.h": {"core"},
     r"toml\+\+/|toml\.hpp": {"app"},
     r"CLI/": {"app"},

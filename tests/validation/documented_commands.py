@@ -44,6 +44,7 @@ SLOW = {
     "cloudbow run configs/gallery/": "minutes: cameras, three wavelengths",
     "cloudbow render sunset.h5": "needs the one before",
     "cloudbow render satellite.h5": "needs the one before",
+    "cloudbow render aircraft.h5": "needs the one before",
 }
 # Modules of Python that may be missing, each by the part that must be there.
 OPTIONAL = {"pyopenvdb": "pyopenvdb", "cloudbow": "cloudbow._core"}
@@ -82,6 +83,7 @@ PAGES = {
     "docs/from-les-to-fluxes.md": Page(files={"cells.csv": CELLS, "moments.csv": MOMENTS}, completions=[SUN]),
     "docs/droplets.md": Page(before=["scripts/examples/make_les_file.py les.nc", "cloudbow cloud import les.nc --time 1 --minimum 0.003 -o les.vdb"], completions=[SUN]),
     "docs/radiance-fields.md": Page(shows=("sin(zenith)",)),
+    "docs/figures.md": Page(),
     "docs/pictures.md": Page(completions=[SUN + CUMULUS + "effective_radius_um = 10.0\n", SUN + CUMULUS + '[phase_function.droplets]\ntype = "isotropic"\n']),
     "docs/howto-thermal.md": Page(completions=["", THERMAL]),
     "docs/howto-heating-rates.md": Page(references=GAS),

@@ -7,10 +7,10 @@
 
 namespace cloudbow {
 
-enum class PictureFormat { png, exr };
+enum class PictureFormat { png, svg, pdf, exr };
 
 /// By the ending of the name, in letters of any size; a name without one means PNG.
-/// @param kind plot, which is PNG alone, or picture
+/// @param kind plot, which is PNG, SVG or PDF, or picture
 /// @throws InputError for any other ending (check_ending())
 PictureFormat picture_format(const std::filesystem::path& file, OutputKind kind = OutputKind::plot);
 

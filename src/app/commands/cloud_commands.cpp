@@ -65,8 +65,12 @@ void plot_columns(const std::filesystem::path& file, const VdbReadOptions& read,
   const VdbCloud field = read_cloud_vdb(file, read);
   ColumnPlot plot;
   plot.title = file.filename().string();
-  plot.label = column_integral_name(field.quantity, field.units);
-  if (const auto unit = plot.label.find("m2]"); unit != std::string::npos) plot.label.replace(unit, 2, "m^{2}");
+  plot.name = column_integral_name(field.quantity, field.units);
+  plot.unit = "1";
+  if (const auto unit = plot.name.find(" [g/m2]"); unit != std::string::npos) {
+    plot.name.resize(unit);
+    plot.unit = "g m-2";
+  }
   plot.columns = {field.cells[0], field.cells[1]};
   plot.column_size_m = {field.cell_size_m[0], field.cell_size_m[1]};
   plot.min_m = {field.min_m[0], field.min_m[1]};
@@ -86,7 +90,7 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
       cloud_app.add_subcommand("info", "Grids, size, voxel size, active voxels, values, column optical depth, fill");
   app->add_option("file", options->file, "VDB file")->type_name("FILE")->required();
   app->add_option("--plot", options->plot,
-                  "Map (one row: curve) of the columns of the grid \"density\", or --grid (PNG)")
+                  "Map (one row: curve) of the columns of the grid \"density\", or --grid (PNG, SVG, PDF)")
       ->type_name("FILE");
   app->add_option("--grid", options->grid, "This grid alone")->type_name("NAME");
   app->add_option("--up-axis", options->up_axis, "Axis of the file that points up: x, y (renderers) or z")

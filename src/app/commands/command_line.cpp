@@ -20,6 +20,7 @@
 #include "app/commands/gas_commands.hpp"
 #include "app/commands/mie_command.hpp"
 #include "app/commands/phase_command.hpp"
+#include "app/commands/render_command.hpp"
 #include "app/commands/sweep_command.hpp"
 #include "app/commands/tradeoff_command.hpp"
 #include "app/commands/usage_error.hpp"
@@ -33,7 +34,6 @@
 #include "app/runs/run.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/printable.hpp"
-#include "cloudbow/plots/render.hpp"
 
 namespace cloudbow {
 namespace {
@@ -122,62 +122,6 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
     action = [options, target] {
       options->target = target->target();
       return run(*options);
-    };
-  });
-}
-
-void set_exposure(RenderOptions& options, const std::string& text) {
-  if (text.empty()) return;
-  if (text == "auto") {
-    options.automatic_exposure = true;
-    return;
-  }
-  double factor = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(factor) || factor <= 0)
-    throw InputError(fmt::format("--exposure: found '{}', allowed a number > 0 or auto", text));
-  options.exposure = factor;
-}
-
-void add_render(CLI::App& app, Action& action) {
-  struct Options {
-    RenderOptions render;
-    std::vector<double> range;
-    std::string exposure;
-  };
-  auto options = std::make_shared<Options>();
-  RenderOptions& render_options = options->render;
-  CLI::App* render_app = app.add_subcommand("render", "Draw an image or a flux field of a result file");
-  render_app->add_option("result", render_options.result_file, "Result file (HDF5)")->type_name("FILE")->required();
-  render_app->add_option("-o,--output", render_options.image_file, "Picture: PNG, or OpenEXR if its name ends in .exr")
-      ->type_name("FILE")
-      ->required();
-  render_app->add_option("--variable,--field", render_options.variable, "Variable to draw")->capture_default_str();
-  render_app->add_option("--level", render_options.level, "top, bottom or a height in metres")->capture_default_str();
-  render_app->add_option("--range", options->range, "Values of the first and the last colour (default: those there)")
-      ->expected(2)
-      ->check(finite_number(std::numeric_limits<double>::lowest(), "a finite number"));
-  render_app->add_option("--scale", render_options.scale, "Pixels a cell (default: about 768 pixels in all)")
-      ->check(whole_number(1, 1000));
-  render_app
-      ->add_option("--colormap", render_options.colormap,
-                   joined(colormap_names()) + " (default: natural colours where there can be, else grey)")
-      ->type_name("NAME");
-  render_app->add_option("--wavelength-um", options->render.wavelength_um, "Of a spectrum: draw the nearest alone")
-      ->check(finite_number(0, "a wavelength > 0"));
-  render_app->add_option("--tone", render_options.tone, "Tone curve of natural colours: " + joined(tone_names()))
-      ->type_name("NAME");
-  render_app->add_option("--exposure", options->exposure, "Factor on reflectance factors, or auto (default: 1)")
-      ->type_name("X|auto");
-  render_app->callback([&action, options] {
-    action = [options] {
-      if (!options->range.empty()) options->render.range = {options->range[0], options->range[1]};
-      set_exposure(options->render, options->exposure);
-      const RenderReport report = render(options->render);
-      fmt::print("{}: {} [{}], {}{} x {} pixels, {}\n", options->render.image_file.string(), report.image.variable,
-                 printable(report.image.units), report.image.place.empty() ? "" : report.image.place + ", ",
-                 report.width, report.height, report.colours);
-      return exit_done;
     };
   });
 }

@@ -113,7 +113,8 @@ int make_mie_file(const MieOptions& options) {
   std::vector<DropletTable> tables;
   std::vector<DropletTableInfo> infos;
   {
-    ProgressDisplay display(options.quiet, 1);
+    RunClock clock(1);
+    ProgressDisplay display(options.quiet, 1, &clock);
     for (const DropletRecipe& recipe : recipes) {
       MieTableOptions table_options;
       table_options.threads = options.threads;

@@ -167,7 +167,8 @@ void add_phase(CLI::App& app, std::function<int()>& action, const std::string& c
                         "Ordinate set whose quadrature holds them (default: the solver's for so many control points)");
   phase_app->add_option("--travel", options->travel, "Direction x y z in which the arriving light travels")
       ->expected(3);
-  phase_app->add_option("--plot", options->plot, "Picture of the function and its fits (PNG)")->type_name("FILE");
+  phase_app->add_option("--plot", options->plot, "Picture of the function and its fits (PNG, SVG, PDF)")
+      ->type_name("FILE");
   phase_app->add_option("-o,--output", options->output, "All figures (HDF5)")->type_name("FILE");
   phase_app->callback([&action, options] { action = [options] { return phase(*options); }; });
 }

@@ -21,7 +21,8 @@ void add_tradeoff(CLI::App& app, std::function<int()>& action) {
                    "Result file (HDF5) of the same columns that errors are against (default: the best level)")
       ->type_name("FILE");
   tradeoff_app->add_option("--csv", options->csv, "Write the table, unrounded, to this file")->type_name("FILE");
-  tradeoff_app->add_option("--plot", options->plot, "Draw errors against CPU seconds (PNG)")->type_name("FILE");
+  tradeoff_app->add_option("--plot", options->plot, "Draw errors against CPU seconds (PNG, SVG, PDF)")
+      ->type_name("FILE");
   tradeoff_app->add_option("--set", options->overrides, "Replace any key of the scene, as in run; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);

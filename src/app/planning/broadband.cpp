@@ -219,13 +219,14 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
   if (scenes.front().output.bands) run.bands = band_profiles(*broadband.model);
   Solution sum;
   SummedErrors errors;
+  RunClock clock(points.point.size());
   for (std::size_t n = 0; n < points.point.size(); ++n) {
     Scene scene = scenes[static_cast<std::size_t>(points.point[n])];
     if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
     scene.broadband->largest_air_error = points.largest_air_error;
     const PlannedScene planned = plan_scene(scene, available, files, cost.levels_m, options.threads);
     if (!options.quiet) tell("g-point {}: {} of {} to solve\n", points.point[n], n + 1, points.point.size());
-    ProgressDisplay display(options.quiet, planned.plan.options().tolerance);
+    ProgressDisplay display(options.quiet, planned.plan.options().tolerance, &clock);
     Solution solution = solve(planned.plan, [&display](const SolverProgress& progress) {
       InterruptGuard::check();
       display.show(progress);

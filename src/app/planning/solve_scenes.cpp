@@ -26,13 +26,14 @@ ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const
 Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files) {
   Solved solved;
+  RunClock clock(scenes.size() * (options.compare ? 2 : 1));
   for (const Scene& scene : scenes) {
     const PlannedScene planned =
         cost.only ? std::move(*cost.only) : plan_scene(scene, available, files, cost.levels_m, options.threads);
     const AssembledScene& assembled = *planned.scene;
     if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
     const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {
-      ProgressDisplay display(options.quiet, plan.options().tolerance);
+      ProgressDisplay display(options.quiet, plan.options().tolerance, &clock);
       // Between sweeps a signal waits for the checkpoint.
       const bool kept = checkpoints != nullptr && !options.checkpoint.empty();
       return solve(

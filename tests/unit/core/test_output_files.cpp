@@ -57,8 +57,8 @@ TEST_F(OutputFiles, EachKindHasItsEndings) {
       {OutputKind::checkpoint, {"a.h5", "a.hdf5", "a.ck", "a.ckpt", "a.checkpoint"}},
       {OutputKind::vdb, {"a.vdb", "a.VDB"}},
       {OutputKind::csv, {"a.csv", "a.txt"}},
-      {OutputKind::plot, {"a.png"}},
-      {OutputKind::picture, {"a.png", "a.exr"}}};
+      {OutputKind::plot, {"a.png", "a.svg", "a.PDF"}},
+      {OutputKind::picture, {"a.png", "a.svg", "a.pdf", "a.exr"}}};
   for (const auto& [kind, names] : own) {
     for (const std::string& name : names) EXPECT_NO_THROW(check_ending({name, "it", kind})) << name;
     for (const char* name : {"a", "depth_0.5", ".a", "a.", "x.png/a"})

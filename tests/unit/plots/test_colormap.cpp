@@ -74,6 +74,22 @@ TEST(Colormap, PublishedMapsBrightenEvenly) {
   }
 }
 
+// Zero has the middle; what is equally far from it is equally dark. A clipped channel would move L* by more than bytes
+// do.
+TEST(Colormap, TheDivergingMapIsSymmetricInLightness) {
+  const std::vector<Rgb> colour = make_colormap("blue-red", 511);
+  for (std::size_t n = 0; n <= 255; ++n) {
+    const double expected = 96 - 58 * static_cast<double>(255 - n) / 255;
+    EXPECT_NEAR(lightness(colour[n]), expected, 0.3) << n;
+    EXPECT_NEAR(lightness(colour[510 - n]), expected, 0.3) << n;
+  }
+  EXPECT_GT(colour.front()[2], colour.front()[0]);
+  EXPECT_GT(colour.back()[0], colour.back()[2]);
+  EXPECT_LE(*std::max_element(colour[255].begin(), colour[255].end()) -
+                *std::min_element(colour[255].begin(), colour[255].end()),
+            2);  // colourless
+}
+
 TEST(Colormap, OtherSizesAreInterpolated) {
   for (const char* name : {"viridis", "cividis"}) {
     const std::vector<Rgb> published = make_colormap(name, 256), colour = make_colormap(name, 255);
@@ -92,7 +108,7 @@ TEST(Colormap, OtherSizesAreInterpolated) {
 
 TEST(Colormap, AnotherNameIsRefusedWithThoseThereAre) {
   for (const std::string& name : colormap_names()) EXPECT_EQ(make_colormap(name, 2).size(), 2U);
-  EXPECT_EQ(colormap_names(), (std::vector<std::string>{"grey", "blue-yellow", "viridis", "cividis"}));
+  EXPECT_EQ(colormap_names(), (std::vector<std::string>{"grey", "blue-yellow", "viridis", "cividis", "blue-red"}));
   EXPECT_THROW(make_colormap("Viridis", 2), InputError);
 }
 

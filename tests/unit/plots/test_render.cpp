@@ -1,75 +1,23 @@
 // Truth: pictures small enough to compute every pixel by hand; for the colours the definition of the CIE 1976
 // lightness, inverted here.
-#include <gmock/gmock.h>
 #include <hdf5.h>
-#include <png.h>
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
 
-#include "../io/sample_solution.hpp"
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/plots/render.hpp"
 #include "plots/colormap.hpp"
+#include "render_fixture.hpp"
 
 namespace cloudbow {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-struct Picture {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> rgba;
-
-  int channel(int x, int y, int c) const { return rgba[static_cast<std::size_t>(4 * (y * width + x) + c)]; }
-  int red(int x, int y) const { return channel(x, y, 0); }
-  int alpha(int x, int y) const { return channel(x, y, 3); }
-};
-
-Picture read_png(const fs::path& file) {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  EXPECT_NE(png_image_begin_read_from_file(&png, file.c_str()), 0) << png.message;
-  png.format = PNG_FORMAT_RGBA;
-  Picture picture{static_cast<int>(png.width), static_cast<int>(png.height),
-                  std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
-  EXPECT_NE(png_image_finish_read(&png, nullptr, picture.rgba.data(), 0, nullptr), 0) << png.message;
-  return picture;
-}
-
-class Render : public testing::Test {
- protected:
-  Render() {
-    std::string name = (fs::temp_directory_path() / "cloudbow-test-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    options_.result_file = folder_ / "r.h5";
-    options_.image_file = folder_ / "r.png";
-  }
-  ~Render() override { fs::remove_all(folder_); }
-
-  void write(const Solution& solution) { write_result(options_.result_file, solution, sample::info()); }
-
-  Picture draw() {
-    report_ = render(options_);
-    const Picture picture = read_png(options_.image_file);
-    EXPECT_EQ(picture.width, report_.width);
-    EXPECT_EQ(picture.height, report_.height);
-    return picture;
-  }
-
-  fs::path folder_;
-  RenderOptions options_;
-  RenderReport report_;
-};
 
 TEST_F(Render, MapHasXToTheRightAndYUp) {
   Solution solution = sample::solution(3, 2, 1, {0, 1});
@@ -207,7 +155,7 @@ TEST_F(Render, ListsWhatIsThere) {
   }
   wrong = options_;
   wrong.colormap = "jet";
-  expect(wrong, HasSubstr("grey, blue-yellow, viridis, cividis"));
+  expect(wrong, HasSubstr("grey, blue-yellow, viridis, cividis, blue-red"));
   wrong = options_;
   wrong.range = {3, 3};
   expect(wrong, HasSubstr("range"));
@@ -269,128 +217,13 @@ TEST_F(Render, RefusesFilesWhosePartsDoNotFit) {
   expect("attribute units has 8 values, allowed one text");
 }
 
-/// Reflectance factors of a camera of 2 x 2 and an image of 1 x 2 pixels. The sun is such that pi I / (mu0 F0) is the
-/// number given.
-Solution natural(const std::vector<float>& camera, const std::vector<float>& image) {
-  Solution solution = sample::solution(2, 2, 1);
-  solution.sun = Sun{Direction(0, 0, -1), std::acos(-1.)};
-  solution.images.resize(1);
-  solution.images[0].view.name = "above";
-  solution.images[0].view.travel = Direction(0, 0, 1);
-  solution.images[0].view.width = 1;
-  solution.images[0].view.height = 2;
-  solution.images[0].radiance = image;
-  solution.camera_images.resize(1);
-  solution.camera_images[0].camera.name = "eye";
-  solution.camera_images[0].camera.width = 2;
-  solution.camera_images[0].camera.height = 2;
-  solution.camera_images[0].radiance = camera;
-  return solution;
-}
-
-class NaturalColours : public Render {
- protected:
-  void write_spectrum(std::vector<double> wavelengths_um = {0.55, 0.45, 0.67, 1.6}) {
-    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
-    std::vector<Solution> solutions{natural({0, 0.5, 1, nothing}, {0.25, 1}), natural({0, 0, 1, nothing}, {0.5, 1}),
-                                    natural({0, 2, 1, nothing}, {0.125, 1}), natural({7, 7, 7, nothing}, {7, 7})};
-    solutions.resize(wavelengths_um.size(), solutions.front());
-    ResultInfo info = sample::info();
-    info.wavelengths_um = std::move(wavelengths_um);
-    write_result(options_.result_file, solutions, info);
-  }
-};
-
-TEST_F(NaturalColours, CameraStandsUpright) {
-  write_spectrum();
-  options_.variable = "camera_eye";
-  const Picture picture = draw();
-  EXPECT_EQ(picture.width, 2);
-  EXPECT_EQ(picture.height, 2);
-  const auto pixel = [&](int x, int y) {
-    return std::array{picture.channel(x, y, 0), picture.channel(x, y, 1), picture.channel(x, y, 2)};
-  };
-  EXPECT_EQ(pixel(0, 0), (std::array{0, 0, 0}));
-  // 1 - 5^-x of 2, 0.5 and 0 is 0.96, 0.5528 and 0; as sRGB bytes by hand: 1.055 v^(1/2.4) - 0.055.
-  EXPECT_EQ(pixel(1, 0), (std::array{250, 196, 0}));
-  EXPECT_EQ(pixel(0, 1), (std::array{231, 231, 231}));  // a white card: 0.8
-  EXPECT_EQ(pixel(1, 1), (std::array{0, 0, 0}));        // nothing there
-  EXPECT_THAT(report_.colours, AllOf(HasSubstr("0.67, 0.55, 0.45 um"), HasSubstr("filmic")));
-}
-
-TEST_F(NaturalColours, ExposureMultipliesAndLinearClips) {
-  write_spectrum();
-  options_.variable = "radiance_above";
-  options_.tone = "linear";
-  options_.exposure = 2;
-  options_.scale = 1;
-  const Picture picture = draw();
-  EXPECT_EQ(picture.width, 1);
-  EXPECT_EQ(picture.height, 2);
-  EXPECT_EQ(picture.channel(0, 0, 0), 255);  // y up: the second row is on top, clipped
-  // 0.25, 0.5 and 1 as sRGB bytes.
-  EXPECT_EQ(picture.channel(0, 1, 0), 137);
-  EXPECT_EQ(picture.channel(0, 1, 1), 188);
-  EXPECT_EQ(picture.channel(0, 1, 2), 255);
-}
-
-TEST_F(NaturalColours, OneWavelengthIsGrey) {
-  write_spectrum();
-  options_.variable = "camera_eye";
-  options_.wavelength_um = 0.6;  // nearest: 0.55
-  options_.tone = "filmic";
-  const Picture picture = draw();
-  EXPECT_EQ(picture.red(1, 0), 196);
-  EXPECT_EQ(picture.channel(1, 0, 2), 196);
-  options_.tone.clear();  // by a colormap, from the least to the largest value
-  EXPECT_EQ(draw().red(0, 1), 255);
-  EXPECT_EQ(report_.image.wavelength_um, 0.55);
-}
-
-TEST_F(NaturalColours, AutomaticExposureMakesTheBrightestWhite) {
-  write_spectrum();
-  options_.variable = "camera_eye";
-  options_.automatic_exposure = true;
-  // Luminance 0, 1 and 0.2126 * 2 + 0.7152 * 0.5: the hundredth that may be brighter is none of three.
-  draw();
-  EXPECT_THAT(report_.colours, HasSubstr("exposure 1.2"));
-}
-
-TEST_F(NaturalColours, NeedThreeDifferentWavelengths) {
-  write_spectrum({0.55, 1.6, 2.1});  // 0.55 is nearest to two of the display's colours
-  options_.variable = "camera_eye";
-  draw();
-  EXPECT_THAT(report_.colours, HasSubstr("colours from"));
-}
-
-TEST_F(NaturalColours, Mistakes) {
-  write_spectrum();
-  const auto message = [this](auto change) {
-    RenderOptions wrong = options_;
-    change(wrong);
-    try {
-      render(wrong);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
-  EXPECT_THAT(message([](auto& o) { o.tone = "soft"; }), AllOf(HasSubstr("soft"), HasSubstr("filmic, linear")));
-  EXPECT_THAT(message([](auto& o) { o.exposure = 2; }), AllOf(HasSubstr("upwelling_flux"), HasSubstr("camera_NAME")));
-  options_.variable = "camera_eye";
-  EXPECT_THAT(message([](auto& o) { o.exposure = 0; }), HasSubstr("> 0"));
-  EXPECT_THAT(message([](auto& o) { o.exposure = 2, o.colormap = "grey"; }), HasSubstr("exclude"));
-  EXPECT_THAT(message([](auto& o) { o.variable = "camera_ear"; }),
-              AllOf(HasSubstr("camera_ear"), HasSubstr("camera_eye")));
-}
-
 // A PNG file by the name of another kind would deceive those who open it.
 TEST_F(Render, EndingsSayTheKindOfPicture) {
   write(sample::solution(3, 2, 1, {0, 1}));
-  for (const char* name : {"r.jpg", "r.pdf", "r.gif", "r.svg", "r.tif", "r.h5.bak"}) {
+  for (const char* name : {"r.jpg", "r.gif", "r.tif", "r.h5.bak"}) {
     options_.image_file = folder_ / name;
     EXPECT_THAT([&] { render(options_); },
-                ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("allowed .png, .exr"))));
+                ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("allowed .png, .svg, .pdf, .exr"))));
     EXPECT_FALSE(fs::exists(options_.image_file));
   }
   for (const char* name : {"r.PNG", "picture", ".png"}) {
@@ -403,59 +236,135 @@ TEST_F(Render, EndingsSayTheKindOfPicture) {
   EXPECT_EQ(exr.get(), 0x76);  // the first byte of the magic number
 }
 
-// Rows stand from the top in files, whatever their coordinate says: it ascended once.
-TEST_F(NaturalColours, CameraStandsUprightByAscendingRows) {
-  write_spectrum();
-  options_.variable = "camera_eye";
-  const Picture now = draw();
-  const hid_t file = H5Fopen(options_.result_file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  const hid_t rows = H5Dopen2(file, "row_eye", H5P_DEFAULT);
-  const std::array<double, 2> ascending{0.5, 1.5};
-  EXPECT_GE(H5Dwrite(rows, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, ascending.data()), 0);
-  H5Dclose(rows);
-  H5Fclose(file);
-  EXPECT_EQ(draw().rgba, now.rgba);
+std::string bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST_F(NaturalColours, FluxesOfASpectrumAreMapsOfOneWavelength) {
-  write_spectrum();
-  options_.wavelength_um = 0.45;
-  draw();
-  EXPECT_EQ(report_.image.wavelength_um, 0.45);
-  EXPECT_EQ(report_.image.place, "z = 530 m");
-  EXPECT_EQ(report_.min, sample::field_value(1, 1, 0, 0));
-}
-
-// Truth: the layout of the format, byte by byte ("OpenEXR File Layout").
-TEST_F(NaturalColours, ExrHoldsTheNumbers) {
-  write_spectrum();
-  options_.variable = "camera_eye";
-  options_.image_file = folder_ / "r.exr";
-  render(options_);
-  std::ifstream in(options_.image_file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  const auto at = [&](std::size_t place, auto value) {
-    std::memcpy(&value, bytes.data() + place, sizeof value);
-    return value;
+// A figure of a map of 300 x 100 m: the cells of the first and last value have the first and last colour of viridis.
+TEST_F(Render, FigureHasTheColoursOfTheValuesInAFrame) {
+  Solution solution = sample::solution(3, 1, 1, {0, 1});
+  solution.box.ny = 2;
+  solution.upwelling_flux = {9, 9, 9, 9, 9, 9, 0, 1, 2, 3, 4, 5};
+  for (auto* flux : {&solution.downwelling_diffuse_flux, &solution.direct_flux}) flux->resize(12, 1.F);
+  for (auto* cells : {&solution.absorbed_power, &solution.actinic_flux}) cells->resize(6, 1.F);
+  write(solution);
+  options_.form = RenderForm::automatic;
+  options_.width = 600;
+  const Picture picture = draw();
+  EXPECT_EQ(picture.width, 600);
+  EXPECT_EQ(picture.red(0, 0), 255);  // white margins
+  const std::vector<Rgb> colours = make_colormap("viridis", 511);
+  const auto pixels_of = [&picture](const Rgb& colour) {
+    int count = 0;
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x)
+        count += picture.channel(x, y, 0) == colour[0] && picture.channel(x, y, 1) == colour[1] &&
+                 picture.channel(x, y, 2) == colour[2];
+    }
+    return count;
   };
-  EXPECT_EQ(at(0, std::int32_t{}), 20000630);
-  EXPECT_EQ(at(4, std::int32_t{}), 2);
-  EXPECT_EQ(bytes.substr(8, 16), std::string("channels\0chlist\0", 16));
-  EXPECT_EQ(at(24, std::int32_t{}), 3 * 18 + 1);
-  EXPECT_EQ(bytes.substr(28, 2), std::string("B\0", 2));
-  // Two lines of place, size, and two values of each of three channels.
-  const std::size_t line = 8 + 3 * 2 * 4;
-  const std::size_t first = bytes.size() - 2 * line;
-  EXPECT_EQ(at(first - 16, std::uint64_t{}), first);
-  EXPECT_EQ(at(first - 8, std::uint64_t{}), first + line);
-  EXPECT_EQ(at(first, std::int32_t{}), 0);
-  EXPECT_EQ(at(first + 4, std::int32_t{}), 24);
-  EXPECT_EQ(at(first + 8 + 4, float{}), 0);        // blue of the pixel at the top right
-  EXPECT_EQ(at(first + 8 + 12, float{}), 0.5F);    // green
-  EXPECT_EQ(at(first + 8 + 20, float{}), 2);       // red
-  EXPECT_EQ(at(first + line, std::int32_t{}), 1);  // the line below it
-  EXPECT_EQ(at(first + line + 8, float{}), 1);
-  EXPECT_EQ(at(first + line + 12, float{}), 0);  // if there is no value
+  // A cell takes a sixth of a frame that is 75 x 100 m, on at least half the picture.
+  EXPECT_GT(pixels_of(colours.front()), 5000);
+  EXPECT_NEAR(pixels_of(colours.front()), pixels_of(colours.back()), 0.1 * pixels_of(colours.back()));
+  EXPECT_EQ(report_.min, 0);
+  EXPECT_EQ(report_.max, 5);
+}
+
+TEST_F(Render, FiguresAreWrittenByTheEndingAndTwiceTheSame) {
+  write(sample::solution(3, 2, 2));
+  options_.form = RenderForm::automatic;
+  for (const auto& [name, magic] :
+       {std::pair("f.png", "\x89PNG"), std::pair("f.svg", "<?xml"), std::pair("f.PDF", "%PDF")}) {
+    options_.image_file = folder_ / name;
+    report_ = render(options_);
+    EXPECT_THAT(bytes_of(options_.image_file), testing::StartsWith(magic));
+    EXPECT_EQ(report_.size_unit, std::string(name) == "f.png" ? "pixels" : "points");
+    EXPECT_EQ(report_.width, std::string(name) == "f.png" ? 1200 : 450);
+  }
+  // SVG numbers its parts through the life of a process; processes give the same bytes (tests/robustness/files.py).
+  for (const char* name : {"f.png", "f.PDF"}) {
+    options_.image_file = folder_ / name;
+    const std::string before = bytes_of(options_.image_file);
+    render(options_);
+    EXPECT_EQ(bytes_of(options_.image_file), before) << name;
+  }
+}
+
+TEST_F(Render, SectionIsAPlaneOfCells) {
+  write(sample::solution(3, 4, 2));  // rows of cells at y = -25, 25, 75, 125; columns at x = 112.5, 137.5, 162.5
+  options_.variable = "absorbed_power";
+  options_.section = "y=80";
+  draw();
+  EXPECT_EQ(report_.image.place, "section x-z at y = 75 m");
+  EXPECT_THAT(report_.image.value,
+              testing::ElementsAre(sample::field_value(4, 0, 2, 0), sample::field_value(4, 0, 2, 1),
+                                   sample::field_value(4, 0, 2, 2), sample::field_value(4, 1, 2, 0),
+                                   sample::field_value(4, 1, 2, 1), sample::field_value(4, 1, 2, 2)));
+  EXPECT_THAT(report_.image.row_edge_m, testing::ElementsAre(510, 530, 560));
+  EXPECT_EQ(report_.image.column_start_m, 100);
+  options_.section = "x=1e2";  // the very edge of the domain
+  options_.form = RenderForm::figure;
+  draw();
+  EXPECT_EQ(report_.image.place, "section y-z at x = 112.5 m");
+  EXPECT_EQ(report_.image.columns, 4);
+  EXPECT_EQ(report_.image.value[5], sample::field_value(4, 1, 1, 0));
+  EXPECT_EQ(report_.image.column_start_m, -50);
+  EXPECT_EQ(report_.image.column_width_m, 50);
+}
+
+TEST_F(Render, ProfilesAreThoseOfTheFileOrMeans) {
+  write(sample::solution(3, 4, 2));
+  const FluxProfile stored = read_flux_profile(options_.result_file, "direct_flux", {});
+  EXPECT_THAT(stored.value, testing::ElementsAre(3, 3.125, 3.25));
+  EXPECT_THAT(stored.height_m, testing::ElementsAre(510, 530, 560));
+  const FluxProfile mean = read_flux_profile(options_.result_file, "absorbed_power", {});
+  EXPECT_THAT(mean.height_m, testing::ElementsAre(520, 545));
+  EXPECT_NEAR(mean.value[1], 4000 + 100 + 15 + 1 / 16., 1e-3);  // the mean of a linear function; floats
+  EXPECT_EQ(mean.units, "W m-3");
+  EXPECT_EQ(mean.bottom_m, 510);
+  EXPECT_EQ(mean.top_m, 560);
+  EXPECT_TRUE(std::isnan(read_flux_profile(options_.result_file, "actinic_flux", {}).value[0]));
+  options_.profile = true;
+  options_.form = RenderForm::automatic;
+  options_.all_fluxes = true;
+  draw();
+  EXPECT_EQ(report_.image.variable, "upwelling_flux, downwelling_diffuse_flux, direct_flux");
+  EXPECT_THAT([this] { read_flux_profile(options_.result_file, "optical_depth", {}); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("no profile"), HasSubstr("absorbed_power"))));
+}
+
+TEST_F(Render, OneColumnIsACurveByHeight) {
+  write(sample::solution(1, 1, 6));
+  options_.form = RenderForm::automatic;
+  draw();
+  EXPECT_EQ(report_.image.place, "column");
+  EXPECT_EQ(report_.width, 1200);
+}
+
+TEST_F(Render, OptionsThatExcludeEachOther) {
+  write(sample::solution(3, 4, 2));
+  const auto expect = [this](auto change, const auto& message) {
+    RenderOptions wrong = options_;
+    wrong.form = RenderForm::automatic;
+    change(wrong);
+    EXPECT_THAT([&] { render(wrong); }, ThrowsMessage<InputError>(message));
+    EXPECT_FALSE(fs::exists(wrong.image_file));
+  };
+  expect([](auto& o) { o.range = {0, 1}, o.min = 0; }, HasSubstr("range: excludes min and max"));
+  expect([](auto& o) { o.min = 1e9; }, HasSubstr("min, max: 1e+09 to"));
+  expect([](auto& o) { o.form = RenderForm::bare, o.width = 600; }, HasSubstr("bare: excludes size"));
+  expect([](auto& o) { o.scale = 2, o.title = "T"; }, HasSubstr("scale: excludes title"));
+  expect([](auto& o) { o.scale = 2, o.form = RenderForm::figure; }, HasSubstr("excludes figure"));
+  expect([](auto& o) { o.width = 100; }, HasSubstr("found 100, allowed a width from 200 to 10000"));
+  expect([](auto& o) { o.profile = true, o.section = "y=0"; }, HasSubstr("profile: excludes section"));
+  for (const char* section : {"z=3", "y", "x=", "y=12m", "x=nan", "3200"}) {
+    expect([section](auto& o) { o.section = section; },
+           AllOf(HasSubstr(section), HasSubstr("allowed x=METRES or y=METRES")));
+  }
+  expect([](auto& o) { o.section = "y=200"; }, HasSubstr("found y = 200 m, allowed -50 to 150 m"));
+  expect([](auto& o) { o.image_file.replace_extension(".svg"), o.scale = 1; }, HasSubstr("found .svg"));
+  expect([](auto& o) { o.image_file.replace_extension(".exr"), o.title = "T"; }, HasSubstr("found .exr"));
 }
 
 }  // namespace

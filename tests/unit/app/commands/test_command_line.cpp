@@ -371,7 +371,7 @@ TEST(CommandLine, TradeoffTellsWhatIsWrongBeforeItSolves) {
            {{"--set", "sun.zenith_deg=95"}, "zenith_deg"},
            {{"--set", "output.flux_levels=[50]"}, "flux_levels"},
            {{"--plot", folder / "nowhere" / "plot.png"}, "nowhere"},
-           {{"--plot", folder / "plot.pdf"}, "found .pdf, allowed .png"},
+           {{"--plot", folder / "plot.eps"}, "found .eps, allowed .png, .svg, .pdf"},
            {{"--csv", scene}, "overwrite"}}) {
     std::vector<std::string> all{"tradeoff", scene, "--csv", csv};
     if (arguments[0] == "--csv") all.resize(2);
@@ -447,11 +447,11 @@ TEST(CommandLine, WordsThatNobodyKnowsComeWithThoseThatAreKnown) {
 
 TEST(CommandLine, PlotsByOtherEndingsThanTheirKindAreRefused) {
   const TemporaryFolder folder;
-  for (const std::string name : {"hg.jpg", "hg.pdf", "hg.exr"}) {
+  for (const std::string name : {"hg.jpg", "hg.eps", "hg.exr"}) {
     const Outcome outcome =
         cloudbow({"phase", "rayleigh", "--control-points", "42", "--plot", folder / name, "-o", folder / "hg.h5"});
     EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_THAT(outcome.errors, AllOf(HasSubstr(name), HasSubstr("allowed .png")));
+    EXPECT_THAT(outcome.errors, AllOf(HasSubstr(name), HasSubstr("allowed .png, .svg, .pdf")));
     EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
   }
 }
@@ -495,6 +495,17 @@ TEST(CommandLine, MakesAndDescribesAndSolvesACloud) {
   EXPECT_EQ(cloudbow({"run", scene, "-o", folder / "result.h5", "--quiet"}).exit_code, 0);
   EXPECT_EQ(cloudbow({"render", folder / "result.h5", "-o", folder / "picture.png"}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "picture.png"));
+  for (const std::vector<std::string>& how :
+       std::vector<std::vector<std::string>>{{"--section", "y=100", "--title", "A section"},
+                                             {"--profile"},
+                                             {"--profile", "--variable", "direct_flux", "--size", "600"},
+                                             {"--bare"},
+                                             {"--min", "0", "--max", "1", "--colormap", "cividis"}}) {
+    std::vector<std::string> all{"render", folder / "result.h5", "-o", folder / "another.png"};
+    all.insert(all.end(), how.begin(), how.end());
+    EXPECT_EQ(cloudbow(all).exit_code, 0) << testing::PrintToString(how);
+    EXPECT_TRUE(std::filesystem::remove(folder / "another.png"));
+  }
   EXPECT_EQ(cloudbow({"render", folder / "result.h5", "-o", folder / "other.png", "--variable", "nothing"}).exit_code,
             2);
 }

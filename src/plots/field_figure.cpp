@@ -1,0 +1,198 @@
+#include "plots/field_figure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "cloudbow/core/error.hpp"
+#include "plots/colormap.hpp"
+#include "plots/image_pixels.hpp"
+#include "plots/line_plot.hpp"
+
+namespace cloudbow {
+
+namespace {
+
+constexpr int colour_count = 256;
+constexpr double one_sided = 0.01;
+constexpr int most_pixels = 4096;
+constexpr double steepest = 10;  // of maps, which are stretched beyond
+
+/// Kilometres for long axes, metres for short ones.
+struct LengthUnit {
+  const char* name;
+  double metres;
+};
+
+LengthUnit length_unit(double longest_m) { return longest_m >= 2000 ? LengthUnit{"km", 1000} : LengthUnit{"m", 1}; }
+
+/// "z = 3000 m" in one line.
+std::string unbroken(const std::string& text) {
+  std::string joined;
+  for (const char c : text) joined += c == ' ' ? std::string("\u00a0") : std::string(1, c);
+  return joined;
+}
+
+/// Rows of uneven height take as many pixels as the thinnest needs, within limits.
+int pixel_rows(const FluxImage& image) {
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n + 1 < image.row_edge_m.size(); ++n)
+    thinnest = std::min(thinnest, image.row_edge_m[n + 1] - image.row_edge_m[n]);
+  const double height = image.row_edge_m.back() - image.row_edge_m.front();
+  const double even = height / image.rows;
+  if (even - thinnest < 1e-3 * even) return std::min(image.rows, most_pixels);
+  constexpr int least_pixels = 1024;  // edges of uneven rows are in their place to a pixel
+  return static_cast<int>(std::clamp(std::ceil(2 * height / thinnest), double{least_pixels}, double{most_pixels}));
+}
+
+MapPlot map_of(const FluxImage& image, const std::string& title) {
+  const double width_m = image.columns * image.column_width_m;
+  const double height_m = image.row_edge_m.back() - image.row_edge_m.front();
+  const LengthUnit unit = length_unit(std::max(width_m, height_m));
+  MapPlot plot;
+  plot.title = title;
+  std::vector<std::string> parts;
+  if (!image.long_name.empty()) parts.push_back(image.long_name);
+  if (!image.place.empty() && image.place != "camera") parts.push_back(unbroken(image.place));
+  if (image.wavelength_um) parts.push_back(unbroken(fmt::format("{:g} \u00b5m", *image.wavelength_um)));
+  for (const std::string& part : parts) plot.subtitle += (plot.subtitle.empty() ? "" : ", ") + part;
+  plot.has_axes = image.place != "camera";
+  plot.aspect = std::clamp(aspect_of(image), 1 / steepest, steepest);
+  plot.frame.x = {.name = image.columns_along, .unit = unit.name};
+  plot.frame.y = {.name = image.rows_along, .unit = unit.name};
+  plot.frame.x_range = {image.column_start_m / unit.metres, (image.column_start_m + width_m) / unit.metres};
+  plot.frame.y_range = {image.row_edge_m.front() / unit.metres, image.row_edge_m.back() / unit.metres};
+  return plot;
+}
+
+}  // namespace
+
+std::pair<double, double> value_range(const std::vector<float>& values, const ColourChoice& choice) {
+  if (choice.range) {
+    const auto& [first, last] = *choice.range;
+    if (std::isfinite(first) && std::isfinite(last) && first != last) return *choice.range;
+    throw InputError(fmt::format(
+        "range: {} to {} is not a range (two different numbers; the larger one first turns the colours round)", first,
+        last));
+  }
+  double least = std::numeric_limits<double>::infinity(), largest = -least;
+  for (const float value : values) {
+    if (!std::isfinite(value)) continue;
+    least = std::min(least, static_cast<double>(value));
+    largest = std::max(largest, static_cast<double>(value));
+  }
+  const std::pair range{choice.min.value_or(least), choice.max.value_or(largest)};
+  if ((choice.min || choice.max) && !(range.first < range.second)) {
+    throw InputError(
+        fmt::format("min, max: {:g} to {:g} is not a range (found values from {:g} to {:g}, allowed min < "
+                    "max)",
+                    range.first, range.second, least, largest));
+  }
+  return range;
+}
+
+ColourScale colour_scale(const std::string& variable, const std::string& unit, std::pair<double, double> range,
+                         const ColourChoice& choice) {
+  ColourScale scale{{.name = readable_name(variable), .unit = unit}, range, {}};
+  auto& [first, last] = scale.range;
+  if (first == last) {
+    const double half = first == 0 ? 1 : 0.05 * std::abs(first);
+    first -= half;
+    last += half;
+  }
+  const double low = std::min(first, last), high = std::max(first, last), far = std::max(std::abs(low), std::abs(high));
+  const bool both_sides = low < 0 && high > 0 && std::min(-low, high) >= one_sided * far;
+  const std::string map = !choice.colormap.empty()                            ? choice.colormap
+                          : both_sides || variable.starts_with("difference_") ? diverging_colormap
+                                                                              : "viridis";
+  const std::vector<Rgb> colours = make_colormap(map, 2 * colour_count - 1);
+  for (int n = 0; n < colour_count; ++n) {
+    double t = static_cast<double>(n) / (colour_count - 1);
+    if (map == diverging_colormap) t = 0.5 + 0.5 * (first + t * (last - first)) / far;
+    scale.colours.push_back(colours[static_cast<std::size_t>(std::lround(t * (2 * colour_count - 2)))]);
+  }
+  return scale;
+}
+
+std::string readable_name(const std::string& variable) {
+  struct Kind {
+    std::string_view prefix;
+    const char* name;
+  };
+  constexpr std::array<Kind, 4> images{{{"radiance_", "radiance"},
+                                        {"camera_", "radiance"},
+                                        {"reflectance_factor_", "reflectance factor"},
+                                        {"brightness_temperature_", "brightness temperature"}}};
+  const auto image = std::ranges::find_if(images, [&](const Kind& kind) { return variable.starts_with(kind.prefix); });
+  if (image != images.end()) return image->name;
+  constexpr std::string_view difference = "difference_";
+  std::string name =
+      variable.starts_with(difference) ? "difference of " + variable.substr(difference.size()) : variable;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std::string& title) {
+  MapPlot plot = map_of(image, title);
+  plot.scale = scale;
+  DrawnPicture& picture = plot.picture;
+  picture.width = std::min(image.columns, most_pixels);
+  picture.height = pixel_rows(image);
+  const auto& [first, last] = scale.range;
+  for (const std::size_t cell : cells_of_pixels(image, picture.width, picture.height)) {
+    const float value = image.value[cell];
+    if (!std::isfinite(value)) {
+      picture.rgba.insert(picture.rgba.end(), 4, 0);
+      continue;
+    }
+    const double share = std::clamp((value - first) / (last - first), 0.0, 1.0);
+    const Rgb& colour = scale.colours[static_cast<std::size_t>(std::lround(share * (colour_count - 1)))];
+    picture.rgba.insert(picture.rgba.end(), {colour[0], colour[1], colour[2], 255});
+  }
+  return map_figure(std::move(plot));
+}
+
+Drawing photograph_figure(const FluxImage& image, const std::vector<std::uint8_t>& rgb, int width, int height,
+                          const std::string& title) {
+  MapPlot plot = map_of(image, title);
+  plot.picture.width = width;
+  plot.picture.height = height;
+  for (std::size_t n = 0; n + 2 < rgb.size(); n += 3)
+    plot.picture.rgba.insert(plot.picture.rgba.end(), {rgb[n], rgb[n + 1], rgb[n + 2], 255});
+  return map_figure(std::move(plot));
+}
+
+Drawing profile_figure(const std::vector<FluxProfile>& profiles, const std::string& title) {
+  const FluxProfile& first = profiles.front();
+  const LengthUnit unit = length_unit(first.top_m - first.bottom_m);
+  LinePlot plot;
+  plot.x = {.name = profiles.size() == 1 ? readable_name(first.variable) : "flux", .unit = first.units};
+  plot.y = {.name = "z", .unit = unit.name};
+  plot.y.range = std::pair(first.bottom_m / unit.metres, first.top_m / unit.metres);
+  for (std::size_t n = 0; n < profiles.size(); ++n) {
+    PlotSeries series{
+        readable_name(profiles[n].variable), profiles[n].value, profiles[n].height_m, {plot_colour(n), 1.4}};
+    for (double& height : series.y) height /= unit.metres;
+    plot.series.push_back(std::move(series));
+  }
+  constexpr double plot_height = 330, width = figure_width - 2 * figure_margin;
+  Drawing drawing{.width = figure_width, .title = title};
+  std::string subtitle = "domain mean";
+  if (first.wavelength_um) subtitle += fmt::format(", {:g} \u00b5m", *first.wavelength_um);
+  double top = figure_margin;
+  top += draw_title(drawing, title, {figure_width / 2, top}, width);
+  top += draw_title(drawing, subtitle, {figure_width / 2, top + 1}, width, figure_text_size);
+  draw(drawing, {figure_margin, top, figure_width - figure_margin, top + plot_height}, plot);
+  drawing.height = top + plot_height + figure_margin;
+  if (profiles.size() > 1) {
+    draw_legend(drawing, {4 * figure_margin, drawing.height}, width - 4 * figure_margin, plot.series);
+    drawing.height += legend_height(width - 4 * figure_margin, plot.series) + figure_margin;
+  }
+  return drawing;
+}
+
+}  // namespace cloudbow
