@@ -52,7 +52,7 @@ def read_vdb(path: Union[str, os.PathLike], *, grid: Optional[str] = None, up_ax
         if cells is None:
             cells, shape = own, values.shape
         if shape != values.shape or not _arrays.nearly(own, cells):
-            raise InputError(f"{path}: grids of different cells (found {names[0]} and {name}, allowed one set of cells) name one: grid={name!r}")
+            raise InputError(f"{path}: grids of different cells (found {names[0]} and {name}, allowed one set of cells); name one: grid={name!r}")
         attributes = {"quantity": quantity, "units": units}
         variables[name] = (_arrays.AXES, values, {key: text for key, text in attributes.items() if text})
     coordinates = {}

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Writes a small cloud field as large-eddy simulations do: netCDF, cloud water per kg of dry air, stretched levels.
 
-The field is made up (a few adiabatic cumuli over 1.2 km), the layout is that of real output: QC(time, z, y, x) in g/kg, RHO(z), NC in 1/cm3,
-levels of 20 m near the ground that grow to 60 m. docs/from-les-to-fluxes.md goes on from here.
+The field is made up (a few adiabatic cumuli over 1.2 km), the layout is that of real output: QC(time, z, y, x) in g/kg, RHO(z), NC in 1/cm3. Levels are 20 m near the ground and grow to 60 m. docs/from-les-to-fluxes.md goes on from here.
 
 usage: make_les_file.py FILE.nc [--format NETCDF3_CLASSIC|NETCDF4] [--columns 32]
 """

@@ -115,11 +115,11 @@ void check_links(hid_t file, const std::filesystem::path& path) {
   if (!walk.failure.empty()) throw Error(walk.failure);
   check(status, "list a file");
   if (walk.found.empty()) return;
-  throw InputError(
-      fmt::format("{}: leads elsewhere (found {}, allowed a file that holds its data itself, with the filters of HDF5) "
-                  "write a copy "
-                  "with h5repack, or by the program that made it",
-                  path.string(), printable(walk.found)));
+  throw InputError(fmt::format(
+      "{}: leads elsewhere (found {}, allowed a file that holds its data itself, with the filters of HDF5); "
+      "write a copy "
+      "with h5repack, or by the program that made it",
+      path.string(), printable(walk.found)));
 }
 
 }  // namespace
@@ -141,10 +141,10 @@ Handle open_file(const std::filesystem::path& path) {
   if (id < 0) {
     const Failure failure = take_failure();
     if (!failure.of_lock) throw_failure(failure, "open a file");
-    throw InputError(
-        fmt::format("{}: is locked (found a program that is writing it, allowed a file that none writes) wait until it "
-                    "has ended, or read a copy",
-                    path.string()));
+    throw InputError(fmt::format(
+        "{}: is locked (found a program that is writing it, allowed a file that none writes); wait until it "
+        "has ended, or read a copy",
+        path.string()));
   }
   Handle file(id, H5Fclose, "open a file");
   check_links(file, path);

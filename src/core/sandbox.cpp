@@ -121,12 +121,21 @@ std::string read_all(int file) {
   }
 }
 
+/// Closes what the host has open, but for the standard streams. A lock of the host on a file would otherwise last until
+/// the child ends, even after the host closes that file.
+void close_files_of_host(int but) {
+  close_range(STDERR_FILENO + 1, static_cast<unsigned>(but) - 1, 0);
+  close_range(static_cast<unsigned>(but) + 1, ~0U, 0);
+}
+
 [[noreturn]] void perform(const Limits& limits, const std::function<void()>& read_file, int answer) {
+  close_files_of_host(answer);
   impose(limits);
   // The parent's read prints the messages of the library again, so the child's are discarded.
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
+    if (nowhere > STDERR_FILENO) close(nowhere);
   }
   int status = 0;
   try {
@@ -179,11 +188,11 @@ void judge(const std::string& path, const std::string& library, const Limits& li
   const auto short_of_memory = [&](const std::string& found) {
     return InputError(fmt::format(
         "{}: can't be read with so little memory (found {}, allowed by the limits of this process {} MB more than it "
-        "has) raise `ulimit -v` and `ulimit -d`",
+        "has); raise `ulimit -v` and `ulimit -d`",
         path, found, limits.memory_bytes / megabyte));
   };
   const auto damaged = [&](const std::string& found) {
-    return InputError(fmt::format("{}: the file is damaged ({}) get a complete copy", path, found));
+    return InputError(fmt::format("{}: the file is damaged ({}); get a complete copy", path, found));
   };
   if (end.signal == SIGXCPU || (end.signal == SIGKILL && end.cpu_seconds >= static_cast<double>(limits.cpu_seconds))) {
     throw damaged(fmt::format("{} computes more than {} s on it", library, limits.cpu_seconds));
@@ -191,7 +200,7 @@ void judge(const std::string& path, const std::string& library, const Limits& li
   if (end.signal == SIGKILL) {
     throw InputError(fmt::format(
         "{}: can't be read (the process that tried it first, with {}, was killed: by the system, which does "
-        "so if memory runs out, or by a user) try again with more memory",
+        "so if memory runs out, or by a user); try again with more memory",
         path, library));
   }
   if (end.signal == SIGALRM) throw damaged(fmt::format("{} needs more than {} s for it", library, limits.wall_seconds));

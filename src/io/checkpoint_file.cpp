@@ -25,7 +25,7 @@ using hdf5::Handle;
 
 namespace {
 
-constexpr std::int32_t checkpoint_format = 4;
+constexpr std::int32_t checkpoint_format = 5;
 constexpr hsize_t chunk_values = hsize_t{1} << 17;
 
 constexpr const char* allowed = "a file of run --checkpoint";
@@ -105,7 +105,7 @@ auto naming(const std::filesystem::path& path, const Use& use) {
 
 [[noreturn]] void fail_version(const std::filesystem::path& path, std::int64_t format, const std::string& source) {
   throw InputError(
-      fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}) use that "
+      fmt::format("{}: is a checkpoint of another version (found format {} by {}, allowed format {}); use that "
                   "program, or start anew",
                   path.string(), format, printable(source), checkpoint_format));
 }

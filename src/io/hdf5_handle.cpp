@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <limits>
+#include <new>
 
 namespace cloudbow::hdf5 {
 
@@ -27,6 +29,23 @@ std::size_t number_count(hid_t attribute, const char* name) {
 void check_single(hid_t attribute, const char* name, const char* what) {
   const std::size_t count = number_count(attribute, name);
   if (count != 1) throw Error(fmt::format("attribute {} has {} values, allowed one {}", name, count, what));
+}
+
+bool has_chunk_without_bytes(hid_t dataset) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose, "read a layout");
+  if (H5Pget_layout(properties) != H5D_CHUNKED) return false;
+  const Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+  hsize_t chunks = 0;
+  check(H5Dget_num_chunks(dataset, space, &chunks), "count chunks");
+  for (hsize_t n = 0; n < chunks; ++n) {
+    std::array<hsize_t, H5S_MAX_RANK> offset{};
+    unsigned filters = 0;
+    haddr_t address = 0;
+    hsize_t bytes = 0;
+    check(H5Dget_chunk_info(dataset, space, n, offset.data(), &filters, &address, &bytes), "look at a chunk");
+    if (bytes == 0) return true;
+  }
+  return false;
 }
 
 template <class Number>
@@ -121,9 +140,19 @@ std::size_t Block::values() const {
   return count;
 }
 
+void read_values(hid_t dataset, hid_t memory_type, hid_t memory_space, hid_t file_space, void* values) {
+  try {
+    check(H5Dread(dataset, memory_type, memory_space, file_space, H5P_DEFAULT, values), "read a dataset");
+  } catch (const std::bad_alloc&) {
+    // HDF5 allocates what a filtered chunk states as its size, and takes no bytes for no memory.
+    if (has_chunk_without_bytes(dataset)) throw Error("a chunk has the size 0");
+    throw;
+  }
+}
+
 void read_block(hid_t dataset, const Block& block, hid_t memory_type, void* values) {
   const Handle space = selected(dataset, block), memory = dataspace(block.size);
-  check(H5Dread(dataset, memory_type, memory, space, H5P_DEFAULT, values), "read a dataset");
+  read_values(dataset, memory_type, memory, space, values);
 }
 
 void write_block(hid_t dataset, const Block& block, hid_t memory_type, const void* values) {

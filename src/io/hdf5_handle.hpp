@@ -54,6 +54,9 @@ struct Block {
   std::size_t values() const;
 };
 
+/// H5Dread. @throws Error, also if the file is damaged in a way that HDF5 takes for a lack of memory; std::bad_alloc.
+void read_values(hid_t dataset, hid_t memory_type, hid_t memory_space, hid_t file_space, void* values);
+
 /// Reads or writes a block, whose values lie one after the other in memory.
 void read_block(hid_t dataset, const Block& block, hid_t memory_type, void* values);
 void write_block(hid_t dataset, const Block& block, hid_t memory_type, const void* values);
@@ -69,8 +72,7 @@ std::vector<Number> read_block(hid_t dataset, const Block& block) {
 template <class Number>
 std::vector<Number> read_all(hid_t dataset) {
   std::vector<Number> values(value_count(dataset));
-  if (!values.empty())
-    check(H5Dread(dataset, memory_type<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read a dataset");
+  if (!values.empty()) read_values(dataset, memory_type<Number>(), H5S_ALL, H5S_ALL, values.data());
   return values;
 }
 

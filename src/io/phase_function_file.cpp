@@ -94,7 +94,7 @@ void check_norm(const AngleTable& table, std::vector<std::string>& notes) {
   if (!(off(norm) <= largest_error)) {
     throw InputError(
         fmt::format("phase function table: wrong norm (found mean {:.6g} over the sphere, allowed 1, 1/2 or 1/(4 pi), "
-                    "to 1 %) give more angles in peaks, between which values are taken linearly in the cosine; if "
+                    "to 1 %); give more angles in peaks, between which values are taken linearly in the cosine; if "
                     "the table is fine enough, divide its values by {:.6g}",
                     mean, mean));
   }

@@ -99,7 +99,8 @@ PhaseSetFile read_phase_set_file(const std::filesystem::path& file, MomentFactor
 void write_phase_set_file(const std::filesystem::path& file, const std::vector<std::vector<double>>& moments) {
   std::size_t degrees = 2;
   for (const auto& function : moments) degrees = std::max(degrees, function.size());
-  std::string text = "# Legendre moments chi_l without the factor 2l+1, one column a phase function, counted from 1\nl";
+  std::string text =
+      "# Legendre moments chi_l without the factor 2l+1, one column per phase function, counted from 1\nl";
   for (std::size_t p = 0; p < moments.size(); ++p) text += fmt::format(",chi_phase{}", p + 1);
   text += '\n';
   for (std::size_t l = 0; l < degrees; ++l) {

@@ -109,12 +109,13 @@ std::span<const std::int32_t> flattened(const std::vector<std::array<std::int32_
 
 class ResultWriter : private SolutionWriter {
  public:
-  ResultWriter(std::span<const Solution> solutions, const ResultInfo& info, std::span<const Solution> by_columns)
+  ResultWriter(std::span<const Solution> solutions, const ResultInfo& info,
+               std::span<const Solution> independent_columns)
       : SolutionWriter(solutions, info),
         solutions_(solutions),
         first_(solutions.front()),
         info_(info),
-        by_columns_(by_columns) {}
+        independent_columns_(independent_columns) {}
 
   void write(const std::filesystem::path& path) const {
     hdf5::Handle file = hdf5::create_file(path);
@@ -131,10 +132,10 @@ class ResultWriter : private SolutionWriter {
     write_thermal(file, *this);
     write_spectral(file, *this);
     write_solver(file, *this);
-    if (!by_columns_.empty()) write_comparison(file);
+    if (!independent_columns_.empty()) write_comparison(file);
     write_error_estimate(file, *this);
     if (!info_.error_estimates.empty()) write_error_fields(file);
-    write_plan(file, *this);
+    write_target_report(file, *this);
     write_clear_sky(file);
     write_bands(file);
     write_images(file);
@@ -257,7 +258,7 @@ class ResultWriter : private SolutionWriter {
       write_lit(file, fmt::format("difference_{}", field_names.name), {flux_level_name(), "y", "x"},
                 [this, &field](const Solution& s) {
                   std::vector<float> difference = s.*field.values;
-                  const Solution& columns = by_columns_[index_of(s)];
+                  const Solution& columns = independent_columns_[index_of(s)];
                   std::transform(difference.begin(), difference.end(), (columns.*field.values).begin(),
                                  difference.begin(), std::minus<>());
                   return difference;
@@ -269,14 +270,15 @@ class ResultWriter : private SolutionWriter {
       attributes[1] = {"long_name", fmt::format("{}: independent columns", field_names.long_name)};
       write_lit(
           file, fmt::format("independent_columns_{}", field_names.name), {flux_level_name(), "y", "x"},
-          [ this, &field ](const Solution& s) -> auto& { return by_columns_[index_of(s)].*field.values; }, attributes);
+          [ this, &field ](const Solution& s) -> auto& { return independent_columns_[index_of(s)].*field.values; },
+          attributes);
     }
 
     hdf5::Handle group = netcdf4::create_group(file, "independent_columns");
     write_wavelength(group);
     write_z_edge(group);
-    write_profiles(group, SolutionWriter(by_columns_, info_));
-    const auto of = [this](const auto& number_of) { return each(number_of, by_columns_); };
+    write_profiles(group, SolutionWriter(independent_columns_, info_));
+    const auto of = [this](const auto& number_of) { return each(number_of, independent_columns_); };
     if (emits()) {
       const auto flux = [&of](double EnergyFluxes::*term) {
         return of([term](const Solution& s) { return energy_fluxes(s.ledger).*term; });
@@ -527,7 +529,7 @@ class ResultWriter : private SolutionWriter {
   std::span<const Solution> solutions_;
   const Solution& first_;
   const ResultInfo& info_;
-  std::span<const Solution> by_columns_;
+  std::span<const Solution> independent_columns_;
 };
 
 }  // namespace
@@ -537,8 +539,8 @@ void write_result(const std::filesystem::path& file, const Solution& solution, c
 }
 
 void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info,
-                  std::span<const Solution> by_columns) {
-  assert(by_columns.empty() || by_columns.size() == solutions.size());
+                  std::span<const Solution> independent_columns) {
+  assert(independent_columns.empty() || independent_columns.size() == solutions.size());
   assert(!solutions.empty() && solutions.front().box.nz() >= 1);
   assert(info.error_estimates.empty() || info.error_estimates.size() == solutions.size());
   assert(solutions.size() == std::max<std::size_t>(info.wavelengths_um.size(), 1));
@@ -549,7 +551,7 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
   const FileLibraryLock lock;
   AtomicFile target(file);
   try {
-    ResultWriter(solutions, info, by_columns).write(target.temporary());
+    ResultWriter(solutions, info, independent_columns).write(target.temporary());
   } catch (const hdf5::Error& error) {
     throw_unwritable(file, error.what());
   }

@@ -206,20 +206,21 @@ void write_error_estimate(hid_t file, const SolutionWriter& writer) {
   group.close();
 }
 
-void write_plan(hid_t file, const SolutionWriter& writer) {
-  if (!writer.info().plan) return;
-  const RunPlan& plan = *writer.info().plan;
+void write_target_report(hid_t file, const SolutionWriter& writer) {
+  if (!writer.info().target) return;
+  const TargetReport& report = *writer.info().target;
   hdf5::Handle group = netcdf4::create_group(file, "plan");
-  if (plan.target_error) netcdf4::write_attributes(group, {{"target_error", *plan.target_error}, {"of", plan.of}});
-  if (plan.budget_seconds) netcdf4::write_attributes(group, {{"budget_seconds", *plan.budget_seconds}});
-  netcdf4::write_attributes(group, {{"accuracy", plan.accuracy},
-                                    {"levels_solved", plan.levels_solved},
-                                    {"predicted_error", plan.predicted_error},
-                                    {"predicted_seconds", plan.predicted_seconds},
-                                    {"seconds", plan.seconds},
-                                    {"predicted_memory_bytes", plan.predicted_memory_bytes},
-                                    {"seconds_in_all", plan.seconds_in_all},
-                                    {"met", std::int32_t{plan.met}}});
+  if (report.target_error)
+    netcdf4::write_attributes(group, {{"target_error", *report.target_error}, {"of", report.of}});
+  if (report.budget_seconds) netcdf4::write_attributes(group, {{"budget_seconds", *report.budget_seconds}});
+  netcdf4::write_attributes(group, {{"accuracy", report.accuracy},
+                                    {"levels_solved", report.levels_solved},
+                                    {"predicted_error", report.predicted_error},
+                                    {"predicted_seconds", report.predicted_seconds},
+                                    {"seconds", report.seconds},
+                                    {"predicted_memory_bytes", report.predicted_memory_bytes},
+                                    {"seconds_in_all", report.seconds_in_all},
+                                    {"met", std::int32_t{report.met}}});
   group.close();
 }
 

@@ -18,7 +18,7 @@ void write_spectral(hid_t file, const SolutionWriter& writer);
 void write_solver(hid_t file, const SolutionWriter& writer);
 /// Nothing without estimates.
 void write_error_estimate(hid_t file, const SolutionWriter& writer);
-/// Nothing without a plan.
-void write_plan(hid_t file, const SolutionWriter& writer);
+/// Nothing without a target.
+void write_target_report(hid_t file, const SolutionWriter& writer);
 
 }  // namespace cloudbow

@@ -28,7 +28,7 @@ void order_and_check(AirProfile& profile) {
       fail_import(profile.file, "heights are not monotonic (found {:.6g} m next to {:.6g} m)", z[n], z[n - 1]);
     if (density[n] >= 0.01 && density[n] <= 2) continue;
     fail_import(profile.file,
-                "the density at {:.6g} m is {:.6g} kg/m3 (allowed 0.01 to 2 kg/m3) correct it, or its unit", z[n],
+                "the density at {:.6g} m is {:.6g} kg/m3 (allowed 0.01 to 2 kg/m3); correct it, or its unit", z[n],
                 density[n]);
   }
 }
@@ -61,7 +61,7 @@ DensityHeading heading_in(const TextLines& lines, std::string line) {
       const UnitTable& table = is_height ? length_units : density_units;
       const auto factor = factor_of(table, unit);
       if (!factor) {
-        lines.fail("column {}: unit not known (found \"{}\", allowed {}) write it as in \"# z(m) rho(kg/m3)\"", name,
+        lines.fail("column {}: unit not known (found \"{}\", allowed {}); write it as in \"# z(m) rho(kg/m3)\"", name,
                    unit, table.allowed);
       }
       (is_height ? heading.height : heading.density) = Column{heading.count, *factor};
@@ -137,7 +137,8 @@ std::optional<AirProfile> density_of_netcdf(const std::filesystem::path& file) {
       const auto metre = factor_of(length_units, height->units);
       if (!metre) {
         fail_import(
-            file, "'{}': the heights of '{}' have no unit of length (found \"{}\", allowed {}) set its attribute units",
+            file,
+            "'{}': the heights of '{}' have no unit of length (found \"{}\", allowed {}); set its attribute units",
             candidate, name, height->units, length_units.allowed);
       }
       profile.height_m = input.read(*height);
@@ -145,7 +146,7 @@ std::optional<AirProfile> density_of_netcdf(const std::filesystem::path& file) {
       order_and_check(profile);
       return profile;
     }
-    fail_import(file, "'{}': no heights beside this density (found no variable of its dimension '{}') add one, in m",
+    fail_import(file, "'{}': no heights beside this density (found no variable of its dimension '{}'); add one, in m",
                 name, density->dimension.back());
   }
   return std::nullopt;
@@ -158,7 +159,7 @@ double AirProfile::density_at(double height) const {
   const double lowest = 2 * height_m[0] - height_m[1], highest = 2 * height_m[last] - height_m[last - 1];
   if (!(height >= std::min(lowest, 0.0) && height <= highest)) {
     fail_import(file,
-                "the profile does not reach the cloud (found heights {:.6g} to {:.6g} m, needed {:.6g} m) extend it",
+                "the profile does not reach the cloud (found heights {:.6g} to {:.6g} m, needed {:.6g} m); extend it",
                 height_m.front(), height_m.back(), height);
   }
   const auto above = std::upper_bound(height_m.begin(), height_m.end(), height);

@@ -42,7 +42,7 @@ void check_temperatures(const std::filesystem::path& file, const GroundMap& map)
     const float kelvin = map.value[n];
     if (kelvin >= lowest_temperature_k && kelvin <= highest_temperature_k) continue;
     if (std::isnan(kelvin))
-      fail_import(file, "no value at {} (allowed: a temperature everywhere) fill the gaps", place_in(map, n));
+      fail_import(file, "no value at {} (allowed: a temperature everywhere); fill the gaps", place_in(map, n));
     fail_import(file, "temperature out of range (found {} at {}, allowed {} to {} K, not Celsius)", kelvin,
                 place_in(map, n), lowest_temperature_k, highest_temperature_k);
   }
@@ -57,10 +57,10 @@ void check_values(const std::filesystem::path& file, GroundMap& map) {
       continue;
     }
     const std::string place = place_in(map, n);
-    if (std::isnan(albedo)) fail_import(file, "no value at {} (allowed: an albedo everywhere) fill the gaps", place);
+    if (std::isnan(albedo)) fail_import(file, "no value at {} (allowed: an albedo everywhere); fill the gaps", place);
     fail_import(
         file,
-        "albedo out of range (found {} at {}, allowed 0 to 1) a file that holds per cent or packed numbers must "
+        "albedo out of range (found {} at {}, allowed 0 to 1); a file that holds per cent or packed numbers must "
         "say so by units = \"%\" or scale_factor",
         albedo, place);
   }
@@ -108,7 +108,7 @@ void check_covers(const GroundMap& map, const std::filesystem::path& file, const
     if (!map.length_m[axis] || std::abs(*map.length_m[axis] / domain_m[axis] - 1) <= slack) continue;
     throw InputError(
         fmt::format("{}: not the size of the domain (found {:.6g} m along {} by its coordinates, allowed {:.6g} m, to "
-                    "1 % or a cell) cut the map to the domain, or leave its coordinates out",
+                    "1 % or a cell); cut the map to the domain, or leave its coordinates out",
                     file.string(), *map.length_m[axis], axis == 0 ? "x" : "y", domain_m[axis]));
   }
 }

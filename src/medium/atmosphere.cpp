@@ -77,8 +77,8 @@ constexpr Range heights_allowed{-1e4, 1e6, "m"}, pressures_allowed{1e-4, 120000,
 void check_profile(const std::string& where, const std::vector<double>& heights, const std::string& name,
                    const std::vector<double>& value, const Range& allowed, const char* way_out) {
   if (value.size() != heights.size()) {
-    fail(where, "{}: not as many values as heights (found {}, allowed {}) give one for each height", name, value.size(),
-         heights.size());
+    fail(where, "{}: not as many values as heights (found {}, allowed {}); give one for each height", name,
+         value.size(), heights.size());
   }
   for (std::size_t n = 0; n < value.size(); ++n) {
     if (allowed.contains(value[n])) continue;
@@ -148,20 +148,20 @@ Atmosphere us_standard_1976() {
 void check_atmosphere(const Atmosphere& of, const std::string& where) {
   const std::vector<double>& height = of.height_m;
   if (height.size() < 2) {
-    fail(where, "height: too few (found {}, allowed at least 2) give the lowest and the highest at least",
+    fail(where, "height: too few (found {}, allowed at least 2); give the lowest and the highest at least",
          height.size());
   }
   check_profile(where, height, "height", height, heights_allowed, "heights are those above the sea");
   for (std::size_t n = 1; n < height.size(); ++n) {
     if (height[n] > height[n - 1]) continue;
-    fail(where, "height: not in order (found {:.6g} m after {:.6g} m, allowed ascending heights) sort them", height[n],
+    fail(where, "height: not in order (found {:.6g} m after {:.6g} m, allowed ascending heights); sort them", height[n],
          height[n - 1]);
   }
   check_profile(where, height, "pressure", of.pressure_pa, pressures_allowed, "in hPa or mb? give Pa");
   for (std::size_t n = 1; n < height.size(); ++n) {
     if (of.pressure_pa[n] < of.pressure_pa[n - 1]) continue;
     fail(where,
-         "pressure: not in order (found {:.6g} Pa at {:.6g} m, {:.6g} Pa at {:.6g} m, allowed falling with height) "
+         "pressure: not in order (found {:.6g} Pa at {:.6g} m, {:.6g} Pa at {:.6g} m, allowed falling with height); "
          "sort them",
          of.pressure_pa[n - 1], height[n - 1], of.pressure_pa[n], height[n]);
   }

@@ -127,7 +127,7 @@ class AfglReader {
     for (const auto& [name, unit] : found) columns_.push_back(column_of(name, unit));
     for (const Column& column : columns_) {
       if (!column.quantity.empty() && has(column.quantity.c_str()) > 1)
-        lines_.fail("column {}: is there twice (allowed: once) name its columns apart", column.quantity);
+        lines_.fail("column {}: is there twice (allowed: once); name its columns apart", column.quantity);
     }
   }
 
@@ -135,7 +135,7 @@ class AfglReader {
     const auto in = [&](const UnitTable& table, double usual) {
       const auto factor = unit.empty() ? std::optional(usual) : factor_of(table, unit);
       if (!factor) {
-        lines_.fail("column {}: unit not known (found \"{}\", allowed {}) write it as in \"p(mb)\"", name, unit,
+        lines_.fail("column {}: unit not known (found \"{}\", allowed {}); write it as in \"p(mb)\"", name, unit,
                     table.allowed);
       }
       return *factor;
@@ -158,14 +158,14 @@ class AfglReader {
     if (rows_ == 0 && columns_.empty()) {
       if (words.size() > usual_order.size() || words.size() < 3) {
         lines_.fail(
-            "columns not known (found {}, allowed 3 to {}: z p T air o3 o2 h2o co2 no2) name them: \"# z(km) p(mb) "
+            "columns not known (found {}, allowed 3 to {}: z p T air o3 o2 h2o co2 no2); name them: \"# z(km) p(mb) "
             "T(K)\"",
             words.size(), usual_order.size());
       }
       for (std::size_t n = 0; n < words.size(); ++n) columns_.push_back(column_of(usual_order[n], ""));
     }
     if (words.size() != columns_.size()) {
-      lines_.fail("wrong number of columns (found {}, allowed {} in each line) fill the gaps", words.size(),
+      lines_.fail("wrong number of columns (found {}, allowed {} in each line); fill the gaps", words.size(),
                   columns_.size());
     }
     value_.resize(columns_.size());
@@ -206,8 +206,8 @@ class AfglReader {
     if (air == nullptr) {
       fail_import(
           file_,
-          "column {}: no density of the air for it (found no column air, allowed one) add it, or give \"{}(ppm)\"", gas,
-          gas);
+          "column {}: no density of the air for it (found no column air, allowed one); add it, or give \"{}(ppm)\"",
+          gas, gas);
     }
     for (std::size_t n = 0; n < number.size(); ++n) {
       if (!((*air)[n] > 0)) fail_import(file_, "column air: not positive (found {:.6g} m-3, allowed > 0)", (*air)[n]);
@@ -291,13 +291,13 @@ class NetcdfProfiles {
     std::string found, allowed;
     for (const NetcdfVariable& variable : input_.variables()) found += (found.empty() ? "" : ", ") + variable.name;
     for (const std::string& name : words.names) allowed += (allowed.empty() ? "" : ", ") + name;
-    fail_import(file_, "{}: no such variable (found {}, allowed {}, or the standard_name {}) rename the variable", what,
-                found.empty() ? "none" : found, allowed, words.standard_names.front());
+    fail_import(file_, "{}: no such variable (found {}, allowed {}, or the standard_name {}); rename the variable",
+                what, found.empty() ? "none" : found, allowed, words.standard_names.front());
   }
 
   double unit(const NetcdfVariable& variable, const UnitTable& table) const {
     if (const auto factor = factor_of(table, variable.units)) return *factor;
-    fail_import(file_, "'{}': unit not known (found \"{}\", allowed {}) set its attribute units", variable.name,
+    fail_import(file_, "'{}': unit not known (found \"{}\", allowed {}); set its attribute units", variable.name,
                 variable.units, table.allowed);
   }
 
@@ -309,7 +309,7 @@ class NetcdfProfiles {
     }
     if (long_dimensions != 1 || length > most_heights) {
       fail_import(file_,
-                  "'{}': not one profile (found {} dimensions longer than 1, allowed 1 of 2 to {} values) cut "
+                  "'{}': not one profile (found {} dimensions longer than 1, allowed 1 of 2 to {} values); cut "
                   "one profile out of the file",
                   variable.name, long_dimensions, most_heights);
     }

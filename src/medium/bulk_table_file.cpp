@@ -68,14 +68,14 @@ class BulkReader {
     for (const NetcdfVariable& variable : input_.variables()) found += (found.empty() ? "" : ", ") + variable.name;
     fail_import(file_,
                 "not a table of bulk optics: no variable {} (found {}, allowed ecRad's layout with wavenumber, "
-                "effective_radius, mass_extinction_coefficient, single_scattering_albedo and asymmetry_factor) name "
+                "effective_radius, mass_extinction_coefficient, single_scattering_albedo and asymmetry_factor); name "
                 "another file",
                 missing, found.empty() ? "none" : found);
   }
 
   double unit(const NetcdfVariable& variable, const UnitTable& units) const {
     if (const auto factor = factor_of(units, variable.units)) return *factor;
-    fail_import(file_, "'{}': unit not known (found \"{}\", allowed {}) set its attribute units", variable.name,
+    fail_import(file_, "'{}': unit not known (found \"{}\", allowed {}); set its attribute units", variable.name,
                 variable.units, units.allowed);
   }
 
@@ -134,7 +134,7 @@ class BulkReader {
 
 BulkTable read_bulk_table(const std::filesystem::path& file) {
   if (!begins_as_netcdf(file, allowed_file)) {
-    fail_import(file, "not netCDF (found another kind of file, allowed {} in ecRad's layout) name another file",
+    fail_import(file, "not netCDF (found another kind of file, allowed {} in ecRad's layout); name another file",
                 allowed_file);
   }
   return after_sandbox(file, {.library = "netCDF"}, [&] { return BulkReader(file).read(); });

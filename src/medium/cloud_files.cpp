@@ -32,7 +32,7 @@ std::uint64_t voxels_of(const CloudField& field) {
 
 void CloudFiles::note(const std::string& sentence) {
   const std::lock_guard lock(mutex_);
-  if (tell_ && told_.insert(sentence).second) tell_(sentence);
+  if (report_ && reported_.insert(sentence).second) report_(sentence);
 }
 
 VdbCloud CloudFiles::field(const std::filesystem::path& file, const VdbReadOptions& options) {

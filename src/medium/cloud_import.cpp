@@ -402,7 +402,7 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
       static_cast<double>(options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes() / 2);
   if (nx * ny * nz * bytes_per_cell > allowed) {
     fail_import(options.file,
-                "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all) cut out a part, or give "
+                "too large for the memory (found {} x {} x {} cells, allowed {:.3g} in all); cut out a part, or give "
                 "--vertical-size-m",
                 nx, ny, nz, allowed / bytes_per_cell);
   }
@@ -422,7 +422,7 @@ double uniform_spacing(const std::filesystem::path& file, const std::string& axi
     const double step = centre[n] - centre[n - 1];
     if (!(spacing > 0) || !(std::abs(step - spacing) <= 1e-3 * spacing)) {
       fail_import(file,
-                  "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g}) "
+                  "'{}': not equally spaced and ascending (found {:.6g} after {:.6g}, allowed steps of {:.6g}); "
                   "interpolate, or give "
                   "--voxel-size-m",
                   axis, centre[n], centre[n - 1], std::abs(spacing));
@@ -538,7 +538,7 @@ ImportedCloud to_uniform(LevelledCloud cloud, const CloudImportOptions& options)
   if (mixed > 0) {
     imported.notes.push_back(
         fmt::format("phase_index: {} of {} voxels hold parts of levels with different phase functions and take that of "
-                    "the larger part; a --vertical-size-m whose voxels end where the levels do keeps them apart",
+                    "the larger part; a --vertical-size-m whose voxels end with the levels keeps them apart",
                     mixed, field.active_voxels()));
   }
   for (VdbAuxiliary* auxiliary : {&radius, &albedo, &index, &temperature}) {
@@ -564,7 +564,8 @@ std::string cloud_import_format(const CloudImportOptions& options) {
 ImportedCloud import_cloud(const CloudImportOptions& options) {
   const std::string format = cloud_import_format(options);
   if (options.temperature_grid && format != "les") {
-    fail_import(options.file, "no temperature (found the format {}, allowed les) leave out --temperature-grid", format);
+    fail_import(options.file, "no temperature (found the format {}, allowed les); leave out --temperature-grid",
+                format);
   }
   if (format == "les") return to_uniform(import_les(options), options);
   if (format == "shdom") return to_uniform(import_shdom(options), options);

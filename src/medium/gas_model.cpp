@@ -26,7 +26,7 @@ void check_gases(const GasModel& model, const Atmosphere& atmosphere) {
   }
   if (lacking.empty()) return;
   throw InputError(
-      fmt::format("lacks gases of the gas model: {} (found {}, allowed all of {}) give each as a profile "
+      fmt::format("lacks gases of the gas model: {} (found {}, allowed all of {}); give each as a profile "
                   "or as one mole "
                   "fraction; 0 leaves it out",
                   listed(lacking), listed(there), listed(model.gases())));

@@ -91,7 +91,7 @@ void LesAir::check_levels_ascend(const std::string& name, const std::vector<T>& 
   const double lowest = value.front(), highest = value[columns() * top];
   if (!(highest > 1.01 * lowest)) return;
   file_.fail(
-      "levels are upside down ('{}' grows from {:.6g} at {:.6g} m to {:.6g} at {:.6g} m, allowed a decrease) reverse "
+      "levels are upside down ('{}' grows from {:.6g} at {:.6g} m to {:.6g} at {:.6g} m, allowed a decrease); reverse "
       "them in the file, as 'ncpdq -a -LEVEL' does",
       name, lowest, height_m(0), highest, height_m(top));
 }
@@ -138,7 +138,7 @@ bool LesAir::set_density_as_given() {
   if (!number || file_.input.find(given) != nullptr) return false;
   if (!(*number >= least_density && *number <= largest_density)) {
     file_.fail(
-        "--air-density has the value {:.6g} kg/m3 (allowed {} to {} kg/m3, a variable, or us-1976) air at the "
+        "--air-density has the value {:.6g} kg/m3 (allowed {} to {} kg/m3, a variable, or us-1976); air at the "
         "ground has about 1.2",
         *number, least_density, largest_density);
   }
@@ -234,7 +234,7 @@ LesAir::Pressure LesAir::pressure(const NetcdfVariable& of) {
   if (base == nullptr && file_.is_perturbation(*variable)) {
     file_.fail(
         "'{}' is a perturbation of pressure by its attributes (found no base pressure, allowed the pressure "
-        "itself) name --base-pressure, or {}",
+        "itself); name --base-pressure, or {}",
         variable->name, name_density);
   }
   Pressure result{variable->name, {}};
@@ -295,7 +295,7 @@ std::vector<float> LesAir::kelvin_of(const NetcdfVariable& variable, const Press
   if (says_potential && has(meaning, "equivalent")) {
     file_.fail(
         "'{}' is an equivalent potential temperature by its attributes (allowed: temperature, or potential "
-        "temperature) name --temperature, or --air-density",
+        "temperature); name --temperature, or --air-density",
         variable.name);
   }
   const bool is_perturbation = file_.is_perturbation(variable);
@@ -438,7 +438,7 @@ std::vector<float> LesAir::temperature(const std::vector<float>* liquid_g_m3) {
   if (!is_liquid_potential(*variable)) return kelvin;
   if (liquid_g_m3 == nullptr) {
     file_.fail(
-        "'{}' is a liquid water potential temperature (found no liquid water, allowed temperature) name it "
+        "'{}' is a liquid water potential temperature (found no liquid water, allowed temperature); name it "
         "with --temperature",
         variable->name);
   }

@@ -4,61 +4,6 @@
 
 namespace cloudbow {
 
-LesInputs::LesInputs(const std::filesystem::path& first, const std::vector<std::filesystem::path>& others) {
-  inputs_.push_back(std::make_unique<NetcdfInput>(first, true));
-  for (const auto& other : others) inputs_.push_back(std::make_unique<NetcdfInput>(other, true));
-  for (std::size_t f = 0; f < inputs_.size(); ++f) {
-    for (NetcdfVariable variable : inputs_[f]->variables()) {
-      variable.file = f;
-      variables_.push_back(std::move(variable));
-    }
-  }
-}
-
-const NetcdfVariable* LesInputs::find(const std::string& name) const {
-  for (const NetcdfVariable& variable : variables_) {
-    if (variable.name == name) return &variable;
-  }
-  return nullptr;
-}
-
-const NetcdfVariable* LesInputs::find_in(std::size_t file, const std::string& name) const {
-  for (const NetcdfVariable& variable : variables_) {
-    if (variable.file == file && variable.name == name) return &variable;
-  }
-  return nullptr;
-}
-
-std::string LesInputs::text_attribute(const NetcdfVariable& variable, const char* name) const {
-  return inputs_[variable.file]->text_attribute(variable, name);
-}
-
-std::string LesInputs::global_text(const char* name) const { return inputs_[0]->global_text(name); }
-
-std::optional<double> LesInputs::global_number(const char* name) const {
-  for (const auto& input : inputs_) {
-    if (const auto number = input->global_number(name)) return number;
-  }
-  return std::nullopt;
-}
-
-double LesInputs::packing_step(const NetcdfVariable& variable) const {
-  return inputs_[variable.file]->packing_step(variable);
-}
-
-std::size_t LesInputs::chunk_length(const NetcdfVariable& variable, std::size_t dimension) const {
-  return inputs_[variable.file]->chunk_length(variable, dimension);
-}
-
-std::vector<double> LesInputs::read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
-                                    const std::vector<std::size_t>& count) const {
-  return inputs_[variable.file]->read(variable, start, count);
-}
-
-std::vector<double> LesInputs::read(const NetcdfVariable& variable) const {
-  return inputs_[variable.file]->read(variable);
-}
-
 LesFile::LesFile(const CloudImportOptions& import_options)
     : options(import_options), input(import_options.file, import_options.with) {
   std::string evidence;

@@ -1,7 +1,6 @@
 // The netCDF file of a large-eddy simulation: variables by their names, meanings and units.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,29 +11,6 @@
 #include "netcdf_input.hpp"
 
 namespace cloudbow {
-
-/// A file, and others for what it lacks: of variables with one name the first file's counts.
-class LesInputs {
- public:
-  LesInputs(const std::filesystem::path& first, const std::vector<std::filesystem::path>& others);
-
-  const std::vector<NetcdfVariable>& variables() const { return variables_; }
-  std::size_t files() const { return inputs_.size(); }
-  const NetcdfVariable* find(const std::string& name) const;
-  const NetcdfVariable* find_in(std::size_t file, const std::string& name) const;
-  std::string text_attribute(const NetcdfVariable& variable, const char* name) const;
-  std::string global_text(const char* name) const;
-  std::optional<double> global_number(const char* name) const;
-  double packing_step(const NetcdfVariable& variable) const;
-  std::size_t chunk_length(const NetcdfVariable& variable, std::size_t dimension) const;
-  std::vector<double> read(const NetcdfVariable& variable, const std::vector<std::size_t>& start,
-                           const std::vector<std::size_t>& count) const;
-  std::vector<double> read(const NetcdfVariable& variable) const;
-
- private:
-  std::vector<std::unique_ptr<NetcdfInput>> inputs_;
-  std::vector<NetcdfVariable> variables_;
-};
 
 class LesFile {
  public:
@@ -71,7 +47,7 @@ class LesFile {
   double factor(const NetcdfVariable& variable, const UnitTable& table, double guess, const char* guessed_unit);
 
   const CloudImportOptions& options;
-  LesInputs input;
+  NetcdfInput input;                ///< the file, and others for what it lacks
   const LesModel* model = nullptr;  ///< null: none is recognised
   std::vector<std::string> notes;
 };

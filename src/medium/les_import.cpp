@@ -75,9 +75,9 @@ class LesReader {
     const bool has_liquid = !options_.variable.empty() || !file_.candidates(water_names).empty();
     const bool wants_liquid = options_.species.empty() || is_wanted("liquid") || (wants_all && has_liquid);
     if (!options_.species.empty() && options_.quantity == "extinction")
-      file_.fail("--species: of water alone (found --quantity extinction) leave out one of the two");
+      file_.fail("--species: of water alone (found --quantity extinction); leave out one of the two");
     if (!wants_liquid && !options_.variable.empty())
-      file_.fail("--species: without liquid (found --variable, which names liquid water) leave out one of the two");
+      file_.fail("--species: without liquid (found --variable, which names liquid water); leave out one of the two");
     for (const Species& species : species_names) {
       if (species.option == nullptr) continue;
       const bool is_there = file_.first_of(*species.names) != nullptr;
@@ -85,7 +85,7 @@ class LesReader {
       if (!is_there) {
         std::string tried;
         for (const std::string& name : species.names->names) tried += (tried.empty() ? "" : ", ") + name;
-        file_.fail("no variable of {} (looked for {}; fields in the file: {}) leave {} out of --species", species.what,
+        file_.fail("no variable of {} (looked for {}; fields in the file: {}); leave {} out of --species", species.what,
                    tried, file_.fields_there(), species.option);
       }
       if (wants_liquid || main_species_ != nullptr) {
@@ -113,7 +113,7 @@ class LesReader {
                          ? has_unit_of_extinction || std::find(names.begin(), names.end(), variable.name) != names.end()
                          : options_.quantity == "extinction";
     if (is_extinction_ && !others_.empty()) {
-      file_.fail("'{}' is extinction (found --species, allowed for water alone) leave out --species", variable.name);
+      file_.fail("'{}' is extinction (found --species, allowed for water alone); leave out --species", variable.name);
     }
     file_.note("{}: {}", is_extinction_ ? "extinction" : "liquid water", LesFile::described(variable, unit));
     return variable;
@@ -154,7 +154,7 @@ class LesReader {
       const std::vector<float> value = grid_.read(*other, "liquid water");
       const auto is_same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
       if (std::equal(value.begin(), value.end(), cloud_.density.begin(), is_same)) continue;
-      file_.fail("two kinds of liquid water (found '{}' and '{}', which differ, allowed one) name it with --variable",
+      file_.fail("two kinds of liquid water (found '{}' and '{}', which differ, allowed one); name it with --variable",
                  main_.name, other->name);
     }
   }
@@ -191,7 +191,7 @@ class LesReader {
         file_.fail(
             "'{}' is water and ice together, and {} may hold ice (found {:.6g} K and no variable of ice, allowed {} K "
             "and "
-            "more) name liquid water alone with --variable",
+            "more); name liquid water alone with --variable",
             main_.name, grid_.cell_text(n), kelvin[n], freezing);
       }
     }
@@ -239,8 +239,8 @@ class LesReader {
   void to_extinction() {
     const auto factor = factor_of(extinction_units, units());
     if (!factor) {
-      file_.fail("'{}': unit of extinction not known (found '{}', allowed {}) say it with --units", main_.name, units(),
-                 extinction_units.allowed);
+      file_.fail("'{}': unit of extinction not known (found '{}', allowed {}); say it with --units", main_.name,
+                 units(), extinction_units.allowed);
     }
     scale(*factor);
     constexpr double most = 10;  // 1/m: 20 g/m3 of droplets of 3 um
@@ -423,7 +423,7 @@ class LesReader {
       const float radius = radii[n];
       if (density[n] > 0 && density[n] >= options_.minimum && !(radius > 0 && std::isfinite(radius))) {
         file_.fail(
-            "{}: {} holds {:.3g} {} and has the value {} (allowed: > 0 where there is cloud; --minimum leaves out "
+            "{}: {} holds {:.3g} {} and has the value {} (allowed: > 0 in cloud; --minimum leaves out "
             "cells with less)",
             what, grid_.cell_text(n), density[n], is_extinction_ ? "1/m of extinction" : "g/m3 of water", radius);
       }
@@ -490,7 +490,7 @@ class LesReader {
       for (std::size_t n = begin; n < begin + columns && !is_cloudy; ++n) is_cloudy = has_water(n);
       if (!is_cloudy) continue;
       file_.fail(
-          "cloud below the ground (found it at {:.6g} m, allowed 0 m and above) correct the heights, or give "
+          "cloud below the ground (found it at {:.6g} m, allowed 0 m and above); correct the heights, or give "
           "--voxel-size-m DX DY DZ",
           centre);
     }

@@ -6,8 +6,9 @@
 #include <algorithm>
 
 #include "cloudbow/core/text_case.hpp"
+#include "cloudbow/medium/cloud_import.hpp"
 #include "import_parts.hpp"
-#include "les_file.hpp"
+#include "netcdf_input.hpp"
 
 namespace cloudbow {
 namespace {
@@ -148,7 +149,7 @@ const std::vector<LesModel>& models() {
   return all;
 }
 
-std::string attribute_that_says(const LesInputs& input, const Names& titles) {
+std::string attribute_that_says(const NetcdfInput& input, const Names& titles) {
   for (const char* attribute : {"title", "TITLE", "source", "model", "model_name", "CM1 version"}) {
     const std::string text = lower_case(input.global_text(attribute)) + " ";
     for (const std::string& title : titles) {
@@ -160,7 +161,7 @@ std::string attribute_that_says(const LesInputs& input, const Names& titles) {
   return "";
 }
 
-bool has_variable_or_dimension(const LesInputs& input, const std::string& name) {
+bool has_variable_or_dimension(const NetcdfInput& input, const std::string& name) {
   return std::any_of(input.variables().begin(), input.variables().end(), [&](const NetcdfVariable& variable) {
     return variable.name == name ||
            std::find(variable.dimension.begin(), variable.dimension.end(), name) != variable.dimension.end();
@@ -203,7 +204,7 @@ const std::vector<std::string>& les_model_names() {
   return names;
 }
 
-const LesModel* recognised_model(const LesInputs& input, const CloudImportOptions& options, std::string& evidence) {
+const LesModel* recognised_model(const NetcdfInput& input, const CloudImportOptions& options, std::string& evidence) {
   const std::string& given = options.model;
   if (given != "auto") {
     const auto named =
@@ -217,7 +218,7 @@ const LesModel* recognised_model(const LesInputs& input, const CloudImportOption
         std::none_of(water.begin(), water.end(),
                      [&](const std::string& name) { return input.find(name) != nullptr; })) {
       fail_import(options.file,
-                  "no water of the model that --model names, {} (found none of {}) leave out --model, or name the "
+                  "no water of the model that --model names, {} (found none of {}); leave out --model, or name the "
                   "variable with --variable",
                   named->title, fmt::join(water, ", "));
     }

@@ -9,7 +9,7 @@
 
 namespace cloudbow {
 
-class LesInputs;
+class NetcdfInput;
 struct CloudImportOptions;
 
 /// Names by quantity.
@@ -31,6 +31,6 @@ struct LesModel {
 
 /// The model of the options, or the one that the files show; null if they show none.
 /// @param evidence what showed it. @throws InputError if the option names a model whose water the files lack
-const LesModel* recognised_model(const LesInputs& input, const CloudImportOptions& options, std::string& evidence);
+const LesModel* recognised_model(const NetcdfInput& input, const CloudImportOptions& options, std::string& evidence);
 
 }  // namespace cloudbow

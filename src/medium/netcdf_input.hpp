@@ -1,8 +1,8 @@
-// A netCDF file, classic or netCDF-4, read variable by variable.
+// netCDF files, classic or netCDF-4, read variable by variable.
 #pragma once
 
 #include <filesystem>
-#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ struct NetcdfVariable {
   std::string units;                   ///< empty if the file does not say
   bool is_float32 = false;
   int group = 0;         ///< the library's number of the file, or of a group in it
-  std::size_t file = 0;  ///< of several files, counted by those who open them
+  std::size_t file = 0;  ///< index of the file, if several are open
 };
 
 /// Whether the first bytes are those of netCDF, classic or netCDF-4; such a file may still be damaged.
@@ -32,18 +32,20 @@ class NetcdfInput {
   /// @throws InputError if the file is not netCDF, damaged, or locked by a program that writes it.
   /// @param has_groups variables of groups count too
   explicit NetcdfInput(const std::filesystem::path& path, bool has_groups = false);
-  ~NetcdfInput();
-  NetcdfInput(const NetcdfInput&) = delete;
-  NetcdfInput& operator=(const NetcdfInput&) = delete;
+  /// A file, and others for what it lacks. Variables of groups count.
+  NetcdfInput(const std::filesystem::path& first, const std::vector<std::filesystem::path>& others);
 
-  /// Those of the file, then those of its groups if they count.
+  /// By file, those of the file itself first, then those of its groups if they count.
   const std::vector<NetcdfVariable>& variables() const { return variables_; }
+  std::size_t files() const { return files_.size(); }
+  /// The first variable of this name, null if there is none.
   const NetcdfVariable* find(const std::string& name) const;
+  const NetcdfVariable* find_in(std::size_t file, const std::string& name) const;
   /// Empty if there is none, or it is no text.
   std::string text_attribute(const NetcdfVariable& variable, const char* name) const;
-  /// A text among the attributes of the file; empty if there is none.
+  /// A text among the attributes of the first file; empty if there is none.
   std::string global_text(const char* name) const;
-  /// A number among the attributes of the file.
+  /// A number among the attributes of the first file that has it.
   std::optional<double> global_number(const char* name) const;
   /// 0 if the variable is not packed: the distance of two numbers that its integers can represent.
   double packing_step(const NetcdfVariable& variable) const;
@@ -59,21 +61,34 @@ class NetcdfInput {
   std::vector<double> read(const NetcdfVariable& variable) const;
 
  private:
-  void check(int status, const std::string& what) const;
-  /// Attributes of a variable of a group, or of the file.
-  std::string text_of(int group, int variable, const char* name) const;
-  std::vector<double> numbers_of_attribute(int group, int variable, const std::string& owner, const char* name) const;
+  /// An open file, closed with the object.
+  struct OpenFile {
+    explicit OpenFile(const std::filesystem::path& path);
+    ~OpenFile();
+    OpenFile(const OpenFile&) = delete;
+    OpenFile& operator=(const OpenFile&) = delete;
+    void check(int status, const std::string& what) const;
+
+    std::filesystem::path path;
+    int id = 0;
+    int groups_left = 0;  ///< that may still be read: groups may be linked in rings
+  };
+
+  void open(const std::filesystem::path& path, bool has_groups);
+  const OpenFile& file_of(const NetcdfVariable& variable) const { return *files_[variable.file]; }
   std::vector<double> numbers_of_attribute(const NetcdfVariable& variable, const char* name) const;
   std::optional<double> number_attribute(const NetcdfVariable& variable, const char* name) const;
+  /// Attributes of a variable of a group, or of the file.
+  static std::string text_of(const OpenFile& file, int group, int variable, const char* name);
+  static std::vector<double> numbers_of(const OpenFile& file, int group, int variable, const std::string& owner,
+                                        const char* name);
   ValidValues valid_values(const NetcdfVariable& variable) const;
   void list_variables(int group, const std::string& path);
-  double attribute_bytes(int variable) const;
-  void check_length() const;
+  static double attribute_bytes(const OpenFile& file, int variable);
+  void check_length(std::size_t file) const;
 
-  std::filesystem::path path_;
-  int id_ = 0;
+  std::vector<std::unique_ptr<OpenFile>> files_;
   std::vector<NetcdfVariable> variables_;
-  int groups_left_ = 0;  ///< that may still be read: groups may be linked in rings
 };
 
 }  // namespace cloudbow

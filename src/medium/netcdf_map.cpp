@@ -88,7 +88,7 @@ Axis read_axis(const std::filesystem::path& file, const NetcdfInput& input, cons
     if (step != 0 && std::abs(centre[n] - centre.front() - static_cast<double>(n) * step) <= slack * std::abs(step))
       continue;
     fail_import(file,
-                "'{}': uneven coordinates (found {} at index {}, allowed equal steps of {:.6g}) interpolate the map",
+                "'{}': uneven coordinates (found {} at index {}, allowed equal steps of {:.6g}); interpolate the map",
                 name, centre[n], n, step);
   }
   axis.descends = step < 0;

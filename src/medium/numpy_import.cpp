@@ -221,7 +221,7 @@ class NpzReader {
       const std::string name(1, "xy"[a]);
       const std::vector<double> centre = coordinates(name);
       if (centre.size() < 2 || centre.size() != count[a]) {
-        fail_import(options_.file, "no coordinates '{}' in m (found {} for {} cells) add them, or give --voxel-size-m",
+        fail_import(options_.file, "no coordinates '{}' in m (found {} for {} cells); add them, or give --voxel-size-m",
                     name, centre.size(), count[a]);
       }
       *size[a] = uniform_spacing(options_.file, name, centre);
@@ -238,7 +238,7 @@ class NpzReader {
     const bool are_edges = height.size() == nz + 1;
     if (height.size() < 2 || (height.size() != nz && !are_edges)) {
       fail_import(options_.file,
-                  "no heights 'z' in m (found {} for {} levels) add them, or give --voxel-size-m DX DY DZ",
+                  "no heights 'z' in m (found {} for {} levels); add them, or give --voxel-size-m DX DY DZ",
                   height.size(), nz);
     }
     for (std::size_t n = 1; n < height.size(); ++n) {
@@ -282,7 +282,7 @@ LevelledCloud import_numpy(const CloudImportOptions& options) {
   if (!stream) fail_import(options.file, "cannot be opened for reading (check its permissions)");
   if (stream.peek() == 'P') return NpzReader(options).read();
   if (!options.variable.empty()) {
-    fail_import(options.file, "one array without a name (found --variable, allowed for .npz) leave out --variable");
+    fail_import(options.file, "one array without a name (found --variable, allowed for .npz); leave out --variable");
   }
   if (!options.voxel_size_m) {
     fail_import(options.file, "a NumPy array does not say how large cells are (allowed: with --voxel-size-m DX DY DZ)");

@@ -29,7 +29,7 @@ std::string words_of(std::string quantity) {
 std::optional<std::string> doubt_water_content(double largest_g_m3, const std::string& quantity) {
   if (!(largest_g_m3 > doubtful_water_content_g_m3)) return std::nullopt;
   return fmt::format(
-      "{} of {:.4g} g/m3 (clouds have up to about 5, above {} is doubted) is the grid in g/m3? "
+      "{} of {:.4g} g/m3 (clouds have up to about 5, above {} is doubted); is the grid in g/m3? "
       "cloud.scale makes it so",
       words_of(quantity), largest_g_m3, doubtful_water_content_g_m3);
 }
@@ -37,7 +37,8 @@ std::optional<std::string> doubt_water_content(double largest_g_m3, const std::s
 std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel) {
   if (!(largest_of_a_voxel > doubtful_optical_depth)) return std::nullopt;
   return fmt::format(
-      "a voxel of optical depth {:.4g} (above {:g} is doubted) are extinction in 1/m and voxel sizes in m? cloud.scale "
+      "a voxel of optical depth {:.4g} (above {:g} is doubted); are extinction in 1/m and voxel sizes in m? "
+      "cloud.scale "
       "and cloud.voxel_size_m make them so",
       largest_of_a_voxel, doubtful_optical_depth);
 }
@@ -45,7 +46,7 @@ std::optional<std::string> doubt_optical_depth(double largest_of_a_voxel) {
 std::optional<std::string> doubt_effective_radius(double smallest_um, double largest_um) {
   if (smallest_um >= smallest_effective_radius_um && largest_um <= largest_effective_radius_um) return std::nullopt;
   return fmt::format(
-      "effective radii that nothing in a cloud has (found {:.4g} to {:.4g}, allowed {} to {} um) write "
+      "effective radii that nothing in a cloud has (found {:.4g} to {:.4g}, allowed {} to {} um); write "
       "the radius in um",
       smallest_um, largest_um, smallest_effective_radius_um, largest_effective_radius_um);
 }

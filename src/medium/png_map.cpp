@@ -110,7 +110,7 @@ GroundMap read_png_map(const std::filesystem::path& file) {
                     level[0], level[1], level[2], j, i, largest);
       }
       if (channels > colours && level[colours] != largest) {
-        fail_import(file, "a transparent pixel (found alpha {} in line {}, column {}; allowed {}) fill the gaps",
+        fail_import(file, "a transparent pixel (found alpha {} in line {}, column {}; allowed {}); fill the gaps",
                     level[colours], j, i, largest);
       }
       map.value.push_back(static_cast<float>(level[0]) / static_cast<float>(largest));

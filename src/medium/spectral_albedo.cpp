@@ -73,7 +73,7 @@ class AlbedoReader {
     const auto unit = unit_behind(line, word);
     if (!unit) return usual;
     if (const auto factor = factor_of(units, *unit)) return *factor;
-    lines_.fail("column {}: unit not known (found \"{}\", allowed {}) write it as in \"# wavelength(nm) albedo(%)\"",
+    lines_.fail("column {}: unit not known (found \"{}\", allowed {}); write it as in \"# wavelength(nm) albedo(%)\"",
                 word, *unit, units.allowed);
   }
 
@@ -151,7 +151,7 @@ void check_spectral_albedo(const SpectralAlbedo& given, const std::string& name)
   for (std::size_t n = 0; n < given.albedo.size(); ++n) {
     const double wavelength = given.wavelength_um[n], albedo = given.albedo[n];
     if (!(wavelength >= shortest_um && wavelength <= longest_um)) {
-      fail(fmt::format("wavelength out of range (found {:.6g} um, allowed {} to {} um) look at its unit", wavelength,
+      fail(fmt::format("wavelength out of range (found {:.6g} um, allowed {} to {} um); look at its unit", wavelength,
                        shortest_um, longest_um));
     }
     if (n > 0 && !(wavelength > given.wavelength_um[n - 1])) {
@@ -159,7 +159,7 @@ void check_spectral_albedo(const SpectralAlbedo& given, const std::string& name)
                        wavelength, given.wavelength_um[n - 1]));
     }
     if (!(albedo >= 0 && albedo <= 1)) {
-      fail(fmt::format("albedo out of range (found {:.6g} at {:.6g} um, allowed 0 to 1) look at its unit", albedo,
+      fail(fmt::format("albedo out of range (found {:.6g} at {:.6g} um, allowed 0 to 1); look at its unit", albedo,
                        wavelength));
     }
   }
@@ -190,7 +190,7 @@ std::vector<double> albedo_of_points(const GasModel& model, const SpectralAlbedo
     const auto range = wavelengths_of(model);
     throw InputError(
         fmt::format("{}: lacks {:.3g} to {:.3g} um (found {:.6g} to {:.6g}, {:.0f} % beyond, "
-                    "allowed {:.0f}) repeat the last albedo",
+                    "allowed {:.0f}); repeat the last albedo",
                     name, range[0], range[1], albedo.wavelength_um.front(), albedo.wavelength_um.back(),
                     100 * beyond / power, 100 * largest_power_beyond_albedo));
   }

@@ -48,7 +48,7 @@ SpectralWeight weight_of_point(const GasModel& model, int point) {
   }
   if (result.weight.empty()) {
     throw InputError(fmt::format(
-        "gas model: g-point {} has no share of any interval (found 0, allowed > 0 in one) take another model",
+        "gas model: g-point {} has no share of any interval (found 0, allowed > 0 in one); take another model",
         point + 1));
   }
   return result;

@@ -147,15 +147,13 @@ class OpticsCsvReader {
     cloud_.nx = columns_along(0);
     cloud_.ny = columns_along(1);
     if (shape_[0] <= 0 && !options_.columns) {
-      cloud_.notes.push_back(
-          fmt::format("columns: {} x {}, as far as the cells reach; --columns says it where the domain is larger",
-                      cloud_.nx, cloud_.ny));
+      cloud_.notes.push_back(fmt::format(
+          "columns: {} x {}, as far as the cells reach; give --columns if the domain is larger", cloud_.nx, cloud_.ny));
     }
     cloud_.dx_m = options_.voxel_size_m ? (*options_.voxel_size_m)[0] : dx_m_;
     cloud_.dy_m = options_.voxel_size_m ? (*options_.voxel_size_m)[1] : dy_m_ > 0 ? dy_m_ : dx_m_;
     if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0)) {
-      fail_import(options_.file,
-                  "cell size is not said (found no 'dx=... km' in a comment, allowed with --voxel-size-m)");
+      fail_import(options_.file, "no cell size (found no 'dx=... km' in a comment, allowed with --voxel-size-m)");
     }
     if (options_.levels_by_voxel_size) use_level_numbers();
     if (bottom_ >= 0) {
@@ -174,10 +172,9 @@ class OpticsCsvReader {
       for (const OpticsCell& cell : cells_) levels = std::max(levels, cell.k + 1);
       for (int k = 0; k <= levels; ++k) cloud_.z_edge_m.push_back(k * (*options_.voxel_size_m)[2]);
     } else {
-      fail_import(
-          options_.file,
-          "heights are not said (found neither z_bottom and z_top nor a comment 'z levels km: ...', allowed with "
-          "--voxel-size-m)");
+      fail_import(options_.file,
+                  "no heights (found neither z_bottom and z_top nor a comment 'z levels km: ...', allowed with "
+                  "--voxel-size-m)");
     }
     check_import_size(options_, cloud_.nx, cloud_.ny, cloud_.nz());
   }
@@ -286,9 +283,8 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
     cloud.nx = (*options.columns)[0];
     cloud.ny = (*options.columns)[1];
   } else {
-    cloud.notes.push_back(
-        fmt::format("columns: {} x {}, as far as the cells reach; --columns says it where the domain is larger",
-                    cloud.nx, cloud.ny));
+    cloud.notes.push_back(fmt::format(
+        "columns: {} x {}, as far as the cells reach; give --columns if the domain is larger", cloud.nx, cloud.ny));
   }
   check_import_size(options, cloud.nx, cloud.ny, levels);
   cloud.dx_m = (*options.voxel_size_m)[0];

@@ -47,9 +47,9 @@ void VdbInput::reading(Function function) const {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::ios_base::failure&) {
-    throw InputError(
-        fmt::format("{}: the file is truncated or damaged (it ends at byte {} before its grids do) get a complete copy",
-                    path_.string(), bytes_));
+    throw InputError(fmt::format(
+        "{}: the file is truncated or damaged (it ends at byte {} before its grids do); get a complete copy",
+        path_.string(), bytes_));
   } catch (const std::exception& error) {
     throw InputError(fmt::format("{}: the file is damaged or of an unknown kind of OpenVDB (the library says: {})",
                                  path_.string(), without_final_period(error.what())));
@@ -97,7 +97,7 @@ void VdbInput::walk(const std::string& wanted) {
     const auto end = entry.descriptor.getEndPos();
     if (inputHasGridOffsets() && (begin < stream_.tellg() || end < begin || static_cast<std::uint64_t>(end) > bytes_)) {
       throw InputError(
-          fmt::format("{}: the file is truncated or damaged (grid \"{}\" should end at byte {}, the file at {}) "
+          fmt::format("{}: the file is truncated or damaged (grid \"{}\" should end at byte {}, the file at {}); "
                       "get a complete copy",
                       path_.string(), entry.name, end, bytes_));
     }
@@ -143,7 +143,7 @@ const VdbInput::Entry& VdbInput::find(const std::string& name) const {
 openvdb::FloatGrid::ConstPtr VdbInput::load(const Entry& entry) {
   if (!entry.grid->isType<openvdb::FloatGrid>()) {
     throw InputError(
-        fmt::format("{}: grid \"{}\" has the wrong type ({}; float, also stored as half, is allowed) "
+        fmt::format("{}: grid \"{}\" has the wrong type ({}; float, also stored as half, is allowed); "
                     "convert it to float, or name another grid",
                     path_.string(), entry.name, entry.type));
   }

@@ -15,14 +15,14 @@ constexpr double largest_slope = 1e-6;
 openvdb::Mat4d affine_matrix(const openvdb::math::Transform& transform, const Place& where) {
   if (!transform.isLinear()) {
     where.fail(
-        "the transform is not linear ({} found, boxes along the axes are allowed) resample the grid to boxes "
+        "the transform is not linear ({} found, boxes along the axes are allowed); resample the grid to boxes "
         "along the axes",
         transform.mapType());
   }
   try {
     return transform.baseMap()->getAffineMap()->getMat4();
   } catch (const openvdb::ArithmeticError&) {
-    where.fail("the transform is singular (voxel sizes other than 0 are allowed) write the grid with its voxel size");
+    where.fail("the transform is singular (voxel sizes other than 0 are allowed); write the grid with its voxel size");
   }
 }
 
@@ -45,7 +45,7 @@ std::array<int, 3> index_axes(const openvdb::Mat4d& matrix, const Place& where) 
       if (index_of[column] < 0 || !(std::abs(matrix(row, column)) <= largest_slope * largest)) {
         where.fail(
             "the transform rotates or shears (rows of its matrix: {:.6g} {:.6g} {:.6g}; {:.6g} {:.6g} {:.6g}; {:.6g} "
-            "{:.6g} {:.6g}; one number a row and column is allowed, which exchanges and mirrors axes) resample the "
+            "{:.6g} {:.6g}; one number per row and column is allowed, which exchanges and mirrors axes); resample the "
             "grid to boxes along the axes",
             matrix(0, 0), matrix(0, 1), matrix(0, 2), matrix(1, 0), matrix(1, 1), matrix(1, 2), matrix(2, 0),
             matrix(2, 1), matrix(2, 2));
@@ -96,7 +96,7 @@ Placement place(const openvdb::math::Transform& transform, const VdbReadOptions&
     if (!std::isnormal(step) || !std::isfinite(matrix(3, world))) {
       where.fail(
           "the transform has no usable voxel size (found {:.6g} m along {} from {:.6g} m, allowed a size other "
-          "than 0 and a finite place) write the grid with its voxel size",
+          "than 0 and a finite place); write the grid with its voxel size",
           step, "xyz"[world], matrix(3, world));
     }
     result.axis[a] = index_of[world];

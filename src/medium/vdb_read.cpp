@@ -49,7 +49,7 @@ void check_memory(double bytes, const VdbReadOptions& options, const Place& wher
   const auto limit = memory_limit(options);
   if (bytes > static_cast<double>(limit)) {
     where.fail(
-        "too large ({}: {:.3g} GB to read, {:.3g} GB are allowed) clip or coarsen the grid (vdb_tool -clip, "
+        "too large ({}: {:.3g} GB to read, {:.3g} GB are allowed); clip or coarsen the grid (vdb_tool -clip, "
         "-resample); single voxels far away make a large box",
         found, bytes * 1e-9, static_cast<double>(limit) * 1e-9);
   }
@@ -79,7 +79,7 @@ void check_metadata(const openvdb::GridBase& grid, const Placement& placement, c
                     const Place& where) {
   if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
     where.fail(
-        "is a level set (distances to a surface; densities are allowed) make a fog volume of it, 0 outside to 1 "
+        "is a level set (distances to a surface; densities are allowed); make a fog volume of it, 0 outside to 1 "
         "inside, with OpenVDB's tool (vdb_tool -read {} -ls2fog -write fog.vdb) and set cloud.scale",
         where.path.string());
   }
@@ -148,7 +148,7 @@ class VoxelCollector {
       where_.fail(
           "voxel ({}, {}, {}) has the value {:.6g} (finite numbers >= 0 are allowed, and down to -{:g} of the largest, "
           "{:.6g}, "
-          "which counts as 0) set it to 0 if it should be clear; distances to a surface are no densities",
+          "which counts as 0); set it to 0 if it should be clear; distances to a surface are no densities",
           least_at_[0], least_at_[1], least_at_[2], static_cast<double>(least_) / scale_, largest_rounding,
           static_cast<double>(largest_) / scale_);
     }
@@ -255,7 +255,7 @@ void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomai
                     const VdbReadOptions& options, const Placement& placement, const Place& where,
                     VoxelCollector& voxels) {
   if (!std::isfinite(grid.background())) {
-    where.fail("the background is {} (a finite number is allowed) give the grid the background 0", grid.background());
+    where.fail("the background is {} (a finite number is allowed); give the grid the background 0", grid.background());
   }
   if (!domain && !options.domain_m) {
     const auto active = grid.evalActiveVoxelBoundingBox();
@@ -272,7 +272,7 @@ void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomai
     }
     where.fail(
         "the background is {} and nothing says how far it reaches (found neither metadata domain_min_m, "
-        "domain_max_m nor both corners in the scene's [domain], allowed a background of 0 or one of these) set "
+        "domain_max_m nor both corners in the scene's [domain], allowed a background of 0 or one of these); set "
         "[domain] min_m and max_m{}",
         grid.background(), box);
   }
@@ -406,7 +406,7 @@ std::vector<float> read_auxiliary(const std::filesystem::path& path, const Cloud
   const auto& entry = input.find(options.grid);
   const std::string quantity = text_metadata(*entry.grid, "quantity");
   if (!options.auxiliary_quantity.empty() && !quantity.empty() && quantity != options.auxiliary_quantity) {
-    where.fail("holds something else by its metadata (found the quantity {}, allowed {}) name the grid that holds it",
+    where.fail("holds something else by its metadata (found the quantity {}, allowed {}); name the grid that holds it",
                quantity, options.auxiliary_quantity);
   }
   const Placement placement = place(entry.grid->transform(), options, where);

@@ -168,7 +168,7 @@ class PartFile {
     } catch (const std::exception& error) {
       const int reason = errno;
       throw InputError(
-          fmt::format("{}: cannot be written ({}) name a file in a folder that exists, is writable and has room",
+          fmt::format("{}: cannot be written ({}); name a file in a folder that exists, is writable and has room",
                       target_.string(), reason != 0 ? std::generic_category().message(reason) : error.what()));
     }
   }

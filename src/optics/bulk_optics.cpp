@@ -60,7 +60,7 @@ void check_bulk_table(const BulkTable& table) {
   for (const double radius : {table.effective_radius_um.front(), table.effective_radius_um.back()}) {
     if (!(radius >= smallest_tabulated_radius_um && radius <= largest_tabulated_radius_um)) {
       throw InputError(
-          fmt::format("{}: effective radius out of range (found {:.6g} um, allowed {} to {} um) look at "
+          fmt::format("{}: effective radius out of range (found {:.6g} um, allowed {} to {} um); look at "
                       "its units",
                       name, radius, smallest_tabulated_radius_um, largest_tabulated_radius_um));
     }
@@ -94,11 +94,11 @@ std::vector<BulkOptics> average_over(const BulkTable& table, std::span<const dou
   const NodeShares nodes = node_shares(table.wavenumber_cm1, wavenumber_cm1, weight, name_of(table));
   if (nodes.below + nodes.above > largest_extended_share) {
     const auto [first, last] = std::minmax_element(wavenumber_cm1.begin(), wavenumber_cm1.end());
-    throw InputError(
-        fmt::format("{}: too short for {:.6g} to {:.6g} cm-1 (found {:.6g} to {:.6g}, {:.0f} % beyond, allowed {:.0f}) "
-                    "take another table",
-                    name_of(table), *first, *last, table.wavenumber_cm1.front(), table.wavenumber_cm1.back(),
-                    100 * (nodes.below + nodes.above), 100 * largest_extended_share));
+    throw InputError(fmt::format(
+        "{}: too short for {:.6g} to {:.6g} cm-1 (found {:.6g} to {:.6g}, {:.0f} % beyond, allowed {:.0f}); "
+        "take another table",
+        name_of(table), *first, *last, table.wavenumber_cm1.front(), table.wavenumber_cm1.back(),
+        100 * (nodes.below + nodes.above), 100 * largest_extended_share));
   }
   std::vector<Sums> sums(table.effective_radius_um.size());
   for (std::size_t n = 0; n < nodes.share.size(); ++n) {

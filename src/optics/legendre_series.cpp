@@ -60,7 +60,7 @@ std::string check_not_negative(std::span<const double> moments) {
   const double allowed = least_allowed(moments);
   if (least.value < allowed) {
     throw InputError(
-        fmt::format("phase function: negative (found {:.3g} at {:.4g} degrees, where the mean is 1; allowed: >= 0) "
+        fmt::format("phase function: negative (found {:.3g} at {:.4g} degrees beside a mean of 1; allowed: >= 0) "
                     "moments with the factor 2l+1 left in look so: divide moment l by 2l+1; so does a series that is "
                     "cut too early: give more moments",
                     least.value, least.angle_deg));

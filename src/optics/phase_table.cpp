@@ -71,8 +71,7 @@ PhaseTable make_phase_table(std::span<const double> angle_deg, std::span<const d
       reject(fmt::format("{} degrees is followed by {} (allowed: ascending angles)", angle_deg[i], angle_deg[i + 1]));
     }
     if (i < last && !(mu > table.mu.back())) {
-      reject(fmt::format("{} and {} degrees are too close to tell apart by their cosines", angle_deg[i],
-                         angle_deg[i + 1]));
+      reject(fmt::format("{} and {} degrees have the same cosine", angle_deg[i], angle_deg[i + 1]));
     }
     table.mu.push_back(mu);
     table.value.push_back(value[i]);

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/digest.hpp"
@@ -70,6 +72,31 @@ class Reader {
 
 }  // namespace
 
+void bound_cache(const std::filesystem::path& directory, std::uintmax_t most_bytes) {
+  struct Table {
+    std::filesystem::file_time_type used;
+    std::uintmax_t bytes;
+    std::filesystem::path path;
+  };
+  std::vector<Table> tables;
+  std::uintmax_t bytes = 0;
+  std::error_code failure;
+  for (std::filesystem::directory_iterator entry(directory, failure), end; !failure && entry != end;
+       entry.increment(failure)) {
+    std::error_code of_entry;
+    if (!is_cached_table(entry->path()) || !std::filesystem::is_regular_file(entry->symlink_status(of_entry))) continue;
+    const Table table{entry->last_write_time(of_entry), entry->file_size(of_entry), entry->path()};
+    if (of_entry) continue;  // another run has just removed it
+    bytes += table.bytes;
+    tables.push_back(table);
+  }
+  std::sort(tables.begin(), tables.end(), [](const Table& a, const Table& b) { return a.used < b.used; });
+  for (const Table& table : tables) {
+    if (bytes <= most_bytes) return;
+    if (std::filesystem::remove(table.path, failure)) bytes -= table.bytes;
+  }
+}
+
 TableCache::TableCache(const std::filesystem::path& directory, std::string key) : key_(std::move(key)) {
   if (!directory.empty()) file_ = directory / fmt::format("{}{:016x}{}", name_begin, digest_of(key_), name_end);
 }
@@ -97,6 +124,8 @@ std::optional<FittedColumns> TableCache::load() const {
   reader.get(columns.report.least_value);
   reader.get(columns.report.max_error);
   if (!reader.at_end()) return std::nullopt;
+  std::error_code no_write;  // then its time stays that of its making
+  std::filesystem::last_write_time(file_, std::filesystem::file_time_type::clock::now(), no_write);
   return columns;
 }
 
@@ -117,6 +146,7 @@ void TableCache::store(const FittedColumns& columns) const {
   if (std::filesystem::exists(older) && !std::filesystem::is_regular_file(older)) return;
   try {
     write_file_atomically(file_, text);
+    bound_cache(file_.parent_path(), most_cached_bytes);
   } catch (const InputError&) {  // the table is made again
   }
 }

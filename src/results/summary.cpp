@@ -40,7 +40,7 @@ std::string summary_table(const Solution& solution, const std::string& flux_unit
     }
   }
   if (report.added_levels > 0)
-    line("levels", fmt::format(" {} more, where light fades within a voxel", report.added_levels));
+    line("levels", fmt::format(" {} more, because light fades within a voxel", report.added_levels));
   if (report.column_parts_x * report.column_parts_y > 1) {
     line("columns", fmt::format(" in {} x {} parts: light fades across their voxels", report.column_parts_x,
                                 report.column_parts_y));

@@ -1,4 +1,4 @@
-// What files cost: loading clouds, writing a result of 128 x 128 x 119 cells with fluxes at all levels. The clouds are
+// Cost of files: loading clouds, writing a result of 128 x 128 x 119 cells with fluxes at all levels. The clouds are
 // those of clouds/, and of the files that CLOUDBOW_BENCH_VDB names, separated by colons.
 #include <benchmark/benchmark.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// What a scattering table costs: one column, all columns of a level of accuracy (HG .85 with a beam, one thread), and
+// Cost of a scattering table: one column, all columns of a level of accuracy (HG .85 with a beam, one thread), and
 // a table that is in the cache; a surface's reflection table.
 #include <benchmark/benchmark.h>
 #include <omp.h>
@@ -72,7 +72,7 @@ void table_from_cache(benchmark::State& state) {
   std::filesystem::remove_all(directory);
 }
 
-// What surrounds a fit (samples, quadrature of the interpolant) takes longer than the fit: a few runs do.
+// Samples and the quadrature of the interpolant take longer than the fit: a few runs do.
 void reflection_table(benchmark::State& state, const SurfaceBrdf& brdf) {
   const OrdinateSet ordinates = make_ordinate_set("double-gauss-8x16");
   for (auto _ : state) benchmark::DoNotOptimize(make_reflection_table(brdf, {}, ordinates, beam));

@@ -1,6 +1,6 @@
 // Control points against spherical harmonics: query, scale and add, rotation, of 1, 1000 and a million functions in
 // float32. Names: Representation/size/functions. 162 points and 169 harmonics take equal storage; 42 points and 49.
-// Each query takes the next of 64 directions, so that a million functions are read from memory and not from a cache.
+// Each query takes the next of 64 directions. So a million functions are read from memory and not from a cache.
 #include <benchmark/benchmark.h>
 
 #include "cloudbow/sphere/harmonic_series.hpp"
@@ -19,7 +19,7 @@ int degree_of(std::size_t count) { return static_cast<int>(std::lround(std::sqrt
 const Eigen::Matrix3d ten_degrees = Eigen::AngleAxisd(M_PI / 18, Direction(1, 2, 3).normalized()).toRotationMatrix();
 
 void count_functions(benchmark::State& state) {
-  state.SetItemsProcessed(state.iterations() * state.range(1));  // functions a second
+  state.SetItemsProcessed(state.iterations() * state.range(1));  // functions per second
 }
 
 /// The whole query: stencil and values.

@@ -1,4 +1,4 @@
-// What a solve is made of, on a field of small clouds: one sweep, scattering, moments, the low-order correction, the
+// Parts of a solve, on a field of small clouds: one sweep, scattering, moments, the low-order correction, the
 // final gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one.
 #include <benchmark/benchmark.h>
 #include <omp.h>
@@ -16,7 +16,7 @@
 namespace cloudbow {
 namespace {
 
-// Spheres of 9 cells across at random places in the middle of a box of n x n x n/2 cells, a quarter of them cloudy.
+// Spheres of 9 cells across, at random in the middle of a box of n x n x n/2 cells. A quarter of the cells is cloudy.
 OpticalGrid sphere_field(int n) {
   OpticalGrid grid;
   grid.box.nx = grid.box.ny = n;
@@ -118,7 +118,7 @@ void sweep_all(benchmark::State& state) {
   Scene& scene = scene_of(state);
   SweepWorkspace<float> work;
   for (auto _ : state) {
-    state.PauseTiming();  // a sweep leaves radiance where the source was
+    state.PauseTiming();  // a sweep replaces the source by radiance
     scene.system.scatter(scene.field, {}, true);
     state.ResumeTiming();
     benchmark::DoNotOptimize(sweep(scene.system, scene.field, false, work).up_top);

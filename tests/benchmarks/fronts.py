@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Error against time of every level of accuracy on six fields, with Monte Carlo and SHDOM where there are figures of theirs: a table and a picture.
+"""Error against time of every level of accuracy on six fields, with Monte Carlo and SHDOM if they have figures: a table and a picture.
 
 Truth: Monte Carlo of CLOUDBOW_REFERENCE_DIR for step cloud, RICO and Landsat (its noise taken out of the RMS over columns), the level `reference` for
 the scenes of configs/. Each code is scored against the truth of its own medium: cloudbow and Monte Carlo against Monte Carlo in cells, SHDOM
 (shdom/rico32/summary_pareto.csv; trilinear between points) against an extrapolation of its own finest runs. Monte Carlo's error is its standard error,
 which falls with the root of the photons: a line. CPU seconds on one thread; those of SHDOM are of another machine.
-Fails where SHDOM has a smaller error in less time than a level of cloudbow.
+Fails if SHDOM has a smaller error in less time than a level of cloudbow.
 
 usage: CLOUDBOW_REFERENCE_DIR=... fronts.py [FIELD ...] [--document docs/speed.md] [--plot docs/images/fronts.png]
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What Monte Carlo costs where it is as accurate as cloudbow: both on the same cells, in the same run, on one thread each.
+"""The cost of Monte Carlo that is as accurate as cloudbow: both on the same cells, in the same run, on one thread each.
 
 Errors of cloudbow are against long Monte Carlo runs of known noise, which is taken out of the RMS over columns: the stored ones of
 CLOUDBOW_REFERENCE_DIR for fluxes; for nadir images a run of --reference-photons here, by another seed than the timed one. Monte Carlo's own error

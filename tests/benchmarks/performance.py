@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What a solve costs: where the time goes, how it grows with the field and with the directions, what a second thread brings, memory as predicted
+"""Cost of a solve: shares of the time, how it grows with the field and with the directions, what a second thread brings, memory as predicted
 and as measured. Remakes the tables of docs/speed.md.
 
-A figure is the least of three runs where one takes less than ten seconds, and of one run otherwise. Seconds are CPU seconds on one thread: of a
+A figure is the least of three runs if one takes less than ten seconds, and of one run otherwise. Seconds are CPU seconds on one thread: of a
 phase, its wall seconds times the share of the processor that the run had. The table of threads has wall seconds, and sets the gain of a second
 thread against what the machine gives to a loop of pure arithmetic run the same way. RICO needs CLOUDBOW_REFERENCE_DIR and is left out without.
 
@@ -135,7 +135,7 @@ def scaling(bench, options):
                      f"{1e6 * cost.phase['gather'] / cost.voxels:.0f}", f"{cost.nanoseconds('sweeps', 'scattering', 'acceleration'):.1f}",
                      f"{cost.peak_bytes / 1e6:.0f}", f"{cost.peak_bytes / cost.voxels:.0f}"])
     return support.markdown_table(["voxels", "sweeps", "CPU s", "us a voxel", "of it iteration", "of it gather", "ns: iteration", "MB",
-                                   "bytes a voxel"], rows)
+                                   "bytes per voxel"], rows)
 
 
 def directions(bench, options):

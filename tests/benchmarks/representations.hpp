@@ -1,4 +1,4 @@
-// What the benchmarks and tables of the sphere share: the two test shapes and many functions at once.
+// Shared by the benchmarks and tables of the sphere: the two test shapes and many functions at once.
 #pragma once
 
 #include <cmath>

@@ -431,7 +431,7 @@ std::pair<Times, Times> query_times(int points, int degree, std::size_t function
   return {summary(point_times), summary(harmonic_times)};
 }
 
-/// All directions at once, where harmonics become a matrix product that stays in cache.
+/// All directions at once, for which harmonics become a matrix product that stays in cache.
 void print_many_directions(std::size_t functions) {
   constexpr int count = 64, degree = 12;
   constexpr std::size_t block = 1024;

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""The installed program and package work where they were moved to: the program finds its OpenVDB module, a project of somebody else finds the
-package by find_package, solves by the public headers and finds the module too. The project is the one that docs/cpp-api.md shows.
+"""The installed program and package work after they were moved: the program finds its OpenVDB module, another project finds the package by find_package and solves by the public headers; it finds the module too. The project is the one that docs/cpp-api.md shows.
 
 usage: check_install.py --build FOLDER --compiler C++ [--flags FLAGS] --libdir lib
 """

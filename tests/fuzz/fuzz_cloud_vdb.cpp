@@ -1,4 +1,4 @@
-// Clouds as OpenVDB: all grids of a file, each as a cloud where it is one.
+// Clouds as OpenVDB: all grids of a file, each as a cloud if it is one.
 #include "cloudbow/medium/vdb_file.hpp"
 #include "fuzz_input.hpp"
 

@@ -45,7 +45,7 @@ struct Tally {
   }
 };
 
-/// After the file's name, where nothing of the mutant can stand.
+/// After the file's name, with no byte of the mutant.
 bool tells_of_a_child(std::string_view message) {
   message.remove_prefix(std::min(message.find(": "), message.size()));
   for (const char* library : {"HDF5", "libpng", "netCDF", "OpenVDB"}) {

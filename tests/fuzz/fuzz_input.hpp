@@ -1,4 +1,4 @@
-// What the fuzz targets share: a mutant as a file, and what a reader may do with it.
+// Shared by the fuzz targets: a mutant as a file, and what a reader may do with it.
 #pragma once
 
 #include <cstddef>

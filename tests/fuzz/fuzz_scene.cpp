@@ -1,4 +1,4 @@
-// Scene files. What they name is there, so that mutants get past the names.
+// Scene files. The files that they name are there, so that mutants get past the names.
 #include <fstream>
 
 #include "cloudbow/app/scene.hpp"

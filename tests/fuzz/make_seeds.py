@@ -282,6 +282,39 @@ def write_gas_model(path, form, light):
             write("planck_function", ("temperature_planck", "g_point"), [[1, 2], [3, 5]])
 
 
+def write_bulk_table(path, form, slowest):
+    """Two wavenumbers and two radii, as ecRad's scattering files have them."""
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        for name, values, units in (("wavenumber", [1000, 2000], "cm-1"), ("effective_radius", [5e-6, 1e-5], "m")):
+            file.createDimension(name, 2)
+            file.createVariable(name, "f4", (name,))[:] = values
+            file[name].units = units
+        both = ("effective_radius", "wavenumber")
+        for name, values, units in (("mass_extinction_coefficient", [[300, 200], [150, 100]], "m2 kg-1"),
+                                    ("single_scattering_albedo", [[1, 0.9], [0.7, 0.6]], "1"), ("asymmetry_factor", [[0.8, 0.85], [0.86, 0.9]], "1")):
+            file.createVariable(name, "f4", both if slowest == "radius" else both[::-1])[:] = values
+            file[name].units = units
+
+
+AIR_TEXTS = {
+    "afgl.txt": "# z(km) p(mb) T(K) air(cm-3) o3(cm-3) o2(cm-3) h2o(cm-3) co2(cm-3) no2(cm-3)\n20 55.3 216.7 1.85E+18 4.8E+12 3.9E+17 8.5E+12 6.1E+14 1.1E+09\n"
+                "5.0 540.5 255.7 1.53E+19 5.7E+11 3.2E+18 2.1E+16 5.1E+15 3.5E+08\n0 1013 288.2 2.55E+19 6.8E+11 5.3E+18 2.0E+17 8.4E+15 5.9E+08\n",
+    "bare.txt": "10 264 223\n5 540 255\n0 1013 288\n",
+    "units.txt": "# p(hPa) T(K) height(m) h2o(ppm)\n1013 288 0 7000\n900 281 1000 5000\n",
+}
+
+
+def write_air(path, form):
+    """Heights, pressure, temperature and gases by CF names, in other units than the program's."""
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        file.createDimension("height", 3)
+        profiles = (("height", [0, 1, 12], "km", "height"), ("p", [1013, 900, 200], "hPa", "air_pressure"), ("T", [288, 281, 217], "K", "air_temperature"),
+                    ("h2o", [7e-3, 5e-3, 1e-5], "1", "mole_fraction_of_water_vapor_in_air"), ("o3", [0.03, 0.04, 0.5], "ppm", "mole_fraction_of_ozone_in_air"))
+        for name, values, units, standard_name in profiles:
+            file.createVariable(name, "f4", ("height",))[:] = values
+            file[name].units, file[name].standard_name = units, standard_name
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cloudbow", required=True, type=Path)
@@ -305,6 +338,7 @@ def main():
     write_texts("scene", scenes | {"rich.toml": RICH_SCENE})
     write_texts("phase_files", PHASE_FILES)
     write_texts("cloud_text", CLOUD_TEXTS)
+    write_texts("atmosphere", AIR_TEXTS)
     np.save(folder("cloud_text") / "array.npy", np.arange(12.0).reshape(3, 2, 2) / 100)
     for name, save in (("stored.npz", np.savez), ("deflated.npz", np.savez_compressed)):
         save(folder("cloud_text") / name, lwc=np.arange(12.0).reshape(3, 2, 2) / 100, reff=np.full((3, 2, 2), 9.0), x=[0.0, 50], y=[0.0, 50], z=[0.0, 40, 90])
@@ -316,6 +350,9 @@ def main():
         for light in ("solar", "longwave"):
             write_gas_model(folder("gas_model") / f"{light}_{form}.nc", form, light)
         write_libradtran(folder("droplet_table") / f"{form}.nc", form)
+        write_air(folder("atmosphere") / f"{form}.nc", form)
+        for slowest in ("radius", "wavenumber"):
+            write_bulk_table(folder("bulk_table") / f"{slowest}_{form}.nc", form, slowest)
     write_albedo_maps(folder("albedo_map"))
     clouds = folder("cloud_vdb")
     size = ["--cells", 4, 4, 4, "--voxel-size-m", 50, 50, 50]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wrong input ends with exit code 2, one message that names the place, what was found and what is allowed, and no output file.
+"""Wrong input ends with exit code 2 and no output file. One message names the place, what was found and what is allowed.
 
 Each case spoils one thing in a scene that runs; the words are those that a user needs to put it right. That the unspoiled scene is accepted is
 checked first.
@@ -54,7 +54,7 @@ def scenes():
     yield "two images of one name", SCENE + 2 * '[[radiance]]\nname = "a"\nzenith_deg = 0.0\n', ["radiance.1.name", "already in use"]
     camera = '[[camera]]\nname = "a"\nposition_m = [0.0, 0.0, 0.0]\nwidth = 4\nheight = 4\n'
     yield "camera without a point to look at", SCENE + camera, ["camera.0.look_at_m", "missing"]
-    yield "camera that looks at itself", SCENE + camera + "look_at_m = [0.0, 0.0, 0.0]\n", ["camera.0.look_at_m", "where it stands"]
+    yield "camera that looks at itself", SCENE + camera + "look_at_m = [0.0, 0.0, 0.0]\n", ["camera.0.look_at_m", "its own position"]
     yield "camera without up", SCENE + camera + "look_at_m = [0.0, 0.0, 9.0]\nup = [0.0, 0.0, 1.0]\n", ["camera.0.look_at_m", "parallel"]
     yield "camera below the ground", SCENE + camera.replace("0.0]", "-1.0]") + 'type = "fisheye"\n', ["camera.0.position_m", "below the ground", "-1"]
     yield "camera and image of one name", SCENE + camera + 'type = "fisheye"\n[[radiance]]\nname = "a"\nzenith_deg = 0.0\n', ["name", "already in use"]
@@ -211,7 +211,7 @@ def phase_commands(folder):
 
 
 def export_commands(folder):
-    """(name, arguments, words of the message) of `cloudbow export` with a result that has actinic flux and absorption, and one with layers alone."""
+    """(name, arguments, words of the message) of `cloudbow export`. One result has actinic flux and absorption, the other layers alone."""
     result, up = folder / "result.h5", ["--direction", "0", "0", "1"]
     (folder / "cut.h5").write_bytes(result.read_bytes()[:4000])
     yield "nothing asked for", [result], ["--direction", "--actinic"]

@@ -1,12 +1,10 @@
 #!/usr/bin/env python3
-"""What befalls a run from outside: it is killed, its disk is full, its folder or its input goes away, another run writes the same file.
+"""Faults from outside of a run: it is killed, its disk is full, its folder or its input goes away, another run writes the same file.
 
 Parts:
   kills     SIGKILL at random moments, half of them spread over the whole run, half over the writing of the file; every other one over an older result,
-            every fourth with an empty cache. Under the name is nothing, the older result with all its bytes, or the whole new one. What is left behind is
-            not named as a result is; the run afterwards ends with the bits of an undisturbed one, and removes what killed runs have left and nothing else.
-  disks     a file system with too little room for the result (a tmpfs in a mount namespace of its own; a limit of the size of files where the system
-            permits no such thing): exit code 2, one message, nothing under the name but what was there; with enough room the result.
+            every fourth with an empty cache. Under the name is nothing, the older result with all its bytes, or the whole new one. Files left behind are not named as a result is; the run afterwards ends with the bits of an undisturbed one. It removes what killed runs have left and nothing else.
+  disks     a file system with too little room for the result (a tmpfs in a mount namespace of its own; a limit of the size of files if the system permits no such thing): exit code 2, one message, nothing under the name but what was there; with enough room the result.
   streams   stdout or stderr on a full disk.
   folders   a folder without leave to write, a folder that vanishes while the run solves or writes.
   inputs    scene and cloud removed or cut while the run reads and solves: the result of an undisturbed run, or exit code 2 and one message.
@@ -52,7 +50,7 @@ NOBODY = 65534
 
 @dataclass(frozen=True)
 class Protocol:
-    """How a run is started that will be killed, and how the one afterwards, which must end with the bits of an undisturbed run."""
+    """How a run is started that will be killed, and how the one afterwards. That must end with the bits of an undisturbed run."""
     name: str
     first: tuple = ()
     again: tuple = ()
@@ -63,7 +61,7 @@ PROTOCOLS = (Protocol("run again"),)
 
 
 def content(path):
-    """All numbers and attributes of a result that equal runs share; raises OSError where the file is not whole."""
+    """All numbers and attributes of a result that equal runs share; raises OSError if the file is not whole."""
     found = {}
 
     def attributes(name, node):
@@ -124,7 +122,7 @@ class Bench:
         return folder
 
     def state(self, path, older):
-        """What stands under the name of a result."""
+        """Content of the name of a result."""
         if not path.exists():
             return "nothing"
         if older and path.read_bytes() == self.older.read_bytes():
@@ -219,7 +217,7 @@ def can_mount():
         return False
 
 
-# What is on the small disk in the end is taken out of its namespace.
+# Files on the small disk are taken in the end out of its namespace.
 ON_SMALL_DISK = """\
 disk=$1 bytes=$2 older=$3 out=$4; shift 4
 mount -t tmpfs -o size=$bytes tmpfs "$disk" || exit 99
@@ -288,7 +286,7 @@ def disks(bench, count):
 
 
 def streams(bench, _):
-    """A log that cannot be written is no reason to lose the result; numbers on stdout that cannot, are told."""
+    """A log that cannot be written is no reason to lose the result; numbers on stdout that cannot, are reported."""
     output = bench.fresh("streams") / "result.h5"
     for name, quiet in (("stderr", False), ("stderr", True)):
         output.unlink(missing_ok=True)

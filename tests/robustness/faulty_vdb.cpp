@@ -1,5 +1,5 @@
-// Writes a small VDB file with one fault, for check_input_errors.py. usage: faulty_vdb FAULT OUT.vdb, where FAULT is
-// one of those in faulty()
+// Writes a small VDB file with one fault, for check_input_errors.py. usage: faulty_vdb FAULT OUT.vdb, with a FAULT of
+// faulty()
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 

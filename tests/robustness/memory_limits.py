@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""A command under a limit on its addresses (`ulimit -v`) ends with its result, or with one message and exit code 2; never by a signal, never hangs.
+"""A command under a limit on its addresses (`ulimit -v`) ends with its result. Else it ends with one message and exit code 2; never by a signal, never hangs.
 
-Truth: what a user may meet under batch systems, which set such limits. A scene of a VDB cloud is solved by one and by two threads, and with layers
-of air beside the cloud. Its result is drawn, and an LES output is imported. The limits grow by equal steps. Below the first of them the system cannot
+Truth: what a user may meet under batch systems, which set such limits. A scene of a VDB cloud is solved by one and by two threads. Another has layers of air beside the cloud. Its result is drawn, and an LES output is imported. The limits grow by equal steps. Below the first of them the system cannot
 load the program's libraries (exit code 127 of the loader). The scene is solved in half a second: 120 s is a hang.
 
 usage: memory_limits.py --cloudbow PROGRAM [--from MB] [--to MB] [--step MB] [--group FOLDER]
@@ -58,7 +57,7 @@ def limit_group(group, megabytes):
 
 
 def run(command, megabytes, group):
-    """Exit code and lines on stderr of a command under a limit on its addresses, or on the memory of the group. No exit code if it hangs."""
+    """Exit code and lines on stderr of a command. Its addresses or the memory of its group are limited. No exit code if it hangs."""
     if group:
         limit_group(group, megabytes)
 
@@ -77,7 +76,7 @@ def run(command, megabytes, group):
 
 
 def fault(code, lines, output):
-    """What is wrong with the end of a command, or nothing."""
+    """Fault of the end of a command, or nothing."""
     if code is None:
         return "hangs"
     if code == LOADER:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A run that is killed goes on from its checkpoint and ends with the same bits as one that was left alone.
+"""A run that is killed goes on from its checkpoint. It ends with the same bits as one that was left alone.
 
-Runs with --checkpoint and --resume are killed (SIGKILL, every fourth time SIGTERM) at random moments and started again until they end; every variable of what they write is held
+Runs with --checkpoint and --resume are killed at random moments (SIGKILL, every fourth time SIGTERM). They are started again until they end; every variable of what they write is held
 against an undisturbed run's, bit by bit. Then what else --resume takes, and what it refuses.
 
 usage: resume.py --cloudbow PROGRAM [--kills N] [--seed S]

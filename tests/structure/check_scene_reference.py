@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """docs/scene-reference.md has the keys that the program accepts, table by table, and no others.
 
-Truth: the program. A key that nobody knows is put into each table; the message lists those that are allowed there.
+Truth: the program. An unknown key is put into each table; the message lists those that are allowed there.
 
 usage: check_scene_reference.py CLOUDBOW DOCS/SCENE-REFERENCE.MD
 """

@@ -115,7 +115,7 @@ def unneeded_public_headers(root):
     return unneeded
 
 
-# What users call in programs of their own, or only main.cpp does, beside the example of docs/cpp-api.md.
+# Functions that users or main.cpp alone call, beside the example of docs/cpp-api.md.
 FOR_USERS = {
     "cloudbow/sphere/harmonic_series.hpp", "cloudbow/sphere/rotation.hpp", "cloudbow/sphere/spherical_function.hpp",
     "cloudbow/optics/mie_sphere.hpp", "cloudbow/optics/sphere_fit.hpp", "cloudbow/app/assemble.hpp",

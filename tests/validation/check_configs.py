@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every scene in configs/ runs as it is (at accuracy draft, to be quick), closes its ledger, and its result opens, and every image in it can be drawn.
+"""Every scene in configs/ runs as it is (at accuracy draft, to be quick) and closes its ledger. Its result opens, and every image in it can be drawn.
 Those of the gallery, minutes each, are read and foreseen."""
 import sys
 from pathlib import Path

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Column fluxes of isolated clouds against Monte Carlo: what the directions of a solver leave on the ground and at the top where a single cloud
-stands under and over clear air (ray effects), in flat and tall cells, under strong forward peaks, with molecules, with open sides.
+"""Column fluxes of isolated clouds against Monte Carlo: what the directions of a solver leave on the ground and at the top of a single cloud under and over clear air (ray effects), in flat and tall cells, under strong forward peaks, with molecules, with open sides.
 
 Truth: column fluxes by tests/reference/monte_carlo, kept in tests/data/column_fluxes.csv with their standard errors, whose noise is taken out of
 the RMS over columns. `--make-reference` makes them anew (some 20 CPU minutes).
@@ -46,7 +45,7 @@ class Case:
     surface_albedo: float = 0.1
     boundary: str = "periodic"
     effort: int = 1  # factor on the photons of the reference
-    limits: dict = field(default_factory=dict)  # in place of LIMITS, where these are missed
+    limits: dict = field(default_factory=dict)  # in place of LIMITS, if these are missed
 
     @property
     def cloud_edges(self):
@@ -63,13 +62,13 @@ CASES = [
     Case("sun overhead", sun_zenith_deg=0.0),
     Case("low sun", sun_zenith_deg=75.0),
     Case("floating high", base=40, top=100),
-    # Up to sixteen optical depths across a cell: the spatial error rules (half as wide cells bring it to a third), and more directions do not help.
+    # Optical depths of up to sixteen across a cell: the spatial error rules (half as wide cells bring it to a third), and more directions do not help.
     Case("flat cells, dz/dx .2", cell_m=(100.0, 100.0, 20.0), limits={"balanced": (2.0, 1.6), "fine": (1.1, 1.0)}),
     Case("tall cells, dz/dx 3", cell_m=(20.0, 20.0, 60.0)),
     # Peaks narrower than the truncated function resolves: light scattered several times within them is spread as if it were once.
     Case("HG .95", phase=(("type", "henyey-greenstein"), ("asymmetry_parameter", 0.95)), limits={"balanced": (1.0, 1.5), "fine": (0.7, 0.9)}),
     Case("C.1 droplets", phase=(("type", "legendre"), ("file", str(C1_MOMENTS))), limits={"balanced": (1.0, 1.0), "fine": (0.7, 0.7)}),
-    # Nothing between the cloud and the plane where its light is received spreads what single cells and directions err.
+    # Nothing between the cloud and the plane that receives its light spreads what single cells and directions err.
     Case("from surface to top", base=0, top=LAYERS, whole_height=True, limits={"balanced": (2.1, 1.8), "fine": (1.0, 1.4)}),
     Case("Rayleigh .2 all through", rayleigh_optical_depth=0.2),
     # Mean up at the top +.7 % at fine: no energy balance holds what leaves through the top alone.
@@ -192,7 +191,7 @@ def compare(case, result, reference):
         row[f"{name}_mean"] = 100 * (plane.mean() / value.mean() - 1)
         noise = 100 * math.sqrt(np.mean(error**2)) / value.mean()
         row[f"{name}_noise"] = noise
-        # Standard deviation of the mean square less its noise, in terms of the RMS itself where that is large, of its least trustworthy value else.
+        # Standard deviation of the mean square less its noise, in terms of the RMS itself if that is large, of its least trustworthy value else.
         spread = noise * math.sqrt((2 * noise**2 + 4 * row[name] ** 2) / plane.size)
         row[f"{name}_uncertainty"] = spread / (2 * row[name]) if row[name] > math.sqrt(spread) else math.sqrt(spread)
     return row

@@ -42,7 +42,7 @@ class Study:
     error: list  # in the unit of `quantity`
     order: str  # that the method has
     least: float  # slope below which it has failed
-    most: float = math.inf  # error that it may have at the finest: where there is no order
+    most: float = math.inf  # error that it may have at the finest: if there is no order
 
     @property
     def slope(self):

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""What README, tutorial and how-tos show runs: commands, scenes and Python, taken from the pages themselves, each page in a folder of its own and in
-the order of the page.
+"""The content of README, tutorial and how-tos runs: commands, scenes and Python of the pages. Each page has a folder of its own, and its order is kept.
 
 Truth: the pages. Blocks `sh` are run line by line, and so is a command in running text that names its files; `toml` is saved under the name that the
 page gives it, or completed by what PAGES has for it, and must be accepted; `python` is run. A block `text` below commands shows what they print: words
@@ -108,7 +107,7 @@ def without_generated(text):
 
 
 def parts_of(text):
-    """(kind, text, words before) of the fenced blocks of a page and of the commands in its running text, in order."""
+    """(kind, text, words before) of fenced blocks and of commands in running text, in the order of a page."""
     part = re.compile(r"^```([^\n]*)\n(.*?)^```$|(?<!`)`(cloudbow [^`\n]+)`", re.MULTILINE | re.DOTALL)
     for found in part.finditer(without_generated(text)):
         before = text[max(0, found.start() - 200):found.start()]
@@ -155,7 +154,7 @@ class Runner:
         (folder / "bin").mkdir()
         (folder / "bin/cloudbow").symlink_to(cloudbow)
         (folder / "pages").mkdir()
-        # Where scenes of the pages look for ../clouds and ../../clouds.
+        # The folder that scenes of the pages look for: ../clouds and ../../clouds.
         (folder / "clouds").symlink_to(ROOT / "clouds")
         (folder / "pages/clouds").symlink_to(ROOT / "clouds")
         self.environment = {**os.environ, "PATH": f"{folder / 'bin'}:/usr/bin:{os.environ['PATH']}", "XDG_CACHE_HOME": str(folder / "cache"), "MPLBACKEND": "Agg",
@@ -295,6 +294,8 @@ def main():
     parser.add_argument("--slow", action="store_true", help="what takes minutes, too")
     parser.add_argument("pages", nargs="*", metavar="PAGE", help=", ".join(PAGES))
     options = parser.parse_args()
+    if unknown := sorted(set(options.pages) - set(PAGES)):
+        parser.error(f"no such page (found {', '.join(unknown)}, allowed {', '.join(PAGES)})")
     with tempfile.TemporaryDirectory(prefix="cloudbow-documented-") as folder:
         runner = Runner(options.cloudbow.resolve(), Path(folder), options.slow)
         for page in options.pages or PAGES:

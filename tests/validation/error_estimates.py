@@ -3,7 +3,7 @@
 
 Truths: the plane-parallel cases (discrete ordinates); the step cloud, RICO and, if requested, Landsat (Monte Carlo). Also the isolated
 clouds of column_fluxes.py and clouds with thick voxels (Monte Carlo). Noise is taken out. Each is solved at every level named; per level and flux (domain, columns up, columns down) there is one row
-of the table. An estimate is good where it is no less than the true error and yet not much more.
+of the table. An estimate is good if it is no less than the true error and yet not much more.
 
 Every second case of each group, by name, is what the factors of src/app/planning/error_calibration.cpp were fitted to (`--fit` does it again and prints
 them); the other half is what the figures are to be read from.
@@ -185,7 +185,7 @@ def fit(rows, column):
 
 
 def fit_all(rows, accuracies):
-    """Prints the weights as src/app/planning/error_calibration.cpp has them, and puts the estimates by them in the place of those in the rows."""
+    """Prints the weights as src/app/planning/error_calibration.cpp has them. Estimates by them replace those in the rows."""
     learned = halves(rows)
     for column in (False, True):
         for accuracy in accuracies:
@@ -200,7 +200,7 @@ def fit_all(rows, accuracies):
             if weights:
                 parts = [", ".join(f"{weights[flux][n]:g}" for flux in FLUXES) for n in range(3)]
                 print(f"{'column' if column else 'field'} {accuracy}: {{{{{parts[0]}}}, {{{parts[1]}}}, {{{parts[2]}}}}}")
-    # What the planner expects of a level, from the estimate of the draft: the upper quartile.
+    # Error that the planner expects of a level, from the estimate of the draft: the upper quartile.
     index = {(row["case"], row["flux"], row["accuracy"]): row["estimate"] for row in rows}
     for column in (False, True):
         for accuracy in accuracies:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where accuracy ends: scenes at the ends of every range, run as a user would, each judged as solved, doubtful (farther from the truth than the
+"""The limits of accuracy: scenes at the ends of every range, run as a user would, each judged as solved, doubtful (farther from the truth than the
 limit, but within twice the error that the result itself estimates), inaccurate (farther than that, with exit code 0 and all in order), not converged (exit code 3, and marked so), refused (exit code 2, one message) or wrong: anything else, a crash,
 a number that is none, a ledger that does not close, a law of physics broken.
 
@@ -47,7 +47,7 @@ VERDICTS = ("solved", "doubtful", "inaccurate", "not converged", "refused", "wro
 
 @dataclass
 class Row:
-    """What became of one run. Errors are in % of the incident flux; `relative` is of the smaller of R and T, in % of itself."""
+    """Outcome of one run. Errors are in % of the incident flux; `relative` is of the smaller of R and T, in % of itself."""
     part: str
     name: str
     verdict: str
@@ -127,7 +127,7 @@ def without_result(part, name, code, text, result):
 
 
 def ledger_faults(result, conserves, surface):
-    """What a solved result may not show, whatever the scene."""
+    """Faults that a solved result may not show, whatever the scene."""
     found = []
     for name, values in {**result.fields, **{f"profile {name}": values for name, values in result.profile.items()}}.items():
         if not np.issubdtype(np.asarray(values).dtype, np.floating):
@@ -151,7 +151,7 @@ def ledger_faults(result, conserves, surface):
 
 
 def judge(part, name, outcome, truth, limit, conserves, surface, more=lambda result: []):
-    """truth: reflectance, transmittance and, where they have any, their standard errors; or None."""
+    """truth: reflectance, transmittance and, if they have any, their standard errors; or None."""
     code, text, result = outcome
     if code not in (0, 3):
         return without_result(part, name, code, text, result)
@@ -299,7 +299,7 @@ def levels_part(options, runner):
 
 
 def voxels_part(options, runner):
-    """Columns as 2 x 2 x 20 voxels in 3D: what a user's own grid does, who cuts no layers finely where light falls off."""
+    """Columns as 2 x 2 x 20 voxels in 3D: the grid of a user who cuts no layers finely as light falls off."""
     columns = [Column(*values) for values in itertools.product(OPTICAL_DEPTHS[1:], (0.5, 0.999999, 1.0), (-0.95, 0.0, 0.85, 0.98), SUNS, SURFACES)]
 
     def make(name, c, estimate):
@@ -490,7 +490,7 @@ def compared(row, result, other):
 
 
 def fields_part(options, runner):
-    """All that a result can hold, of thin, thick, black and white clouds under high and low suns, in both storages: every number is one."""
+    """All fields of a result: thin, thick, black and white clouds, high and low suns, both storages: every number is one."""
     views = [("[radiance]", {"name": "up", "zenith_deg": 0.0}), ("[radiance]", {"name": "slant", "zenith_deg": 88.0, "azimuth_deg": 10.0}),
              ("[radiance]", {"name": "sky", "zenith_deg": 150.0})]
     rows, cases = [], []

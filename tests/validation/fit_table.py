@@ -2,7 +2,7 @@
 """The fits of phase functions to control points, compared: writes docs/phase-function-fits.md's table and plot.
 
 Runs `cloudbow phase` on Henyey-Greenstein functions, Rayleigh's and that of a cloud of droplets, with 42, 162 and 642 control points, reads the
-figures from the file it writes, and checks what the constrained fits promise: norm and asymmetry to 1e-10 where a positive solution holds them.
+figures from the file it writes, and checks what the constrained fits promise: norm and asymmetry to 1e-10 if a positive solution holds them.
 
 usage: fit_table.py [--cloudbow PROGRAM] [--points 42,162,642] [--write]
 """
@@ -52,7 +52,7 @@ def percent(value):
 
 
 def moments_of(fit, figures):
-    """Errors of norm and g: under the quadrature, or of the interpolant where the fit holds those."""
+    """Errors of norm and g: under the quadrature, or of the interpolant if the fit holds those."""
     kind = "interpolant" if fit.endswith("interpolant") else "ordinate"
     return figures[f"{kind}_norm"] - 1, figures[f"{kind}_asymmetry_parameter"] - figures["g"]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fluxes at a height are the same whichever levels are asked for, and the printed error of the levels between holds.
+"""Fluxes at a height are the same whichever levels are asked for. The printed error of the levels between holds.
 
 Truth: in clear air above a cloud a plane is as good as the same plane as the top of the domain; a plane has the same bits whether it is listed
 or one of all. With reference data (CLOUDBOW_REFERENCE_DIR): Monte Carlo fluxes at all levels of four fields of thick voxels.

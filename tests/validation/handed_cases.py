@@ -174,7 +174,7 @@ NOT_RUN = [("solver/cum21.toml", "whether the iteration with `actinic` converges
 
 
 def figures_of_cloud(text):
-    """What `cloud info` prints of the grid "density", and the largest of a grid "reff"."""
+    """Numbers that `cloud info` prints of the grid "density", and the largest of a grid "reff"."""
     density = text.split('grid "density"')[1].split('\ngrid "')[0]
     patterns = {"LWP": r"cloudy columns +liquid water path .*?mean ([^ ,\n]+)", "largest": r"value .*max (\S+)",
                 "voxels": r"active voxels +(\d+)", "thickness": r"cells .* x (\S+) m", "optical depth": r"cloudy columns +optical depth: .*?mean ([^ ,\n]+)"}
@@ -206,7 +206,7 @@ def run(program, *arguments):
 
 
 def found_in(program, case, cases, folder):
-    """What the run of a case shows, in words; Failure with the same where it is not as wanted."""
+    """The outcome of the run of a case, in words; Failure with the same if it is not as wanted."""
     out = folder / ("out.vdb" if case.arguments[0] == "cloud" else "out.h5")
     out.unlink(missing_ok=True)
     names = {"{file}": str(cases / case.file), "{out}": str(out), "{scene}": str(folder / "scene.toml"), "{cases}": str(cases)}

@@ -36,7 +36,7 @@ class Case:
     single_scattering_albedo: float
     surface_albedo: float
     reference: str
-    block: int = 1  # columns are compared as means over block x block, where single ones are too noisy
+    block: int = 1  # columns are compared as means over block x block, if single ones are too noisy
     limits: dict = field(default_factory=dict)  # accuracy: (domain, up, down) in per cent; None: not judged
 
 

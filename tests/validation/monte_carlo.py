@@ -116,5 +116,5 @@ def table(angle_deg, value):
 
 
 def chi(difference, error):
-    """RMS of a difference in its own standard errors: 1 where it is noise alone."""
+    """RMS of a difference in its own standard errors: 1 if it is noise alone."""
     return math.sqrt(np.mean((difference / error) ** 2))

@@ -2,7 +2,7 @@
 """The Monte Carlo of tests/reference against stored ones: column fluxes of the I3RC step cloud and of RICO, radiances of the step cloud.
 
 Truth: the I3RC community model and an independent Monte Carlo, with their standard errors. Differences are counted in standard errors of both: of
-means, and as RMS over the columns, which is 1 where noise is all there is. Needs CLOUDBOW_REFERENCE_DIR; skipped without.
+means, and as RMS over the columns, which is 1 for noise alone. Needs CLOUDBOW_REFERENCE_DIR; skipped without.
 
 usage: monte_carlo_references.py [--photons 3e5]
 """
@@ -19,7 +19,7 @@ import support
 
 STEP = intercomparison.CASES["step"][0]
 # A mean of right answers strays by 4.5 in one case of 1e5. An RMS of n columns strays from 1 by 1/sqrt(2n), .13 for 32;
-# in images more, as a single photon that a forward peak sends to the sensor may outweigh all others of its column.
+# in images more: one photon that a forward peak sends to the sensor may outweigh all others of its column.
 MEAN_LIMIT, RMS_LIMIT, RMS_LIMIT_RADIANCE = 4.5, 1.5, 2.0
 
 

@@ -55,8 +55,7 @@ def phase_function(phase, moments_file):
 def slices(case):
     """The layers cut at the levels of the reference, top to bottom: (layer, optical depth, thickness in metres).
 
-    A slice's share of its layer's height is its share of the layer's optical depth; a layer without extinction stays whole. All layers are equally
-    high, so that thin and thick ones, and the levels in them, are all apart by much more than the rounding of heights.
+    A slice's share of its layer's height is its share of the layer's optical depth; a layer without extinction stays whole. All layers are equally high. So all levels are apart by much more than the rounding of heights.
     """
     levels = [level["tau"] for level in case["results"]["levels"]]
     height = SCENE_HEIGHT_M / len(case["layers"])

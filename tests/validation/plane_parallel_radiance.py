@@ -3,7 +3,7 @@
 sun's plane ahead and behind and across it.
 
 Truth: the radiances of the reference file (its own error is given there case by case, mostly below 1e-3). Errors are relative, in per cent. A sign
-error in an azimuth would exchange the forward and the backward half-plane, where the radiances differ by factors.
+error in an azimuth would exchange the forward and the backward half-plane, whose radiances differ by factors.
 
 usage: CLOUDBOW_REFERENCE_DIR=... plane_parallel_radiance.py [--reference plane_parallel.json] [--accuracy fine] [--cases PATTERN] [--median-limit 0.5] [--worst-limit 3]
 """

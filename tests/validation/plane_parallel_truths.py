@@ -2,7 +2,7 @@
 """The two truths of plane-parallel scenes against each other: discrete ordinates (the reference file) and adding and doubling
 (tests/reference/plane_parallel), which share neither method nor code.
 
-Fluxes up at the top and diffuse down at the bottom of every case, in per cent of the incident flux; radiances, relative, if the file has them.
+Fluxes of every case, in per cent of the incident flux: up at the top, diffuse down at the bottom; radiances, relative, if the file has them.
 In cases with emission, the largest flux of a black body is incident too.
 
 usage: plane_parallel_truths.py [--reference plane_parallel.json] [--radiances 'b_*,c_*'] [--limit 1e-4]

@@ -19,7 +19,7 @@ import support
 sys.path.insert(0, str(support.ROOT / "docs/examples"))
 import query_radiance
 
-SENSORS = [(0.0, 0.0), (50.0, 40.0), (50.0, 130.0), (30.0, 220.0), (140.0, 40.0), (115.0, 300.0)]  # zenith, azimuth; none within 20 degrees of the sun, where interpolation blunts the peak
+SENSORS = [(0.0, 0.0), (50.0, 40.0), (50.0, 130.0), (30.0, 220.0), (140.0, 40.0), (115.0, 300.0)]  # zenith, azimuth; none within 20 degrees of the sun, because interpolation blunts the peak
 IMAGE_LIMIT = 2.0  # %; measured 0.8: the mean of a voxel of optical depth .05 is not its face, and 162 points are interpolated between
 SCENE = [
     ("", {"title": "A slab for sensors all around"}),

@@ -44,7 +44,7 @@ VOXEL_CASES = "a_*,b_*,c_*,d_*,e_ext_tau1e-06*,e_ext_tau0.001*,g_*,i_*"
 
 
 class Skipped(Exception):
-    """What a section needs is not here."""
+    """The data of a section are not here."""
 
 
 class Section:
@@ -79,7 +79,7 @@ class Section:
 
 
 def number(value, digits=2):
-    """Significant digits without an exponent where that is readable."""
+    """Significant digits without an exponent if that is readable."""
     if value == 0:
         return "0"
     if abs(value) < 1e-4 or abs(value) >= 1e5:
@@ -118,7 +118,7 @@ def histogram(path, panels):
 
 
 def plane_parallel_source():
-    """Where its cases are: the reference folder's file, else the subset of tests/data."""
+    """The file of its cases: the reference folder's file, else the subset of tests/data."""
     return "all that have no thermal light" if support.reference_folder() else "the subset in `tests/data`"
 
 
@@ -126,7 +126,7 @@ def plane_parallel_source():
 
 
 def truths(section):
-    """What is held to be true, and what is known of its own error."""
+    """The truth, and its own error if there is a figure."""
     rows = section.figures(plane_parallel_truths)
     radiances = [value for row in rows for value in row["radiances"]]
     lines = [["discrete ordinates (cdisort), plane-parallel fluxes, % of incident", len(rows), number(support.median([r["ordinates"] for r in rows])),
@@ -386,7 +386,7 @@ SECTIONS = {"truths": truths, "plane-parallel": plane_parallel_section, "ordinat
 
 
 def blocks_of(page):
-    """What the page has between its markers, by section."""
+    """Text of the page between its markers, by section."""
     return {name: text for name, text in re.findall(r"<!-- begin ([\w-]+) -->\n(.*?)\n<!-- end \1 -->", page, re.DOTALL)}
 
 

@@ -1,4 +1,4 @@
-"""What the validation drivers share: running cloudbow on a scene, reading the result, reporting."""
+"""Shared by the validation drivers: running cloudbow on a scene, reading the result, reporting."""
 import argparse
 import concurrent.futures
 import math
@@ -145,7 +145,7 @@ def write_between_markers(path, name, text):
 
 
 def reference_folder():
-    """The folder of reference data, or None where CLOUDBOW_REFERENCE_DIR does not say."""
+    """The folder of reference data, or None without CLOUDBOW_REFERENCE_DIR."""
     folder = os.environ.get("CLOUDBOW_REFERENCE_DIR")
     return Path(folder) if folder else None
 

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""What must not change: a cloud turned and mirrored together with its sun, a bearing instead of an azimuth, the number of threads, and the
+"""Things that must not change: a cloud turned and mirrored together with its sun, a bearing instead of an azimuth, the number of threads, and the
 width of an open domain around a cloud.
 
-Truth: symmetry. Turning the scene permutes the ordinates but not the control points, whose frame is fixed in space, and moves the directions of
-the last gather: what differs after a turn is the angular error of the method, so the limits are those of its accuracy. Bearings and threads must
+Truth: symmetry. Turning the scene permutes the ordinates but not the control points, whose frame is fixed in space. It moves the directions of the final gather: what differs after a turn is the angular error of the method, so the limits are those of its accuracy. Bearings and threads must
 agree bit by bit.
 
 usage: symmetry.py --turn-cloud PROGRAM [turns] [bearing] [threads] [open-sides]
@@ -54,7 +53,7 @@ class Driver:
         return cloudbow.run(path, self.folder / f"{name}.h5")
 
     def check(self, what, found, limit, unit=""):
-        """Good where |found| <= limit; of bits the number that differ."""
+        """Good if |found| <= limit; of bits the number that differ."""
         good = abs(found) <= limit
         print(f"{'ok   ' if good else 'FAIL '} {what}: {found:.4g} {unit} (limit {limit:.4g})", flush=True)
         self.rows.append({"what": what, "found": found, "limit": limit, "unit": unit, "good": good})
@@ -87,7 +86,7 @@ def check_turns(driver):
             for level, flux in ((-1, "upwelling_flux"), (0, "downwelling_diffuse_flux"), (0, "direct_flux")):
                 worst_domain = max(worst_domain, 100 * abs(base.profile[flux][level] - other.profile[flux][level]) / incident)
                 expected = turned(base[flux], turns, mirror)[level]
-                # Against the whole downward flux: where the sky is clear there is hardly any diffuse light to compare with.
+                # Against the whole downward flux: under a clear sky there is hardly any diffuse light to compare with.
                 mean = expected.mean() if level == -1 else base.downward_at_bottom().mean()
                 worst_column = max(worst_column, 100 * math.sqrt(np.mean((other[flux][level] - expected) ** 2)) / mean)
             driver.check(f"{name}: domain", worst_domain, DOMAIN_LIMIT, "% of incident")
@@ -104,7 +103,7 @@ def check_bearing(driver):
     azimuth = driver.solve("azimuth", scene(driver.cloud, {"azimuth_deg": 37.0}))
     bearing = driver.solve("bearing", scene(driver.cloud, {"bearing_deg": 53.0}))
     driver.check("bearing 53 is azimuth 37, bit by bit", different_values(azimuth, bearing), 0, "values differ")
-    # And neither is ignored: the light comes from where the sun stands.
+    # And neither is ignored: the light comes from the sun.
     opposite = driver.solve("opposite", scene(driver.cloud, {"azimuth_deg": 217.0}))
     driver.check("a sun on the other side gives other fluxes", int(different_values(azimuth, opposite) == 0), 0, "pairs of equal results")
 

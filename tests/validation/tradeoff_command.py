@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """`cloudbow tradeoff` on the step cloud: table, CSV and plot, that its errors are those of the results themselves, and `run --compare`.
 
-Truth: the result files of `cloudbow run` at the same levels, compared here once more. Solutions are the same bit by bit in every run, so that the
-errors must agree to rounding, and those of a result against itself are 0.
+Truth: the result files of `cloudbow run` at the same levels, compared here once more. Solutions are the same bit by bit in every run. So the errors agree to rounding, and those of a result against itself are 0.
 
 usage: tradeoff_command.py
        tradeoff_command.py --document docs/accuracy.md   remakes the tables and plots of that page
@@ -76,11 +75,11 @@ def against_a_file(cloudbow, folder):
 def independent_columns(cloudbow, folder):
     _, rows = tradeoff(cloudbow, folder, "columns", "--levels", "draft,independent-columns")
     error = float(rows["independent-columns"]["column_down_error_percent"])
-    check(list(rows) == ["independent-columns", "draft"] and error > 10, f"columns by themselves miss the sideways light: {error:.0f} %")
+    check(list(rows) == ["independent-columns", "draft"] and error > 10, f"independent columns miss the sideways light: {error:.0f} %")
 
 
 def images(cloudbow, folder):
-    """Columns under a slanted beam know no images."""
+    """Columns under a slanted beam have no images."""
     table, rows = tradeoff(cloudbow, folder, "images", "--set", 'radiance=[{name="nadir",zenith_deg=0.0}]')
     note = next((line for line in table.splitlines() if line.startswith("independent-diffuse")), "")
     check(list(rows) == ["independent-columns", "draft", "balanced", "fine", "reference"] and "left out" in note and "[[radiance]]" in note,

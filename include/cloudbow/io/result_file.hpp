@@ -17,8 +17,8 @@
 
 namespace cloudbow {
 
-/// Course of a run to a target error or time (`/plan`).
-struct RunPlan {
+/// Report of a run to a target error or time (`/plan`).
+struct TargetReport {
   std::optional<double> target_error;  ///< fraction
   std::string of;                      ///< "domain" or "columns": the fluxes that it is of
   std::optional<double> budget_seconds;
@@ -79,7 +79,7 @@ struct ResultInfo {
   std::vector<double> phase_class_error{};
   std::vector<double> wavelengths_um{};  ///< of each solution; empty: the scene has no spectrum, and one solution
   std::vector<ErrorEstimate> error_estimates{};  ///< of each solution, or none
-  std::optional<RunPlan> plan{};
+  std::optional<TargetReport> target{};
   std::optional<SpectralInfo> spectral{};
   std::vector<BandProfile> bands{};    ///< of a sum over a gas model (`/bands`), or none
   std::vector<Solution> clear_sky{};   ///< of each solution the same without clouds, on other levels, or none
@@ -99,8 +99,8 @@ struct ResultInfo {
 void write_result(const std::filesystem::path& file, const Solution& solution, const ResultInfo& info);
 
 /// The solutions of a scene with a spectrum, all on the same grid: every variable has the dimension `wavelength` first.
-/// @param by_columns of each, the same scene as independent columns, at the same flux levels; or none
+/// @param independent_columns of each, the same scene as independent columns, at the same flux levels; or none
 void write_result(const std::filesystem::path& file, std::span<const Solution> solutions, const ResultInfo& info,
-                  std::span<const Solution> by_columns = {});
+                  std::span<const Solution> independent_columns = {});
 
 }  // namespace cloudbow

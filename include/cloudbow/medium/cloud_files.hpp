@@ -20,9 +20,9 @@ namespace cloudbow {
 class CloudFiles {
  public:
   /// @param keep grids will be requested more than once.
-  /// @param tell is called with each sentence about the cloud, once; may be empty.
-  explicit CloudFiles(bool keep, std::function<void(const std::string&)> tell = {})
-      : keep_(keep), tell_(std::move(tell)) {}
+  /// @param report is called with each sentence about the cloud, once; may be empty.
+  explicit CloudFiles(bool keep, std::function<void(const std::string&)> report = {})
+      : keep_(keep), report_(std::move(report)) {}
 
   /// Reports a sentence once.
   void note(const std::string& sentence);
@@ -36,8 +36,8 @@ class CloudFiles {
  private:
   std::recursive_mutex mutex_;
   bool keep_;
-  std::function<void(const std::string&)> tell_;
-  std::set<std::string> told_;
+  std::function<void(const std::string&)> report_;
+  std::set<std::string> reported_;
   std::map<std::string, VdbCloud> field_;
   std::map<std::string, std::vector<float>> auxiliary_;
 };

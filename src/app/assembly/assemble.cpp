@@ -105,11 +105,11 @@ class DomainChecker {
     const double slack = face_tolerance * field_->cell_size_m[axis];
     if (domain_.min_m[axis] > summary_.cloud_min_m[axis] + slack) {
       fail("domain.min_m", axis, "cuts the cloud", domain_.min_m[axis],
-           fmt::format("at most {} m, where the cloud begins", summary_.cloud_min_m[axis]));
+           fmt::format("at most {} m, the bottom of the cloud", summary_.cloud_min_m[axis]));
     }
     if (domain_.max_m[axis] < summary_.cloud_max_m[axis] - slack) {
       fail("domain.max_m", axis, "cuts the cloud", domain_.max_m[axis],
-           fmt::format("at least {} m, where the cloud ends", summary_.cloud_max_m[axis]));
+           fmt::format("at least {} m, the top of the cloud", summary_.cloud_max_m[axis]));
     }
   }
 
@@ -141,7 +141,7 @@ void check_asks_no_azimuths(const Scene& scene) {
                                                         : "";
   if (found.empty()) return;
   throw InputError(
-      fmt::format("{}: 'independent-diffuse' knows fluxes, absorption and actinic flux over Lambertian ground alone "
+      fmt::format("{}: 'independent-diffuse' computes fluxes, absorption and actinic flux over Lambertian ground alone "
                   "(found {}, allowed with it 'auto', '3d', 'independent-columns')",
                   scene.where("solver.mode"), found));
 }
@@ -192,9 +192,9 @@ void solve_layers_without_iteration(const Scene& scene, const Problem& problem, 
   if (!scene.clouds.empty() || solver.mode != SolveMode::automatic || problem.grid.box.columns() > 1 ||
       solver.control_points || solver.directions || solver.delta_m_order || solver.fit)
     return;
-  SolverOptions by_columns = options;
-  by_columns.independent_columns = true;
-  if (solved_by_polar_streams(problem, by_columns)) options = by_columns;
+  SolverOptions columns = options;
+  columns.independent_columns = true;
+  if (solved_by_polar_streams(problem, columns)) options = columns;
 }
 
 int nearest_edge(const std::vector<double>& edges, double z) {

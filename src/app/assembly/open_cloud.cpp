@@ -58,16 +58,16 @@ std::vector<double> visible_column_depths(const SceneCloud& cloud, const CloudFi
 }
 
 /// @param number of its phase function for each voxel, from 1
-/// @param where begins the message about any other number
+/// @param place begins the message about any other number
 void take_phase_set(const ScenePhaseSet& set, const std::vector<float>& number, double tolerance,
-                    const std::string& where, OpenedCloud& cloud) {
+                    const std::string& place, OpenedCloud& cloud) {
   std::vector<std::size_t> index;
   index.reserve(number.size());
   for (const float found : number) {
     const double whole = std::round(found);
     if (std::abs(found - whole) > 1e-3) {
       throw InputError(
-          fmt::format("{}: not a number of a phase function (found {}, allowed whole numbers from 1 to {})", where,
+          fmt::format("{}: not a number of a phase function (found {}, allowed whole numbers from 1 to {})", place,
                       found, set.function.size()));
     }
     index.push_back(static_cast<std::size_t>(whole) - 1);
@@ -90,7 +90,7 @@ VdbCloud read_field(const Scene& scene, const SceneCloud& cloud, VdbReadOptions 
     more.push_back(files.field(cloud.file, options));
     const auto fail = [&](const std::string& found, const std::string& allowed) {
       throw InputError(
-          fmt::format("{}: cannot be added to the grid \"{}\" (found {}, allowed {}) make a [[cloud]] of "
+          fmt::format("{}: cannot be added to the grid \"{}\" (found {}, allowed {}); make a [[cloud]] of "
                       "each",
                       grid_place(cloud, grid), cloud.read.grid, found, allowed));
     };
@@ -149,7 +149,7 @@ std::string quantity_of(const Scene& scene, const SceneCloud& cloud, const VdbCl
   const std::string place = grid_place(cloud, cloud.read.grid);
   if (quantity != "extinction" && !density_of_water(quantity)) {
     throw InputError(fmt::format(
-        "{}: what the grid '{}' of {} holds is not said (found {}, allowed extinction, {})",
+        "{}: the quantity of grid '{}' of {} is not given (found {}, allowed extinction, {})",
         scene.where(cloud.key + ".quantity"), cloud.read.grid, cloud.file.string(),
         quantity.empty() ? "neither this key nor metadata 'quantity'" : fmt::format("metadata '{}'", quantity),
         fmt::join(water_contents(), ", ")));
@@ -157,7 +157,7 @@ std::string quantity_of(const Scene& scene, const SceneCloud& cloud, const VdbCl
   if (stored == quantity || stored.empty()) {
     const auto scale = scale_of_units(quantity, field.units);
     if (cloud.read.scale == 1 && scale.value_or(1) != 1) {
-      throw InputError(fmt::format("{}: not in the units of {} (found \"{}\", allowed {}) set {}.scale = {:g}", place,
+      throw InputError(fmt::format("{}: not in the units of {} (found \"{}\", allowed {}); set {}.scale = {:g}", place,
                                    quantity, field.units, quantity == "extinction" ? "1/m" : "g/m3", cloud.key,
                                    *scale));
     }

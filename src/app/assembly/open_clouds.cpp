@@ -20,7 +20,7 @@ void check_voxels(const Scene& scene, const std::vector<OpenedCloud>& constituen
     const auto difference = difference_of_voxels(constituents[n].field, constituents[0].field);
     if (!difference) continue;
     throw InputError(fmt::format(
-        "{}: \"{}\" has other voxels than \"{}\" (found {}, allowed the same voxels) resample its grid to those of "
+        "{}: \"{}\" has other voxels than \"{}\" (found {}, allowed the same voxels); resample its grid to those of "
         "the other (OpenVDB's tools::resampleToMatch, vdb_tool -resample)",
         scene.where(scene.clouds[n].key + ".file"), scene.clouds[n].name, scene.clouds[0].name, *difference));
   }
@@ -55,7 +55,7 @@ VoxelTemperatures join_temperatures(const Scene& scene, const OpenedClouds& clou
       if (std::abs(here - own[voxel]) > same_temperature_k) {
         throw InputError(fmt::format(
             "{}: another temperature than a constituent before it has in the same voxel (found {:.5g} K beside "
-            "{:.5g} K, allowed {} K apart) name the same temperatures, or leave the key out of one of them",
+            "{:.5g} K, allowed {} K apart); name the same temperatures, or leave the key out of one of them",
             scene.where(scene.clouds[n].key + ".temperature_grid"), own[voxel], here, same_temperature_k));
       }
     }

@@ -75,7 +75,7 @@ void add_emission(const Scene& scene, const OpenedClouds& clouds, const std::arr
   const double largest = std::max(surface_radiance(problem.surface), of_matter);
   if (largest < least_light) {
     throw InputError(fmt::format(
-        "{}: thermal: nothing emits in this spectral interval (found {:.3g} {} sr-1, allowed at least {}) longer "
+        "{}: thermal: nothing emits in this spectral interval (found {:.3g} {} sr-1, allowed at least {}); longer "
         "wavelengths, or no [thermal]",
         scene.path.string(), largest, scene.thermal->flux_units(), least_light));
   }

@@ -47,7 +47,7 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
   make_app->add_option("--seed", options->maker.seed, "Seed of the random numbers")
       ->capture_default_str()
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
-  make_app->add_flag("--half", options->write.half, "Store 16 bits a value: half the size");
+  make_app->add_flag("--half", options->write.half, "Store 16 bits per value: half the size");
   make_app->add_option("-o,--output", options->output, "VDB file")->type_name("FILE")->required();
   make_app->callback([&action, options] {
     action = [options] {

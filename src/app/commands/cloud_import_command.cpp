@@ -146,7 +146,7 @@ void check_columns_and_sizes(const ImportCommand& command, CloudImportOptions& o
   }
   if (!command.columns.empty()) options.columns = {command.columns[0], command.columns[1]};
   if (!options.profile.empty() && !options.air_density.empty())
-    throw InputError("--profile: not together with --air-density (both say the density of the air) leave out one");
+    throw InputError("--profile: not together with --air-density (both say the density of the air); leave out one");
 }
 
 void check_files(const ImportCommand& command, const std::filesystem::path& output) {
@@ -264,7 +264,7 @@ std::vector<std::string> models_to_choose() {
 void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   auto command = std::make_shared<ImportCommand>();
   CloudImportOptions& options = command->import;
-  CLI::App* app = cloud_app.add_subcommand("import", "Bring in a cloud that somebody else simulated");
+  CLI::App* app = cloud_app.add_subcommand("import", "Import the cloud of another model");
   app->add_option("file", options.file, "LES output (netCDF), SHDOM property or LWC file, text, or NumPy array")
       ->type_name("FILE")
       ->required();
@@ -292,7 +292,7 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
                   "Text columns: extinction [1/m] (default) or liquid_water_content [g/m3]. LES: which of them")
       ->check(CLI::IsMember({"extinction", "liquid_water_content"}));
   auto* moments = app->add_option("--phase-functions", command->phase_functions,
-                                  "SHDOM, text with optics: Legendre moments, one column a phase function")
+                                  "SHDOM, text with optics: Legendre moments, one column per phase function")
                       ->type_name("MOMENTS");
   app->add_option("--moment-factor", command->moment_factor,
                   "Whether they hold the factor 2l+1: auto, included, excluded")
@@ -333,7 +333,7 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
   app->add_option("--potential-temperature", options.potential_temperature, "LES: potential temperature")
       ->excludes(temperature);
   app->add_flag("--temperature-grid", options.temperature_grid,
-                "LES: bring the temperature too, as a grid of the same voxels, for thermal emission");
+                "LES: import the temperature too, as a grid of the same voxels, for thermal emission");
   app->add_option("--fill", options.fill, "LES: cells with missing water are an error, or clear air")
       ->capture_default_str()
       ->check(CLI::IsMember({"error", "clear"}));
@@ -346,8 +346,8 @@ void add_cloud_import(CLI::App& cloud_app, std::function<int()>& action) {
       ->capture_default_str()
       ->check(finite_number(1e-3, "a number above 0"));
   app->add_option("--effective-radius", options.effective_radius, "LES: effective radius");
-  app->add_flag("--half", command->write.half, "Store the cloud with 16 bits a value");
-  app->add_flag("--quiet", command->quiet, "Nothing but errors");
+  app->add_flag("--half", command->write.half, "Store the cloud with 16 bits per value");
+  app->add_flag("--quiet", command->quiet, "Print errors alone");
   app->callback([&action, app, command] {
     if (command->output.empty() && !command->dry_run) throw CLI::RequiredError(app->get_option("--output")->get_name());
     action = [app, command] { return import_to_vdb(*app, *command); };

@@ -73,7 +73,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
       ->allow_extra_args(false);
   run_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
       ->check(whole_number(1, 4096));
-  run_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  run_app->add_flag("--quiet", options->quiet, "Print errors alone");
   run_app->add_flag("--clear-sky", options->clear_sky,
                     "Solve the scene without its clouds too; write its fluxes and print what the clouds change");
   auto* compare = run_app->add_flag("--compare", options->compare,
@@ -99,7 +99,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
           ->type_name("FILE");
   run_app
       ->add_option("--target-error", target->error,
-                   "Choose the cheapest level of accuracy that is expected to reach this error, as 1%")
+                   "Choose the cheapest level of accuracy with this expected error, as 1%")
       ->type_name("ERROR")
       ->excludes(compare)
       ->excludes(dry_run)
@@ -142,7 +142,7 @@ void add_mie(CLI::App& app, Action& action, const std::string& command) {
   mie_app->add_option("--variance", options->variance, "Effective variance of the sizes")
       ->capture_default_str()
       ->check(finite_number(0, "a variance > 0"));
-  auto* substance = mie_app->add_option("--substance", options->substance, "What droplets are made of: water, ice")
+  auto* substance = mie_app->add_option("--substance", options->substance, "Substance of the droplets: water, ice")
                         ->capture_default_str()
                         ->check(CLI::IsMember({"water", "ice"}));
   mie_app->add_option("--refractive-index", options->refractive_index, "Instead of the substance's: n + i k, k >= 0")
@@ -157,7 +157,7 @@ void add_mie(CLI::App& app, Action& action, const std::string& command) {
   mie_app->add_option("-o,--output", options->output, "Table (HDF5)")->type_name("FILE")->required();
   mie_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
       ->check(whole_number(1, 4096));
-  mie_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  mie_app->add_flag("--quiet", options->quiet, "Print errors alone");
   mie_app->callback([&action, options] { action = [options] { return make_mie_file(*options); }; });
 }
 
@@ -193,7 +193,7 @@ int parse_and_act(int argc, const char* const* argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong input or usage, or too little memory. "
-      "3: the solve did not converge, missed the error or time asked for (the result says so), or a check of verify "
+      "3: the solve did not converge, missed its target error or time (the result says so), or a check of verify "
       "does not hold");
   Action action;
   add_run(app, action, command_text(argc, argv));

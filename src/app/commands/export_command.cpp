@@ -75,16 +75,17 @@ void add_export(CLI::App& app, std::function<int()>& action) {
           ->type_name("X Y Z")
           ->expected(3)
           ->check(finite_number(std::numeric_limits<double>::lowest(), "a finite number"));
-  auto* zenith = export_app
-                     ->add_option("--zenith-deg", options->zenith_deg,
-                                  "The same by where the sensor stands, as in [[radiance]]: 0 sees light that travels "
-                                  "straight up, above 90 light that travels down")
-                     ->type_name("Z")
-                     ->excludes(direction)
-                     ->check(finite_number(0, "0 to 180"));
+  auto* zenith =
+      export_app
+          ->add_option("--zenith-deg", options->zenith_deg,
+                       "The same by the position of the sensor, as in [[radiance]]: 0 sees light that travels "
+                       "straight up, above 90 light that travels down")
+          ->type_name("Z")
+          ->excludes(direction)
+          ->check(finite_number(0, "0 to 180"));
   export_app
       ->add_option("--azimuth-deg", options->azimuth_deg,
-                   "Where the sensor stands, counter-clockwise from +x. As the sun's: light scattered back; the sun's "
+                   "Azimuth of the sensor, counter-clockwise from +x. As the sun's: light scattered back; the sun's "
                    "plus 180: light scattered forward (default: 0)")
       ->type_name("A")
       ->needs(zenith)
@@ -96,7 +97,7 @@ void add_export(CLI::App& app, std::function<int()>& action) {
   export_app->add_flag("--absorption", fields.absorption,
                        "Grid \"absorbed_power\" [W m-3]; of a scene with [thermal] \"net_absorbed_power\"");
   export_app->add_flag("--heating-rate", fields.heating_rate, "Grid \"heating_rate\" [K s-1]");
-  export_app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  export_app->add_flag("--quiet", options->quiet, "Print errors alone");
   export_app->footer(
       "Voxels are the cloud's, in metres, z up; cells without a value are inactive. Radiance needs the field "
       "radiance_field among output.fields of the scene, and does not hold the direct beam (docs/radiance-fields.md).");

@@ -105,7 +105,7 @@ std::vector<double> edges_of(const OpticsOptions& options, const Atmosphere& air
     throw InputError(fmt::format("--heights-m: too few (found {}, allowed two or more)", given.size()));
   for (std::size_t n = 1; n < given.size(); ++n) {
     if (given[n] > given[n - 1]) continue;
-    throw InputError(fmt::format("--heights-m: not in order (found {} after {}, allowed ascending heights) sort them",
+    throw InputError(fmt::format("--heights-m: not in order (found {} after {}, allowed ascending heights); sort them",
                                  given[n], given[n - 1]));
   }
   return given;
@@ -188,7 +188,7 @@ void add_optics(CLI::App& gas_app, std::function<int()>& action, const std::stri
       ->allow_extra_args(false);
   app->add_option("--heights-m", options->heights_m, "Interfaces of the layers [m] (default: heights of the profile)")
       ->check(finite_number(std::numeric_limits<double>::lowest(), "a finite number"));
-  app->add_flag("--quiet", options->quiet, "Nothing but errors");
+  app->add_flag("--quiet", options->quiet, "Print errors alone");
   app->add_option("-o,--output", options->output, "HDF5 file, also netCDF-4")->type_name("FILE")->required();
   app->callback([&action, options] { action = [options] { return write_optics(*options); }; });
 }

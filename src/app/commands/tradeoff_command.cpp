@@ -28,9 +28,9 @@ void add_tradeoff(CLI::App& app, std::function<int()>& action) {
       ->allow_extra_args(false);
   tradeoff_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
       ->check(whole_number(1, 4096));
-  tradeoff_app->add_flag("--quiet", options->quiet, "The table and nothing but errors besides");
+  tradeoff_app->add_flag("--quiet", options->quiet, "The table and errors alone");
   tradeoff_app->footer(
-      "Each level is a run of its own, with what the scene asks for; what the scene sets in [solver] holds at every "
+      "Each level is a run of its own with the outputs of the scene. Keys of [solver] in the scene hold at every "
       "level (docs/accuracy.md).");
   tradeoff_app->callback([&action, options] { action = [options] { return tradeoff(*options); }; });
 }

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "app/scene/suggestion.hpp"
+#include "app/process/suggestion.hpp"
 
 namespace cloudbow {
 namespace {

@@ -144,20 +144,17 @@ int calibrate_and_tell() {
 
 void add_verify(CLI::App& app, std::function<int()>& action) {
   auto options = std::make_shared<VerifyOptions>();
-  CLI::App* verify_app =
-      app.add_subcommand("verify", "Check on this machine that what the program computes is physics, in seconds");
+  CLI::App* verify_app = app.add_subcommand("verify", "Check the physics of the program on this machine, in seconds");
   verify_app->add_option("--only", options->only, "These checks alone")->type_name("NAME ...");
   auto* json = verify_app->add_flag("--json", options->json, "One JSON document in the place of lines");
-  verify_app->add_flag("--list", options->list, "What the checks are; nothing is checked")->excludes(json);
+  verify_app->add_flag("--list", options->list, "List the checks and run none")->excludes(json);
   auto calibrate = std::make_shared<bool>(false);
   verify_app->add_flag(
       "--calibrate", *calibrate,
       "Measure this machine's speed in place of the checks, and keep it for run --dry-run and --budget");
   verify_app->footer(
-      "A line says by how much the worst case misses what must hold, in the unit that stands there, and how much it "
-      "may "
-      "(docs/verify.md). Scenes are made in memory; nothing is read or written. Exit codes: 0 all hold, 3 some do not, "
-      "2 wrong usage.");
+      "A line has the deviation of the worst case, its unit and the tolerance (docs/verify.md). Scenes are made in "
+      "memory; nothing is read or written. Exit codes: 0 all hold, 3 some do not, 2 wrong usage.");
   verify_app->callback([&action, options, calibrate] {
     action = [options, calibrate] { return *calibrate ? calibrate_and_tell() : verify(physical_checks(), *options); };
   });

@@ -93,22 +93,21 @@ SolverOptions coarse_options(const SolverOptions& options, const std::string& ac
   return other;
 }
 
-CoarseSolves solve_coarsely(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
+CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as,
                             const ProgressCallback& progress) {
-  const SolverOptions& options = plan.whole_options();
-  SolverOptions other = coarse_options(options, accuracy, as);
-  const SolvePlan linear = plan.with(other);
   CoarseSolves coarse_solves;
-  coarse_solves.linear = solve(linear, progress);
-  if (linear.by_polar_streams()) {  // exact in the vertical
+  coarse_solves.linear = solve(coarse, progress);
+  if (coarse.by_polar_streams()) {  // exact in the vertical
     coarse_solves.constant = coarse_solves.linear;
     coarse_solves.constant.report = {};  // one solve
     return coarse_solves;
   }
-  other.linear_source = false;
-  coarse_solves.constant = solve(linear.with(other), progress);
+  SolverOptions constant = coarse.whole_options();
+  constant.linear_source = false;
+  coarse_solves.constant = solve(coarse.with(constant), progress);
   if (as == SolvedAs::field) {
     const Problem columns = probe_columns(plan);
+    const SolverOptions& options = plan.whole_options();
     const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
     coarse_solves.probe = {solve(by_ordinates, progress),
                            solve(by_ordinates.with(streams_of_columns(options)), progress)};
@@ -116,10 +115,9 @@ CoarseSolves solve_coarsely(const SolvePlan& plan, const std::string& accuracy, 
   return coarse_solves;
 }
 
-double predict_coarse_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as) {
-  const SolvePlan other = plan.with(coarse_options(plan.whole_options(), accuracy, as));
-  if (other.by_polar_streams()) return predict_seconds(other);
-  double seconds = 2 * predict_seconds(other);
+double predict_coarse_seconds(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as) {
+  if (coarse.by_polar_streams()) return predict_seconds(coarse);
+  double seconds = 2 * predict_seconds(coarse);
   if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
     const auto columns = static_cast<double>(plan.whole().grid.box.columns());
     seconds += std::min(1., most_probe_columns / columns) * predict_seconds(plan);

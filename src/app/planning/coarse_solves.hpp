@@ -14,11 +14,11 @@ namespace cloudbow {
 /// @param accuracy the level that `options` are of.
 SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
-/// The coarse solves beside the solution of a plan.
-CoarseSolves solve_coarsely(const SolvePlan& plan, const std::string& accuracy, SolvedAs as,
+/// The coarse solves beside the solution of a plan. @param coarse the same with its coarse_options()
+CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as,
                             const ProgressCallback& progress);
 
 /// Wall seconds of them, as predict_seconds().
-double predict_coarse_seconds(const SolvePlan& plan, const std::string& accuracy, SolvedAs as);
+double predict_coarse_seconds(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as);
 
 }  // namespace cloudbow

@@ -54,19 +54,22 @@ void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available,
 
 }  // namespace
 
-PlannedScene::PlannedScene(AssembledScene assembled)
+PlannedScene::PlannedScene(AssembledScene assembled, std::string level)
     : scene(std::make_shared<const AssembledScene>(std::move(assembled))),
       plan(scene->problem, scene->options),
-      as(solved_as(plan, scene->one_column)) {}
+      as(solved_as(plan, scene->one_column)),
+      accuracy(std::move(level)) {}
+
+SolvePlan PlannedScene::coarse() const { return plan.with(coarse_options(plan.whole_options(), accuracy, as)); }
 
 PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
                         const std::vector<double>& levels_m, int threads) {
   AssembledScene assembled = assemble(scene, available, files, levels_m);
   assembled.options.threads = threads;
-  return PlannedScene(std::move(assembled));
+  return {std::move(assembled), scene.solver.accuracy};
 }
 
-SolverOptions by_columns(SolverOptions options) {
+SolverOptions with_independent_columns(SolverOptions options) {
   options.independent_columns = true;
   options.beam_crosses_columns = false;
   ask_for_fluxes_alone(options);
@@ -84,12 +87,12 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     cost.memory = std::max(cost.memory, foreseen(scene, plan));
     cost.seconds += predict_seconds(plan);
     if (scene.output.error_estimate) {
-      cost.seconds += predict_coarse_seconds(plan, scene.solver.accuracy, planned.as);
-      const SolvePlan coarse = plan.with(coarse_options(plan.whole_options(), scene.solver.accuracy, planned.as));
+      const SolvePlan coarse = planned.coarse();
+      cost.seconds += predict_coarse_seconds(plan, coarse, planned.as);
       cost.memory = std::max(cost.memory, foreseen(scene, coarse) + solution_bytes(scene, *planned.scene));
     }
     if (compare) {
-      const SolvePlan columns = plan.with(by_columns(plan.whole_options()));
+      const SolvePlan columns = plan.with(with_independent_columns(plan.whole_options()));
       cost.memory = std::max(cost.memory, predict_memory(columns));
       cost.seconds += predict_seconds(columns);
       kept += solution_bytes(scene, *planned.scene);  // at most: of these, fluxes alone are kept

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/planning/error_calibration.hpp"
@@ -16,11 +17,15 @@ namespace cloudbow {
 
 /// A scene and how it is solved.
 struct PlannedScene {
-  explicit PlannedScene(AssembledScene scene);
+  PlannedScene(AssembledScene scene, std::string accuracy);
+  /// Plan of the coarse solve of the error estimate. It may take as much memory as the scene: kept no longer than
+  /// needed.
+  SolvePlan coarse() const;
 
   std::shared_ptr<const AssembledScene> scene;
   SolvePlan plan;
   SolvedAs as;
+  std::string accuracy;  ///< its level
 };
 
 /// @param levels_m as LevelOptions::levels_m
@@ -45,6 +50,6 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
 std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
 /// Options for the same scene as independent columns, of which only fluxes are requested.
-SolverOptions by_columns(SolverOptions options);
+SolverOptions with_independent_columns(SolverOptions options);
 
 }  // namespace cloudbow

@@ -28,7 +28,7 @@ std::filesystem::path speed_file() {
 
 std::pair<Problem, SolverOptions> calibration_solve() {
   SolverOptions options = field_options("draft");
-  options.threads = 0;
+  options.threads = 1;
   options.absorption = false;
   return {field_problem(uneven_field(48, 48, 16, .5), 1, PhaseFunction::henyey_greenstein(.85), sun_at(.5, 30)),
           options};
@@ -44,6 +44,11 @@ double machine_slowness() {
   return std::isfinite(factor) && factor >= least_slowness && factor <= most_slowness ? factor : 1;
 }
 
+double undisturbed_seconds(const SolverReport& report) {
+  const double of_solve = (report.seconds_total - report.seconds_tables) / report.seconds_total;
+  return of_solve * std::min(report.cpu_seconds, report.seconds_total);
+}
+
 double calibrate_machine() {
   const std::filesystem::path path = speed_file();
   if (path.empty())
@@ -52,8 +57,7 @@ double calibrate_machine() {
   const double predicted = predict_seconds(SolvePlan(problem, options));
   double least = 0;
   for (int n = 0; n < 3; ++n) {
-    const SolverReport report = solve(problem, options).report;
-    const double seconds = report.seconds_total - report.seconds_tables;
+    const double seconds = undisturbed_seconds(solve(problem, options).report);
     least = n == 0 ? seconds : std::min(least, seconds);
   }
   const double factor = std::clamp(least / predicted, least_slowness, most_slowness);

@@ -9,7 +9,7 @@ namespace cloudbow {
 
 /// First line of the file that keeps the factor. Its number increases when predict_seconds() or the solve that is
 /// measured changes: older factors then have another meaning (test_machine_speed.cpp notices the former).
-inline constexpr const char* machine_speed_header = "cloudbow machine 2";
+inline constexpr const char* machine_speed_header = "cloudbow machine 3";
 
 /// The solve that is measured.
 std::pair<Problem, SolverOptions> calibration_solve();
@@ -17,7 +17,12 @@ std::pair<Problem, SolverOptions> calibration_solve();
 /// Factor on predicted seconds: that stored by `cloudbow verify --calibrate` beside the table cache, else 1.
 double machine_slowness();
 
-/// Measures it by a fixed solve of a second or so, on all processors, and stores it. @returns the factor.
+/// Seconds of a solve by one thread, without its tables. Time in which other programs had the
+/// processor does not count.
+double undisturbed_seconds(const SolverReport& report);
+
+/// Measures it by a fixed solve of a second or so and stores it. @returns the factor. One thread solves it and its
+/// processor time counts: on a busy machine, wall time and threads that wait for each other measure the other programs.
 /// @throws InputError if it cannot be stored.
 double calibrate_machine();
 

@@ -93,7 +93,7 @@ std::size_t choose_level(std::span<const LevelCost> levels, const Target& target
   const bool all_fit = std::all_of(levels.begin(), levels.end(), [&](const LevelCost& level) {
     return level.memory_bytes <= resources.memory_bytes;
   });
-  refuse_error(levels[*in_memory], target, all_fit ? "" : " in the memory that there is");
+  refuse_error(levels[*in_memory], target, all_fit ? "" : " in the available memory");
 }
 
 std::optional<std::size_t> next_level(std::span<const LevelCost> levels, std::size_t level, const Target& target,

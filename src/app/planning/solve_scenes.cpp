@@ -15,7 +15,7 @@
 namespace cloudbow {
 
 ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution) {
-  const CoarseSolves coarse_solves = solve_coarsely(planned.plan, scene.solver.accuracy, planned.as,
+  const CoarseSolves coarse_solves = solve_coarsely(planned.plan, planned.coarse(), planned.as,
                                                     [](const SolverProgress&) { InterruptGuard::check(); });
   ErrorEstimate error =
       estimate_error(solution, coarse_solves, error_weights(scene.solver.accuracy, planned.as), scene.output.errors);
@@ -59,8 +59,9 @@ Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunO
       // A single column is its own independent column.
       const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
       if (!options.quiet && !alone) tell("independent columns\n");
-      solved.by_columns.push_back(alone ? solved.solutions.back()
-                                        : solve_shown(planned.plan.with(by_columns(assembled.options)), nullptr));
+      solved.independent_columns.push_back(
+          alone ? solved.solutions.back()
+                : solve_shown(planned.plan.with(with_independent_columns(assembled.options)), nullptr));
     }
     if (scene.output.optical_depth) solved.cloud_optical_depth.push_back(assembled.cloud_optical_depth);
     solved.clouds.push_back(assembled.clouds);

@@ -13,7 +13,7 @@ namespace cloudbow {
 /// Solutions of all wavelengths, and the data on their origin in the result file.
 struct Solved {
   std::vector<Solution> solutions;
-  std::vector<Solution> by_columns;                     ///< of each the same as independent columns, or none
+  std::vector<Solution> independent_columns;            ///< of each the same as independent columns, or none
   std::vector<PhaseClassReport> phase_classes;          ///< of each, or none
   std::vector<std::vector<CloudFigures>> clouds;        ///< of each, by constituent
   std::vector<ErrorEstimate> errors;                    ///< of each, or none

@@ -102,7 +102,7 @@ class TargetRunner {
 
   void extend_costs() {
     const std::vector<ErrorEstimate>& of_draft = result_.solved.errors;
-    const double pace = result_.plan.seconds / first_seconds_;
+    const double pace = result_.report.seconds / first_seconds_;
     for (std::size_t n = 1; n < names_.size(); ++n) {
       LevelCost level = cost_of(names_[n]);
       level.seconds *= pace;
@@ -120,11 +120,11 @@ class TargetRunner {
     if (expected.only) solved_as_ = expected.only->as;
     const auto start = Clock::now();
     result_.solved = solve_all(result_.scenes, std::move(expected), options_, available_, files_);
-    result_.plan.seconds = seconds_since(start) - table_seconds(result_.solved);
-    result_.plan.levels_solved += (level == 0 ? "" : ", ") + names_[level];
+    result_.report.seconds = seconds_since(start) - table_seconds(result_.solved);
+    result_.report.levels_solved += (level == 0 ? "" : ", ") + names_[level];
     if (!options_.quiet) {
       tell("cloudbow: `{}`: estimated error of {} {}, in {:.2g} s\n", names_[level], name_of(target_.of),
-           percent(error_of(result_.solved.errors, target_.of)), result_.plan.seconds);
+           percent(error_of(result_.solved.errors, target_.of)), result_.report.seconds);
     }
   }
 
@@ -141,16 +141,16 @@ class TargetRunner {
   }
 
   void finish(std::size_t level) {
-    RunPlan& plan = result_.plan;
-    plan.target_error = target_.error;
-    plan.of = name_of(target_.of);
-    plan.budget_seconds = target_.budget_seconds;
-    plan.accuracy = names_[level];
-    plan.predicted_error = levels_[level].error;
-    plan.predicted_seconds = level == 0 ? first_seconds_ : levels_[level].seconds;
-    plan.predicted_memory_bytes = levels_[level].memory_bytes;
-    plan.seconds_in_all = seconds_since(start_);
-    plan.met = reached() && (!target_.budget_seconds || plan.seconds_in_all <= *target_.budget_seconds);
+    TargetReport& report = result_.report;
+    report.target_error = target_.error;
+    report.of = name_of(target_.of);
+    report.budget_seconds = target_.budget_seconds;
+    report.accuracy = names_[level];
+    report.predicted_error = levels_[level].error;
+    report.predicted_seconds = level == 0 ? first_seconds_ : levels_[level].seconds;
+    report.predicted_memory_bytes = levels_[level].memory_bytes;
+    report.seconds_in_all = seconds_since(start_);
+    report.met = reached() && (!target_.budget_seconds || report.seconds_in_all <= *target_.budget_seconds);
   }
 
   const RunOptions& options_;

@@ -12,7 +12,7 @@ namespace cloudbow {
 struct TargetRun {
   std::vector<Scene> scenes;  ///< at the level chosen
   Solved solved;
-  RunPlan plan;
+  TargetReport report;
 };
 
 /// Prints the chosen level and the reason on stderr. @throws InputError if no level suffices, with the possible values;

@@ -128,7 +128,7 @@ std::string why_left_out(const Level& level, const TradeoffOptions& options) {
     return error.what();
   }
   if (needed <= available) return "";
-  return fmt::format("needs {:.2f} GB, there are {:.2f} GB", static_cast<double>(needed) * 1e-9,
+  return fmt::format("needs {:.2f} GB, {:.2f} GB are available", static_cast<double>(needed) * 1e-9,
                      static_cast<double>(available) * 1e-9);
 }
 

@@ -174,7 +174,7 @@ std::string plan_text(const std::vector<Scene>& scenes, const PlannedScene& plan
     fmt::format_to(out, "spectrum  {} um\n", list);
   }
   if (first.phase_classes) fmt::format_to(out, "phase     {}\n", classes_text(*first.phase_classes));
-  fmt::format_to(out, "memory    {:.2f} GB predicted, {:.1f} GB there\n", static_cast<double>(cost.memory) / 1e9,
+  fmt::format_to(out, "memory    {:.2f} GB predicted, {:.1f} GB available\n", static_cast<double>(cost.memory) / 1e9,
                  static_cast<double>(available) / 1e9);
   fmt::format_to(out, "time      {:.1f} s predicted\n", cost.seconds);
   return text;
@@ -222,8 +222,8 @@ void print_summaries(const std::vector<Scene>& scenes, const Solved& solved, con
     fmt::print("{}", summary_table(solved.solutions[n], flux_units));
     print_effects(solved.solutions[n], info, n, flux_units);
     if (!solved.errors.empty()) fmt::print("{}", error_line(solved.errors[n]));
-    if (!solved.by_columns.empty()) {
-      const EnergyLedger &ledger = solved.solutions[n].ledger, &columns = solved.by_columns[n].ledger;
+    if (!solved.independent_columns.empty()) {
+      const EnergyLedger &ledger = solved.solutions[n].ledger, &columns = solved.independent_columns[n].ledger;
       if (scenes[n].thermal) {
         const EnergyFluxes here = energy_fluxes(ledger), there = energy_fluxes(columns);
         fmt::print("{:<21}up at the top {:+.4g}, down at the ground {:+.4g} {}\n", "minus columns",
@@ -441,14 +441,14 @@ SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options)
 SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files) {
   const std::uint64_t available = available_memory_bytes();
   SolvedRun run{scenes, {}, {}};
-  std::optional<RunPlan> plan;
+  std::optional<TargetReport> target;
   std::optional<SpectralInfo> spectral;
   std::vector<BandProfile> bands;
   if (options.target) {
     TargetRun done = reach_target(options, available, files);
     run.scenes = std::move(done.scenes);
     run.solved = std::move(done.solved);
-    plan = std::move(done.plan);
+    target = std::move(done.report);
   } else {
     CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
     check_memory(scenes.front(), expected, available);
@@ -465,7 +465,7 @@ SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options,
   std::vector<Solution> clear_sky;
   if (options.clear_sky) clear_sky = solve_clear_sky(scenes, options, available, files);
   run.info = result_info(run.scenes, run.solved, options);
-  run.info.plan = plan;
+  run.info.target = target;
   run.info.spectral = spectral;
   run.info.bands = std::move(bands);
   run.info.clear_sky = std::move(clear_sky);
@@ -474,18 +474,18 @@ SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options,
 
 void write_run(const std::filesystem::path& output, const SolvedRun& run, int threads) {
   const ThreadScope scope(threads);
-  write_result(output, run.solved.solutions, run.info, run.solved.by_columns);
+  write_result(output, run.solved.solutions, run.info, run.solved.independent_columns);
   InterruptGuard::check();
 }
 
 std::vector<std::string> shortcomings(const SolvedRun& run, const std::string& output) {
   std::vector<std::string> sentences;
   add_unconverged(run.scenes, run.solved.solutions, "", output, sentences);
-  add_unconverged(run.scenes, run.solved.by_columns, " as independent columns", output, sentences);
-  const std::optional<RunPlan>& plan = run.info.plan;
-  if (plan && !plan->met) {
+  add_unconverged(run.scenes, run.solved.independent_columns, " as independent columns", output, sentences);
+  const std::optional<TargetReport>& target = run.info.target;
+  if (target && !target->met) {
     sentences.push_back(fmt::format("`{}` misses what was asked for, and no better level fits: {} is marked so",
-                                    plan->accuracy, output));
+                                    target->accuracy, output));
   }
   return sentences;
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/scene/suggestion.hpp"
+#include "app/process/suggestion.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {

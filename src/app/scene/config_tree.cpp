@@ -206,6 +206,25 @@ std::string toml_text(const ConfigNode& root) {
   return text.str();
 }
 
+/// TOML requires digits on both sides of a decimal point, people do not: ".7" becomes "0.7", "[5., -.1]" "[5.0, -0.1]".
+std::string with_whole_decimals(const std::string& value) {
+  const auto is_digit = [&value](std::size_t n) { return n < value.size() && value[n] >= '0' && value[n] <= '9'; };
+  const auto begins_number = [&value](std::size_t n) {
+    return n == 0 || std::string_view("+-,[ =").find(value[n - 1]) != std::string_view::npos;
+  };
+  std::string whole;
+  char quote = 0;
+  for (std::size_t n = 0; n < value.size(); ++n) {
+    const char c = value[n];
+    if (quote == 0 ? c == '"' || c == '\'' : c == quote) quote = quote == 0 ? c : '\0';
+    const bool is_point = quote == 0 && c == '.';
+    if (is_point && begins_number(n) && is_digit(n + 1)) whole += '0';
+    whole += c;
+    if (is_point && n > 0 && is_digit(n - 1) && !is_digit(n + 1)) whole += '0';
+  }
+  return whole;
+}
+
 void apply_override(ConfigNode& root, const std::string& assignment) {
   const std::string shown = assignment.substr(0, longest_place);
   const bool printable = std::none_of(shown.begin(), shown.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
@@ -260,10 +279,12 @@ const ConfigNode* ConfigNode::find(const std::string& key) const {
 
 ConfigNode config_value(const std::string& value, const std::string& place) {
   if (first_line_too_deep(fmt::format("value = {}", value))) fail_too_deep(place);
-  try {
-    const toml::table parsed = toml::parse(fmt::format("value = {}", value), place);
-    if (parsed.size() == 1) return convert(*parsed.get("value"), place);
-  } catch (const toml::parse_error&) {
+  for (const std::string& text : {value, with_whole_decimals(value)}) {
+    try {
+      const toml::table parsed = toml::parse(fmt::format("value = {}", text), place);
+      if (parsed.size() == 1) return convert(*parsed.get("value"), place);
+    } catch (const toml::parse_error&) {
+    }
   }
   return {ConfigNode::Kind::scalar, value, {}, {}, place};
 }

@@ -33,7 +33,7 @@ struct ConfigTree {
 
 /// @param overrides "KEY=VALUE" with a dotted key ("sun.zenith_deg=30", "layer.0.optical_depth=2"); the value is TOML,
 /// else a string. Missing tables of the key are created; entries of arrays must exist. @throws InputError if the file
-/// cannot be read, is not TOML (with line and column), or an override cannot be applied.
+/// cannot be read or is not TOML (with line and column); if an override cannot be applied.
 ConfigTree read_config(const std::filesystem::path& path, std::span<const std::string> overrides);
 
 /// The value of an override: TOML if it is one value, else a string. @throws InputError if it is nested too deeply.

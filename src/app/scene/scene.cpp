@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
 #include "app/scene/scene_reader.hpp"
 #include "cloudbow/core/error.hpp"
@@ -253,11 +254,13 @@ void SceneReader::read_surface(const ConfigReader& reader) {
     check_keys({"f_iso", "f_vol", "f_geo"});
     surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", not_negative, at_), reader.number("f_vol", finite, at_),
                                         reader.number("f_geo", finite, at_));
-  } else {
+  } else if (type == "cox-munk") {
     check_keys({"wind_speed_m_s", "refractive_index"});
     surface.brdf = SurfaceBrdf::cox_munk(
         reader.number("wind_speed_m_s", {"0 to 50", 0, 50}),
         reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}, at_).value_or(1.34));
+  } else {
+    throw std::logic_error("no keys of the surface type " + type);
   }
   read_surface_temperature(reader);
 }
@@ -267,7 +270,7 @@ void SceneReader::read_albedo_map_key(const ConfigReader& reader) {
   if (reader.has("albedo")) reader.fail("albedo_map", "stands beside `albedo`", file, "one of the two");
   if (scene_.surface.tilt.slope_deg > 0) reader.fail("albedo_map", "stands beside `slope_deg`", file, "one of the two");
   if (scene_.clouds.empty()) {
-    reader.fail("albedo_map", "needs a cloud, whose columns it covers", file, "`albedo` where there are layers alone");
+    reader.fail("albedo_map", "needs a cloud, whose columns it covers", file, "`albedo` over layers alone");
   }
   scene_.albedo_map = existing_spectral_file(reader, "albedo_map");
   remember(reader, "albedo_map");

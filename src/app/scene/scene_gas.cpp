@@ -147,9 +147,9 @@ double SceneReader::read_spectral_albedo_key(const ConfigReader& reader) {
 void SceneReader::check_bands() const {
   if (!scene_.output.bands) return;
   if (!scene_.broadband) {
-    throw InputError(
-        fmt::format("{}: bands need a gas model (found no spectrum.gas_model, allowed one) leave bands out, or give it",
-                    scene_.where("output.fields")));
+    throw InputError(fmt::format(
+        "{}: bands need a gas model (found no spectrum.gas_model, allowed one); leave bands out, or give it",
+        scene_.where("output.fields")));
   }
   if (scene_.broadband->method == SceneBroadband::Method::few) {
     throw InputError(

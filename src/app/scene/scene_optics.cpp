@@ -226,7 +226,7 @@ void SceneReader::read_optical_depth() {
   if (!scene_.output.optical_depth) return;
   if (scene_.clouds.empty()) {
     throw InputError(fmt::format(
-        "{}: optical_depth is that of the cloud alone (found no [cloud], allowed a scene that has one) leave "
+        "{}: optical_depth is that of the cloud alone (found no [cloud], allowed a scene that has one); leave "
         "it out: layers have the optical_depth of [[layer]]",
         scene_.where("output.fields")));
   }

@@ -8,7 +8,7 @@ namespace cloudbow {
 
 /// The remedy for common mistakes, as "text stands in quotes: file = \"cloud.vdb\""; empty if there is none.
 /// @param problem as toml++ says it
-/// @param line of the file, in which the parser met its first fault
+/// @param line with the first fault that the parser met
 /// @param column from 1, of that fault
 std::string toml_hint(std::string_view problem, std::string_view line, std::size_t column);
 

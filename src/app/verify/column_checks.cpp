@@ -144,8 +144,8 @@ double reciprocity() { return std::abs(reflection_factor(.9, .3, 60) / reflectio
 std::vector<PhysicalCheck> column_checks() {
   return {
       // Optics are kept in float: a relative 6e-8 of the optical depth.
-      {"beer-law", "direct light falls off as exp(-tau/mu0), and is all there is where nothing scatters", "of incident",
-       1e-6, beers_law},
+      {"beer-law", "direct light falls off as exp(-tau/mu0), and is all light if nothing scatters", "of incident", 1e-6,
+       beers_law},
       // Light that is scattered twice, some tau ln(1/tau), and differences of fluxes in float optics.
       {"thin-layer", "of an optical depth of 1e-6 the fluxes are single scattering", "of it", 1e-4, thin_layer},
       // Light scattered twice: some tau. The rest is the delta-M correction of the first order.

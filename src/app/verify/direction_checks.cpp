@@ -44,7 +44,7 @@ SolverOptions with_many_rays() {
   return options;
 }
 
-// The shadow of a voxel lies on the side away from the sun, at a distance equal to the voxel's height.
+// The shadow of a voxel lies on the side away from the sun. Its distance is the voxel's height.
 double shadow() {
   Worst worst;
   for (const double azimuth : azimuths) {

@@ -213,11 +213,11 @@ std::vector<PhysicalCheck> energy_checks() {
       {"ground-reflection", "the ground sends up its albedo's share of what comes down", "of the flux", 1e-5,
        ground_reflection},
       // Gathered fluxes are scaled to the means of the iteration, which that of a map need not match.
-      {"ground-map", "and does so column by column where albedos differ", "of the flux", .02, ground_map},
+      {"ground-map", "and does so column by column if albedos differ", "of the flux", .02, ground_map},
       // Isotropic scattering is reciprocal on any points. Slopes of light are found at an estimated error of 1e-2, and
       // leave 9e-5 in uneven clouds.
-      {"furnace-radiance", "under a uniform sky where nothing absorbs, radiance is the sky's everywhere",
-       "of the sky's", 2e-4, furnace_radiance},
+      {"furnace-radiance", "under a uniform sky, if nothing absorbs, radiance is the sky's everywhere", "of the sky's",
+       2e-4, furnace_radiance},
       // The matrices of anisotropic scattering conserve power but are not quite reciprocal: 6e-4 at `draft`.
       {"furnace-flux", "and so are the fluxes, in a cloud that scatters forward", "of the sky's", 1.5e-3, furnace_flux},
       // The same iterations, rounded elsewhere.

@@ -148,10 +148,10 @@ std::vector<PhysicalCheck> field_checks() {
       {"uniform-field", "columns all alike are one column", "W m-2, F0 = 1", 5e-6, uniform_field},
       // Measured .6 % at `draft`, with cells of an optical depth up to 2, along two slants.
       {"reciprocity-field", "sun and sensor can change places over a field", "of radiance", 2e-2, reciprocity},
-      {"energy-large-field", "where light is followed along x and y it is conserved too", "of incident", 1.1e-5,
+      {"energy-large-field", "light that is followed along x and y is conserved too", "of incident", 1.1e-5,
        large_field_energy},
       // Rays that come back over the seam are launched anew, from the mean of their neighbours: 1.6 % at `draft`.
-      {"shift-large-field", "where light is followed along x and y, absorption moves with the field too",
+      {"shift-large-field", "absorption of light that is followed along x and y moves with the field too",
        "W m-2, F0 = 1", .03, large_field_shift},
       // Some hundred roundings of float, and iterations that both end below 1e-6.
       {"precision", "float and double kernels find the same fluxes", "W m-2, F0 = 1", 1e-5, float_and_double},

@@ -115,7 +115,7 @@ void check_paths(const SolvePlan& plan) {
   if (through_sides(problem, options) > most_through_sides) {
     throw InputError(
         fmt::format("sun: an open domain is lit through its sides alone (found {:.2g} times the power through its top, "
-                    "allowed {:g}) a higher sun, a wider domain, or domain.boundary = \"periodic\"",
+                    "allowed {:g}); a higher sun, a wider domain, or domain.boundary = \"periodic\"",
                     through_sides(problem, options), most_through_sides));
   }
 }

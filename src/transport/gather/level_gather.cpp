@@ -9,8 +9,8 @@
 #include "cloudbow/core/parallel_errors.hpp"
 #include "transport/gather/gather.hpp"
 #include "transport/gather/gather_classes.hpp"
-#include "transport/gather/level_plan.hpp"
 #include "transport/gather/light_slots.hpp"
+#include "transport/gather/march_schedule.hpp"
 #include "transport/gather/plane_blur.hpp"
 #include "transport/gather/source_gradients.hpp"
 
@@ -103,11 +103,11 @@ class LevelGather {
         upward_(upward),
         columns_(scene.box.columns()),
         levels_(edges.size()),
-        plan_(march_plan(scene.box, emitting_levels(scene), upward, edges)) {}
+        schedule_(march_schedule(scene.box, emitting_levels(scene), upward, edges)) {}
 
   std::vector<float> flux(std::vector<GatherDirection> directions) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
-    const SumPlanes planes(plan_, box_, levels_, classes);
+    const SumPlanes planes(schedule_, box_, levels_, classes);
     const std::size_t groups = groups_for(box_);
     std::vector<Workspace<Real>> work(groups);
     for (const SpreadClass& alike : classes) {
@@ -116,7 +116,7 @@ class LevelGather {
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
           Workspace<Real>& own = work[g];
-          if (alike.first == 0) own.prepare(static_cast<std::size_t>(plan_.slots), columns_, rows_, planes.size());
+          if (alike.first == 0) own.prepare(static_cast<std::size_t>(schedule_.slots), columns_, rows_, planes.size());
           for (std::size_t first = alike.first + g; first < alike.last; first += groups * own.marches.size()) {
             std::size_t count = 0;
             for (std::size_t q = first; q < alike.last && count < own.marches.size(); q += groups)
@@ -180,7 +180,7 @@ class LevelGather {
              std::vector<Real>& ground) const {
     const Direction& travel = direction.travel;
     const LaunchPlace at = launch_place(place, true);
-    const int count = static_cast<int>(plan_.steps.size());
+    const int count = static_cast<int>(schedule_.steps.size());
     const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
     rays.pattern = scene_.path(make_path_pattern(box_, travel, at.x, at.y, false, range));
     rays.source = scene_.source->along(travel, power(direction));
@@ -195,13 +195,13 @@ class LevelGather {
 
   // Rays of `count` directions through all levels up to the last that is wanted.
   void march(std::size_t count, double spread, const SumPlanes& planes, Workspace<Real>& work) const {
-    for (std::size_t step = 0; step < plan_.steps.size(); ++step) {
-      const LevelPlan& plan = plan_.steps[step];
+    for (std::size_t step = 0; step < schedule_.steps.size(); ++step) {
+      const LevelStep& now = schedule_.steps[step];
       work.bookings.clear();
       for (std::size_t d = 0; d < count; ++d) {
         DirectionMarch<Real>& rays = work.marches[d];
         cross_step(static_cast<int>(step), rays, work);
-        if (plan.level < 0) continue;
+        if (now.level < 0) continue;
         const int shift_x = wrapped(rays.pattern.shift_x(static_cast<int>(step) + 1), box_.nx);
         const int shift_y = wrapped(rays.pattern.shift_y(static_cast<int>(step) + 1), box_.ny);
         const auto enter = [&](const Slot<Real>& slot, int plane) {
@@ -210,9 +210,9 @@ class LevelGather {
           if (slot.is_same_everywhere()) return;
           work.bookings.push_back({at, shift_x, shift_y, slot.rays.data(), static_cast<Real>(slot.how.scale)});
         };
-        if (rays.lit_from_beyond) enter(rays.slots[boundary_slot], plan.level);
-        for (const auto& booking : plan.bookings)
-          enter(rays.slots[booking.slot], planes.plane(plan.level, spread, booking.distance_m));
+        if (rays.lit_from_beyond) enter(rays.slots[boundary_slot], now.level);
+        for (const auto& booking : now.bookings)
+          enter(rays.slots[booking.slot], planes.plane(now.level, spread, booking.distance_m));
       }
       book(work);
     }
@@ -220,31 +220,31 @@ class LevelGather {
 
   // Rays of one direction through one level.
   void cross_step(int step, DirectionMarch<Real>& rays, Workspace<Real>& work) const {
-    const LevelPlan& plan = plan_.steps[static_cast<std::size_t>(step)];
+    const LevelStep& now = schedule_.steps[static_cast<std::size_t>(step)];
     const int level = rays.pattern.level(step);
     work.crossing.clear();
-    for (const int slot : plan.carried) {
+    for (const int slot : now.carried) {
       if (slot != boundary_slot || rays.lit_from_beyond) work.crossing.push_back(&rays.slots[slot]);
     }
     const std::size_t first_cell = rows_.level_cell[level];
-    if (plan.fresh >= 0) {
-      rays.slots[plan.fresh].set(rays.reference);
+    if (now.fresh >= 0) {
+      rays.slots[now.fresh].set(rays.reference);
       rays.source.fill(first_cell, rows_.level_cell[level + 1] - first_cell, work.sent.data());
     } else {  // its cells only absorb: the kernel adds zeros
       std::fill_n(work.sent.begin(), rows_.level_cell[level + 1] - first_cell + lane_padding, Real(0));
     }
     if (box_.periodic && crosses_in_air(rays.pattern, step, rows_, rays.cells)) {
-      for_source_of(rays.cells, [&](auto linear) { cross_in_air<linear>(step, plan.fresh, rays, work); });
+      for_source_of(rays.cells, [&](auto linear) { cross_in_air<linear>(step, now.fresh, rays, work); });
     } else {
       const auto outside = [&](double at) {
         if (rays.side.empty()) return -rays.reference;
         const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
         return rays.weight * static_cast<Real>((1 - at) * rays.side[below] + at * rays.side[above]) - rays.reference;
       };
-      cross(step, plan.fresh, rays, work, outside);
+      cross(step, now.fresh, rays, work, outside);
     }
-    if (plan.fresh >= 0) rays.slots[plan.fresh].how.offset -= static_cast<double>(rays.reference);
-    for (const auto& [from, into] : plan.merges) rays.slots[into].add(rays.slots[from], columns_);
+    if (now.fresh >= 0) rays.slots[now.fresh].how.offset -= static_cast<double>(rays.reference);
+    for (const auto& [from, into] : now.merges) rays.slots[into].add(rays.slots[from], columns_);
   }
 
   // Whether any light enters.
@@ -401,7 +401,7 @@ class LevelGather {
   bool upward_;
   std::size_t columns_;
   std::size_t levels_;
-  MarchPlan plan_;
+  MarchSchedule schedule_;
 };
 
 }  // namespace
@@ -410,9 +410,9 @@ std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<
   if (edges.empty()) return 0;
   const std::vector<bool> all(static_cast<std::size_t>(box.nz()), true);
   auto set = gather_directions(directions, true, std::nullopt);
-  const MarchPlan plan = march_plan(box, all, true, edges);
-  const SumPlanes planes(plan, box, edges.size(), spread_classes(set));
-  const auto slots = static_cast<std::size_t>(plan.slots);
+  const MarchSchedule schedule = march_schedule(box, all, true, edges);
+  const SumPlanes planes(schedule, box, edges.size(), spread_classes(set));
+  const auto slots = static_cast<std::size_t>(schedule.slots);
   const std::size_t of_group =
       planes.size() * box.columns() * sizeof(float) +
       directions_together<float>(slots, box.columns(), cells) * march_bytes<float>(slots, box.columns(), cells);

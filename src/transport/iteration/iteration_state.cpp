@@ -87,7 +87,7 @@ StateArray radiance_of(AngularField<Real>& radiance) {
 }
 
 // Everything that is no array, in one.
-constexpr std::size_t number_count = 29;
+constexpr std::size_t number_count = 28;
 
 template <class Real, class Use>
 void for_each_number(IterationState<Real>& state, const Use& use) {
@@ -101,26 +101,12 @@ void for_each_number(IterationState<Real>& state, const Use& use) {
   use(state.slopes_from);
   use(report.converged);
   use(report.sweeps);
-  for (double* const number : {&report.estimated_error,
-                               &report.seconds_sweeps,
-                               &report.seconds_scattering,
-                               &report.seconds_acceleration,
-                               &ledger.power,
-                               &ledger.incident,
-                               &ledger.surface_emission,
-                               &ledger.reflectance,
-                               &ledger.transmittance,
-                               &ledger.transmittance_direct,
-                               &ledger.absorptance,
-                               &ledger.surface_absorptance,
-                               &ledger.side_gain,
-                               &ledger.side_loss,
-                               &ledger.residual,
-                               &fluxes.up_top,
-                               &fluxes.down_surface,
-                               &fluxes.side_gain,
-                               &fluxes.side_loss,
-                               &fluxes.surface_absorbed})
+  for (double* const number :
+       {&report.estimated_error, &report.seconds_sweeps, &report.seconds_scattering, &report.seconds_acceleration,
+        &ledger.power, &ledger.incident, &ledger.surface_emission, &ledger.reflectance, &ledger.transmittance,
+        &ledger.transmittance_direct, &ledger.absorptance, &ledger.surface_absorptance, &ledger.side_gain,
+        &ledger.side_loss, &ledger.residual, &fluxes.up_top, &fluxes.side_gain, &fluxes.side_loss,
+        &fluxes.surface_absorbed})
     use(*number);
 }
 

@@ -145,7 +145,7 @@ void check_finite(const IterationReport& report, const EnergyLedger& ledger) {
   if (std::isfinite(report.estimated_error) && std::isfinite(ledger.residual)) return;
   throw std::runtime_error(fmt::format(
       "the iteration leaves the range of numbers in sweep {} (found an estimated error of {} and an energy residual of "
-      "{}, allowed finite numbers) nothing is written",
+      "{}, allowed finite numbers); nothing is written",
       report.sweeps, report.estimated_error, ledger.residual));
 }
 

@@ -51,7 +51,7 @@ Camera make_camera(const std::string& name, Camera::Projection projection, const
   const Eigen::Vector3d up = scaled_to_order_one(placement.up);
   if (!(sight.norm() > 0)) {
     throw InputError(
-        fmt::format("looks at where it stands (found {}, allowed any other point)", text(placement.look_at_m)));
+        fmt::format("looks at its own position (found {}, allowed any other point)", text(placement.look_at_m)));
   }
   if (!(up.norm() > 0)) {
     throw InputError(fmt::format("up without length (found {}, allowed any other vector)", text(placement.up)));

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void fail(const std::string& what, const std::string& where, double found) {
   throw std::runtime_error(
-      fmt::format("{}{}: not a number in the solution (found {}, allowed finite numbers) nothing is written", what,
+      fmt::format("{}{}: not a number in the solution (found {}, allowed finite numbers); nothing is written", what,
                   where.empty() ? "" : " " + where, found));
 }
 

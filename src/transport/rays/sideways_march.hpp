@@ -6,7 +6,7 @@
 // direction of vertical travel, from the level that light enters first. After s crossings of levels the row is in level
 // q + s. Rows q < 0 begin outside and enter later. After the last sheet the rays are back at the first, rise levels
 // further. They continue from the launch points by linear interpolation between rows and columns, which conserves their
-// power. A block has as many rows as lie between a row and its successor, so that its input is complete before it.
+// power. A block has as many rows as lie between a row and its successor. So its input is complete before it.
 #pragma once
 
 #include <optional>
@@ -33,8 +33,7 @@ struct SidewaysPath {
   bool ascending_across = true;
 };
 
-/// @param levels of one thickness. @returns nothing if rays do not move along the axis, or return before they cross a
-/// level.
+/// @param levels of one thickness. @returns nothing if rays do not move along it, or return before they cross a level.
 std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Direction& travel, int axis,
                                                LevelRange levels);
 

@@ -23,8 +23,8 @@ void check_cell_thickness(const Problem& problem) {
   });
   if (largest > largest_optical_depth) {
     throw InputError(
-        fmt::format("cell: too thick to be solved (found an optical depth of {:.4g}, allowed up to {:g} where light "
-                    "scatters) thinner cells, or solver.mode = \"independent-columns\", which takes any",
+        fmt::format("cell: too thick to be solved (found an optical depth of {:.4g}, allowed up to {:g} if light "
+                    "scatters); thinner cells, or solver.mode = \"independent-columns\", which takes any",
                     largest, largest_optical_depth));
   }
 }

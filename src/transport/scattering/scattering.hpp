@@ -16,8 +16,8 @@ inline constexpr int low_moments = 9;
 template <class Real>
 using DenseMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rounds a scattering matrix to Real so that every column keeps its integral. The sum_i weight_i m(i, j) differs from
-/// that in double by less than a unit in the last place of one element.
+/// Rounds a scattering matrix to Real so that every column keeps its integral. The sum_i weight_i m(i, j) is that in
+/// double, to a unit in the last place of one element.
 template <class Real>
 DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::span<const double> weight);
 

@@ -211,10 +211,6 @@ void transpose(const Real* from, int nx, int ny, Real* to) {
   }
 }
 
-double mean_of(const std::vector<double>& values) {
-  return values.empty() ? 0 : plane_sum(values.data(), values.size()) / static_cast<double>(values.size());
-}
-
 // One thread's march of one ordinate after another.
 template <class Real>
 class OrdinateMarch {
@@ -437,7 +433,6 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   ground = system.ground.reflect(arriving, system.beam.surface_flux, ordinates, box);
   fluxes.surface_flux = ground.flux;
   fluxes.surface_absorbed = ground.absorbed;
-  fluxes.down_surface = mean_of(ground.flux) - mean_of(system.beam.surface_flux);
   if (record && !system.ground.is_lambertian()) {
     for (const ArrivingRays<Real>& rays : arriving)
       fluxes.surface_arriving.push_back(rays.radiance.empty() ? std::vector<Real>() : rays.by_column(box));

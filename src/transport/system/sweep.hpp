@@ -72,8 +72,7 @@ struct TransportSystem {
 template <class Real>
 struct SweepFluxes {
   double up_top = 0;
-  double down_surface = 0;  ///< diffuse
-  double side_gain = 0;     ///< diffuse
+  double side_gain = 0;  ///< diffuse
   double side_loss = 0;
   double surface_absorbed = 0;
   std::vector<double> surface_flux;  ///< [columns] direct and diffuse, downward

@@ -1,8 +1,10 @@
 // The program survives any fault of a child process, with one message. Truth: the requirement, each fault made on
 // purpose.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -47,6 +49,23 @@ TEST(Sandbox, ChangesNothingInThisProcess) {
   read_in_sandbox(file, {}, [&] { ++reads; });
   EXPECT_EQ(reads, 0);
   EXPECT_EQ(cloudbow::after_sandbox(file, {}, [&] { return ++reads; }), 1);
+}
+
+// flock(2): a lock lasts until all descriptors of the open file are closed, in any process.
+TEST(Sandbox, HoldsNoLockOfThisProcess) {
+  const int locked = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_EQ(flock(locked, LOCK_SH), 0);
+  EXPECT_EQ(message_of([locked] {
+              // This process may close the file while a child reads; whoever locks it next must find it free.
+              if (fcntl(locked, F_GETFD) != -1) throw InputError("the file of the host is open");
+            }),
+            "nothing thrown");
+  // Closed in the child, it stays locked here.
+  const int other = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_NE(flock(other, LOCK_EX | LOCK_NB), 0);
+  close(locked);
+  EXPECT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
+  close(other);
 }
 
 TEST(Sandbox, HandsOnTheMessageOfAnError) {

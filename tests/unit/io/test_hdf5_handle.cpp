@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -107,6 +109,41 @@ TEST_F(Hdf5Handle, AFinishedFileIsRead) {
   finish_file(file_);
   const Handle file = open_file(path_);
   EXPECT_EQ(read_all<float>(open_dataset(file, "numbers"))[5], 11);
+}
+
+// HDF5 allocates the size that a chunk states in the file's index, the B-tree of old files: that of no bytes is refused
+// by the system's malloc(3).
+TEST(Hdf5Chunks, AChunkOfSizeZeroIsNoLackOfMemory) {
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / ("cloudbow-chunk-" + std::to_string(getpid()) + ".h5");
+  {
+    const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "create");
+    const Handle creation = property_list(H5P_DATASET_CREATE);
+    const hsize_t chunk = 4;
+    H5Pset_chunk(creation, 1, &chunk);
+    H5Pset_fletcher32(creation);
+    const Handle space = dataspace({8});
+    const Handle dataset(H5Dcreate2(file, "a", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,
+                         "create");
+    const std::vector<double> values(8, 1.);
+    write_block(dataset, {{0}, {8}}, H5T_NATIVE_DOUBLE, values.data());
+  }
+  EXPECT_EQ(read_all<double>(open_dataset(open_file(path), "a")), std::vector<double>(8, 1.));
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  in.close();
+  constexpr std::size_t first_key = 24;  // behind name, type, level, count and neighbours of a node
+  const auto node = bytes.find(std::string("TREE\x01\x00", 6));
+  ASSERT_NE(node, std::string::npos);
+  bytes.replace(node + first_key, 4, 4, '\0');
+  std::ofstream(path, std::ios::binary) << bytes;
+  try {
+    read_all<double>(open_dataset(open_file(path), "a"));
+    ADD_FAILURE() << "nothing thrown";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "a chunk has the size 0");
+  }
+  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 
 namespace cloudbow::les_test {
 
-inline constexpr int nx = 2, ny = 3, nz = 10;
+inline constexpr int nx = 2, ny = 3, nz = 10, columns = nx * ny;
 inline constexpr double theta = 300, gravity = 9.80665, gas_constant = 287.05, heat_capacity = 3.5 * gas_constant;
 
 inline double height(int k) { return 420 + 40.0 * k; }

@@ -75,4 +75,14 @@ inline openvdb::FloatGrid::Ptr with_matrix(const openvdb::Mat4d& matrix) {
                         openvdb::math::Transform::createLinearTransform(matrix));
 }
 
+inline CloudField small_field() {
+  return make_cloud_field({5, 3, 2}, {20, 30, 12.5}, {-7, 11, 400}, {0, 0.1F, 0.2F,  0, 0.3F,  //
+                                                                     0, 0,    0,     0, 0,     //
+                                                                     1, 0,    0,     0, 2,     //
+                                                                     0, 0,    0,     0, 0,     //
+                                                                     3, 3,    3,     3, 3,     //
+                                                                     0, 0,    1e-9F, 0, 0},
+                          "extinction");
+}
+
 }  // namespace cloudbow

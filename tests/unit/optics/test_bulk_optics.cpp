@@ -82,7 +82,7 @@ TEST(BulkOptics, EndValuesGoOnForASmallPartOfTheWeight) {
         average_over(two_by_two(), Values{500, 2000}, Values{1, 1});
       },
       ThrowsMessage<InputError>(HasSubstr(
-          "too short for 500 to 2000 cm-1 (found 1000 to 2000, 33 % beyond, allowed 10) take another table")));
+          "too short for 500 to 2000 cm-1 (found 1000 to 2000, 33 % beyond, allowed 10); take another table")));
   BulkTable named = two_by_two();
   named.name = "ice.nc";
   EXPECT_THAT(

@@ -1,15 +1,9 @@
 #include <gtest/gtest.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <string>
 
-#include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/scattering_table.hpp"
 #include "cloudbow/sphere/gauss_legendre.hpp"
@@ -237,131 +231,6 @@ TEST(ScatteringTable, HasTheSameBitsForAnyNumberOfThreads) {
   omp_set_num_threads(before);
   EXPECT_EQ(one.points_from_ordinates, three.points_from_ordinates);
   EXPECT_EQ(one.points_from_beam, three.points_from_beam);
-}
-
-class TableCacheTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "cloudbow-cache-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    directory = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(directory); }
-
-  ScatteringTable make(double g = 0.5, const std::filesystem::path& in = {}) const {
-    FitOptions o = options(programme, 6, 8, 2);
-    o.cache_directory = in.empty() ? directory : in;
-    return make_scattering_table(PhaseFunction::henyey_greenstein(g), ControlPoints(42),
-                                 make_ordinate_set("double-gauss-6x8"), sun_at(0.6, 0.2), o);
-  }
-  static void expect_equal(const ScatteringTable& a, const ScatteringTable& b) {
-    EXPECT_EQ(a.points_from_ordinates, b.points_from_ordinates);
-    EXPECT_EQ(a.ordinates_from_ordinates, b.ordinates_from_ordinates);
-    EXPECT_EQ(a.points_from_beam, b.points_from_beam);
-    EXPECT_EQ(a.report.linear_programmes, b.report.linear_programmes);
-    EXPECT_EQ(a.report.max_error, b.report.max_error);
-  }
-  std::filesystem::path directory;
-};
-
-TEST_F(TableCacheTest, GivesBackTheSameBits) {
-  const ScatteringTable fresh = make(), cached = make();
-  EXPECT_FALSE(fresh.report.from_cache);
-  EXPECT_TRUE(cached.report.from_cache);
-  expect_equal(fresh, cached);
-}
-
-TEST_F(TableCacheTest, IsKeyedByItsInputs) {
-  make(0.5);
-  EXPECT_FALSE(make(0.6).report.from_cache);
-  EXPECT_TRUE(make(0.6).report.from_cache);
-}
-
-TEST_F(TableCacheTest, RemakesDamagedFiles) {
-  const ScatteringTable fresh = make();
-  const auto damage = [&](auto&& change) {
-    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-      std::ifstream in(entry.path(), std::ios::binary);
-      std::string text{std::istreambuf_iterator<char>(in), {}};
-      in.close();
-      change(text);
-      std::ofstream(entry.path(), std::ios::binary) << text;
-    }
-    const ScatteringTable remade = make();
-    EXPECT_FALSE(remade.report.from_cache);
-    expect_equal(fresh, remade);
-    EXPECT_TRUE(make().report.from_cache);
-  };
-  damage([](std::string& text) { text.clear(); });
-  damage([](std::string& text) { text.resize(text.size() / 2); });
-  damage([](std::string& text) { text[text.size() / 2] ^= 1; });
-  damage([](std::string& text) { text = "something else altogether"; });
-  damage([](std::string& text) { text += "more"; });
-}
-
-TEST_F(TableCacheTest, RemakesTablesOfAnotherVersion) {
-  const ScatteringTable fresh = make();
-  const auto change_version = [&](char from, char to) {
-    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-      std::ifstream in(entry.path(), std::ios::binary);
-      std::string text{std::istreambuf_iterator<char>(in), {}};
-      in.close();
-      const std::string begin = "cloudbow scattering table ";
-      ASSERT_EQ(text.substr(0, begin.size() + 1), begin + from);
-      text[begin.size()] = to;
-      // The hash of all before it ends the file: only the version distinguishes this one from a current table.
-      text.resize(text.size() - sizeof(std::uint64_t));
-      Digest digest;
-      digest.add_bytes(text.data(), text.size());
-      const std::uint64_t hash = digest.value();
-      text.append(reinterpret_cast<const char*>(&hash), sizeof hash);
-      std::ofstream(entry.path(), std::ios::binary) << text;
-    }
-  };
-  change_version('4', '3');
-  const ScatteringTable remade = make();
-  EXPECT_FALSE(remade.report.from_cache);
-  expect_equal(fresh, remade);
-  EXPECT_TRUE(make().report.from_cache);
-}
-
-TEST_F(TableCacheTest, LeavesNothingButFinishedFiles) {
-  make();
-  int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-    EXPECT_EQ(entry.path().extension(), ".table");
-    ++files;
-  }
-  EXPECT_EQ(files, 2);  // the diffuse columns and the beam's
-}
-
-TEST_F(TableCacheTest, DoesWithoutATableWhoseNameIsTaken) {
-  const ScatteringTable fresh = make();
-  const auto take_names = [&](auto&& take) {
-    std::vector<std::filesystem::path> tables;
-    for (const auto& entry : std::filesystem::directory_iterator(directory)) tables.push_back(entry.path());
-    for (const auto& table : tables) {
-      std::filesystem::remove_all(table);
-      take(table);
-    }
-    const ScatteringTable remade = make();
-    EXPECT_FALSE(remade.report.from_cache);
-    expect_equal(fresh, remade);
-  };
-  take_names([](const std::filesystem::path& table) { std::filesystem::create_directory(table); });
-  take_names([](const std::filesystem::path& table) { mkfifo(table.c_str(), 0600); });
-  // A link may lead to a file of the user's, which stays as it is.
-  const std::filesystem::path cloud = directory.string() + ".vdb";
-  std::ofstream(cloud) << "a cloud";
-  take_names([&](const std::filesystem::path& table) { std::filesystem::create_symlink(cloud, table); });
-  std::ifstream in(cloud);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "a cloud");
-  std::filesystem::remove(cloud);
-}
-
-TEST_F(TableCacheTest, DoesWithoutADirectoryThatCannotBe) {
-  std::ofstream(directory / "file") << "not a directory";
-  expect_equal(make(), make(0.5, directory / "file" / "below"));
 }
 
 TEST(ScatteringTable, RejectsOptionsOutOfRange) {

@@ -163,12 +163,13 @@ TEST_P(BroadbandTest, FewKeepsPowerAndItsResidual) {
 
 // All twelve columns are sampled, by the same solver as the fields: so domain means are those of all g-points.
 TEST_P(BroadbandTest, MeansOfIndependentColumnsAreThoseOfAll) {
-  const auto by_columns = [&](const std::string& spectrum) {
+  const auto independent_columns = [&](const std::string& spectrum) {
     std::vector<Scene> given = scenes(spectrum);
     for (Scene& scene : given) scene.solver.mode = SolveMode::independent_columns;
     return run(given);
   };
-  const BroadbandRun few = by_columns("few_tolerance = 0.1\nfew_points = 2\n"), all = by_columns("method = \"all\"\n");
+  const BroadbandRun few = independent_columns("few_tolerance = 0.1\nfew_points = 2\n"),
+                     all = independent_columns("method = \"all\"\n");
   ASSERT_LE(few.info.solved.size(), 2U);
   const Solution &found = few.solved.solutions[0], &expected = all.solved.solutions[0];
   constexpr double rounding = 1e-6;  // of float, and of the largest flux

@@ -9,6 +9,18 @@
 namespace cloudbow {
 namespace {
 
+SolvePlan coarse_plan(const SolvePlan& plan, SolvedAs as) {
+  return plan.with(coarse_options(plan.whole_options(), "balanced", as));
+}
+
+CoarseSolves coarse_solves_of(const SolvePlan& plan, SolvedAs as) {
+  return solve_coarsely(plan, coarse_plan(plan, as), as, {});
+}
+
+double coarse_seconds_of(const SolvePlan& plan) {
+  return predict_coarse_seconds(plan, coarse_plan(plan, SolvedAs::field), SolvedAs::field);
+}
+
 Problem small_field() {
   const BoxGrid box = make_box(4, 3, 5);
   Problem problem;
@@ -22,15 +34,14 @@ TEST(CoarseSolves, OfColumnsAreOneSolve) {
   const Problem problem = small_field();
   SolverOptions options = accuracy_options("balanced", HorizontalExtent::field, false);
   options.independent_columns = true;
-  const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
+  const CoarseSolves coarse_solves = coarse_solves_of(SolvePlan(problem, options), SolvedAs::field);
   EXPECT_EQ(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
   EXPECT_EQ(coarse_solves.linear.report.sweeps + coarse_solves.constant.report.sweeps, 1);
   EXPECT_EQ(coarse_solves.constant.report.cpu_seconds, 0);
   EXPECT_FALSE(coarse_solves.probe);
   const SolverOptions other = coarse_options(options, "balanced", SolvedAs::field);
   EXPECT_LT(other.column_streams, options.column_streams);
-  EXPECT_EQ(predict_coarse_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field),
-            predict_seconds(SolvePlan(problem, other)));
+  EXPECT_EQ(coarse_seconds_of(SolvePlan(problem, options)), predict_seconds(SolvePlan(problem, other)));
 }
 
 TEST(CoarseSolves, OfOneColumnByItsStreamsHaveOtherStreams) {
@@ -54,8 +65,7 @@ TEST(CoarseSolves, OfOneColumnBesideStreamsAreItsStreams) {
   problem.sun = Sun{travel_along(-.6, 20), 1.};
   SolverOptions options = coarse_options();
   EXPECT_EQ(solved_as(SolvePlan(problem, options), true), SolvedAs::column_beside_streams);
-  const CoarseSolves coarse_solves =
-      solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::column_beside_streams, {});
+  const CoarseSolves coarse_solves = coarse_solves_of(SolvePlan(problem, options), SolvedAs::column_beside_streams);
   options.independent_columns = true;
   options.column_streams = 16;
   EXPECT_NEAR(coarse_solves.linear.ledger.reflectance, solve(problem, options).ledger.reflectance, 1e-12);
@@ -91,7 +101,7 @@ TEST(CoarseSolves, TellWhatThickCellsCost) {
     const Solution truth = solve(problem, exact);
     const double error = flux_distance(solution, truth).domain;
     ASSERT_GT(error, .01);
-    const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
+    const CoarseSolves coarse_solves = coarse_solves_of(SolvePlan(problem, options), SolvedAs::field);
     const ErrorEstimate estimate =
         estimate_error(solution, coarse_solves, error_weights("balanced", SolvedAs::field), false);
     // The same columns by the same ordinates, but for their iteration.
@@ -103,13 +113,13 @@ TEST(CoarseSolves, TellWhatThickCellsCost) {
 TEST(CoarseSolves, OfFieldsAreTwoAndAProbe) {
   const Problem problem = small_field();
   const SolverOptions options = accuracy_options("balanced", HorizontalExtent::field, false);
-  const CoarseSolves coarse_solves = solve_coarsely(SolvePlan(problem, options), "balanced", SolvedAs::field, {});
+  const CoarseSolves coarse_solves = coarse_solves_of(SolvePlan(problem, options), SolvedAs::field);
   EXPECT_NE(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
   EXPECT_GE(coarse_solves.constant.report.sweeps, 1);
   const SolverOptions other = coarse_options(options, "balanced", SolvedAs::field);
   ASSERT_TRUE(coarse_solves.probe);
   EXPECT_EQ(coarse_solves.probe->by_ordinates.box.columns(), 8U);
-  const double seconds = predict_coarse_seconds(SolvePlan(problem, options), "balanced", SolvedAs::field);
+  const double seconds = coarse_seconds_of(SolvePlan(problem, options));
   EXPECT_GT(seconds, 2 * predict_seconds(SolvePlan(problem, other)));
   EXPECT_LT(seconds, 2 * predict_seconds(SolvePlan(problem, other)) + predict_seconds(SolvePlan(problem, options)))
       << "of 8 columns of 12";

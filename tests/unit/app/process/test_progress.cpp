@@ -1,4 +1,5 @@
-// Progress of runs. Truth: closed forms.
+// Progress of runs. Truth: closed forms; on a stderr that is no terminal, a line for each sweep and for each other
+// phase.
 #include <gtest/gtest.h>
 
 #include "app/process/progress.hpp"
@@ -34,6 +35,34 @@ TEST(RunClock, PhasesFollowEachOther) {
   EXPECT_EQ(solve_fraction("droplets", 0.25), 0.25);
   EXPECT_EQ(solve_fraction("sweep", 7), solve_fraction("sweep", 1));
 }
+
+SolverProgress of_phase(const std::string& phase, int sweep = 0) {
+  SolverProgress progress;
+  progress.phase = phase;
+  progress.sweep = sweep;
+  progress.estimated_error = .25;
+  progress.energy_residual = .125;
+  return progress;
+}
+
+std::string shown(bool quiet) {
+  testing::internal::CaptureStderr();
+  {
+    ProgressDisplay display(quiet, 1e-3);
+    for (const SolverProgress& progress :
+         {of_phase("tables"), of_phase("tables"), of_phase("sweep", 1), of_phase("sweep", 2), of_phase("gather")})
+      display.show(progress);
+  }
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Progress, HasALineForEachSweepAndPhase) {
+  EXPECT_EQ(shown(false),
+            "tables\nsweep 1: estimated error 2.50e-01, energy residual 1.25e-01\n"
+            "sweep 2: estimated error 2.50e-01, energy residual 1.25e-01\ngather\n");
+}
+
+TEST(Progress, IsNoneIfQuiet) { EXPECT_EQ(shown(true), ""); }
 
 }  // namespace
 }  // namespace cloudbow

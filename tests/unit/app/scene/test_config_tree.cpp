@@ -1,5 +1,6 @@
 // TOML as a tree. Truth: a file that is written anew reads back as the same values, to the bit.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -8,7 +9,6 @@
 #include <limits>
 #include <random>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "app/scene/config_tree.hpp"
@@ -17,6 +17,11 @@
 
 namespace cloudbow {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
 
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 bool same(const ConfigNode::OtherScalar& a, const ConfigNode::OtherScalar& b) { return a.text == b.text; }
@@ -77,6 +82,29 @@ TEST(ConfigTree, OverridesGiveTomlForPeople) {
             "[[layer]]\noptical_depth = [ 1e-05, 0.1 ]\n\n[[layer]]\noptical_depth = 1361.0\n");
 }
 
+// As numbers of C and Python, which TOML has not.
+TEST(ConfigTree, OverridesAreNumbersWithoutADigitBeforeOrBehindThePoint) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.toml", "a = 1\n");
+  const auto value_of = [&](const std::string& value) {
+    const std::vector<std::string> set{"a=" + value};
+    return *read_config(file, set).root.find("a");
+  };
+  const auto number = [&](const std::string& value) { return std::get<double>(value_of(value).scalar); };
+  EXPECT_EQ(number(".7"), .7);
+  EXPECT_EQ(number("-.7"), -.7);
+  EXPECT_EQ(number("+.7e3"), 700.);
+  EXPECT_EQ(number("5."), 5.);
+  EXPECT_EQ(number("5.e-1"), .5);
+  const ConfigNode list = value_of("[.1, 2., \"a .3\", 4]");
+  ASSERT_EQ(list.items.size(), 4U);
+  EXPECT_EQ(std::get<double>(list.items[0].scalar), .1);
+  EXPECT_EQ(std::get<double>(list.items[1].scalar), 2.);
+  EXPECT_EQ(std::get<std::string>(list.items[2].scalar), "a .3");
+  for (const char* text : {".vdb", "../.5.vdb", "a.5", ".", "1.2.3", ".7 m", "..7"})
+    EXPECT_EQ(std::get<std::string>(value_of(text).scalar), text);
+}
+
 TEST(ConfigTree, NumbersThatADoubleCannotHoldAreRefused) {
   const TemporaryFolder folder;
   for (const char* number : {"1e400", "-1e400", "1e-400"}) {
@@ -89,6 +117,16 @@ TEST(ConfigTree, NumbersThatADoubleCannotHoldAreRefused) {
       EXPECT_NE(std::string(error.what()).find("not representable in 64 bits"), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(ConfigTree, NamesInMessagesAreOnOneLine) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("scene.toml", "\"a\\u001b\\n\" = 1\n");
+  EXPECT_THAT([&] { read_config(file, {}); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("\"a\\u001B\\u000A\""), Not(HasSubstr("\n")))));
+  const std::vector<std::string> set{"x=\n1"};
+  EXPECT_THAT([&] { read_config(folder.write("slab.toml", "a = 1\n"), set); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("--set \"x=\\u000A1\""), Not(HasSubstr("\n")))));
 }
 
 TEST(ConfigTree, TablesAndArraysReadBack) {

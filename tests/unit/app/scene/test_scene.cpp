@@ -7,65 +7,13 @@
 
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/error.hpp"
-#include "temporary_folder.hpp"
+#include "scene/scene_test_tools.hpp"
 
 namespace cloudbow {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-const std::string layers_toml = R"(title = "three layers"
-
-[phase_function.droplets]
-type = "henyey-greenstein"
-asymmetry_parameter = 0.85
-
-[[layer]]
-name = "cloud"
-bottom_m = 500.0
-top_m = 1000
-optical_depth = 10.0
-single_scattering_albedo = 0.99
-phase_function = "droplets"
-
-[[layer]]
-bottom_m = 0
-top_m = 3000
-optical_depth = 0.1
-single_scattering_albedo = 1
-phase_function = "rayleigh"
-
-[sun]
-zenith_deg = 60.0
-azimuth_deg = 37.0
-irradiance_w_m2 = 1361.0
-
-[surface]
-type = "lambertian"
-albedo = 0.25
-
-[solver]
-accuracy = "fine"
-)";
-
-/// The text with one part replaced; the part must be there.
-std::string replaced(const std::string& part, const std::string& by) {
-  std::string text = layers_toml;
-  const auto at = text.find(part);
-  EXPECT_NE(at, std::string::npos) << part;
-  return text.replace(at, part.size(), by);
-}
-
-std::string message_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  const TemporaryFolder folder;
-  try {
-    read_scene(folder.write("scene.toml", text), overrides);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Scene, EveryValueArrives) {
   const TemporaryFolder folder;
@@ -480,77 +428,6 @@ TEST(Scene, WholeScenesThatMakeNoSense) {
               AllOf(HasSubstr("[cloud]"), HasSubstr("[[layer]]")));
   EXPECT_THAT(message_of(replaced("irradiance_w_m2 = 1361.0", "irradiance_w_m2 = 0")), HasSubstr("no light"));
   EXPECT_THAT(message_of(""), HasSubstr("neither"));
-}
-
-std::string with_camera(const std::string& keys, const std::string& more = "") {
-  return layers_toml + "[[camera]]\nname = \"eye\"\nwidth = 40\nheight = 30\n" + keys + "\n" + more;
-}
-
-TEST(Scene, CamerasArrive) {
-  const TemporaryFolder folder;
-  const Scene scene = read_scene(folder.write("scene.toml", with_camera(R"(position_m = [10, 20, 30]
-look_at_m = [10, 120, 30]
-[[camera]]
-name = "sky"
-type = "fisheye"
-position_m = [1, 2, 0]
-width = 8
-height = 8
-rays = 1
-[[camera]]
-name = "round"
-type = "panorama"
-position_m = [0, 0, 10]
-look_at_m = [-5, 0, 0]
-field_of_view_deg = 90
-width = 16
-height = 4
-[[radiance]]
-name = "nadir"
-zenith_deg = 0
-width = 7
-height = 5)")));
-  ASSERT_EQ(scene.cameras.size(), 3u);
-  const Camera& eye = scene.cameras[0];
-  EXPECT_EQ(eye.projection, Camera::Projection::perspective);
-  EXPECT_EQ(eye.position_m, Eigen::Vector3d(10, 20, 30));
-  EXPECT_EQ(eye.forward, Direction(0, 1, 0));
-  EXPECT_EQ(eye.up, Direction(0, 0, 1));
-  EXPECT_NEAR(eye.field_of_view, std::acos(0.5), 1e-15);  // 60 degrees, rounding
-  EXPECT_EQ(eye.width, 40);
-  EXPECT_EQ(eye.height, 30);
-  EXPECT_EQ(eye.rays, 2);
-  const Camera& sky = scene.cameras[1];
-  EXPECT_EQ(sky.projection, Camera::Projection::fisheye);
-  EXPECT_EQ(sky.forward, Direction(0, 0, 1));  // straight up, north on top
-  EXPECT_EQ(sky.up, Direction(0, 1, 0));
-  EXPECT_NEAR(sky.field_of_view, std::acos(-1.), 1e-15);
-  EXPECT_EQ(sky.rays, 1);
-  EXPECT_EQ(scene.cameras[2].forward, Direction(-1, 0, 0));  // at the horizon
-  ASSERT_EQ(scene.radiances.size(), 1u);
-  EXPECT_EQ(scene.radiances[0].width, 7);
-  EXPECT_EQ(scene.radiances[0].height, 5);
-}
-
-TEST(Scene, CameraMistakes) {
-  const std::string good = "position_m = [0, 0, 0]\nlook_at_m = [1, 0, 0]";
-  EXPECT_EQ(message_of(with_camera(good)), "no error");
-  EXPECT_THAT(message_of(with_camera("look_at_m = [1, 0, 0]")),
-              AllOf(HasSubstr("camera.0.position_m"), HasSubstr("missing")));
-  EXPECT_THAT(message_of(with_camera("position_m = [1, 0, 0]")),
-              AllOf(HasSubstr("camera.0.look_at_m"), HasSubstr("missing")));
-  EXPECT_THAT(message_of(with_camera("position_m = [1, 0, 0]\nlook_at_m = [1, 0, 0]")),
-              HasSubstr("looks at where it stands"));
-  EXPECT_THAT(message_of(with_camera(good + "\nup = [2, 0, 0]")), AllOf(HasSubstr("parallel"), HasSubstr("[2, 0, 0]")));
-  EXPECT_THAT(message_of(with_camera(good + "\nup = [0, 0, 0]")), HasSubstr("without length"));
-  EXPECT_THAT(message_of(with_camera(good + "\ntype = \"wide\"")), HasSubstr("perspective, fisheye, panorama"));
-  EXPECT_THAT(message_of(with_camera(good + "\nfield_of_view_deg = 180")), AllOf(HasSubstr("180"), HasSubstr("170")));
-  EXPECT_THAT(message_of(with_camera(good + "\nrays = 0")), AllOf(HasSubstr("camera.0.rays"), HasSubstr("1 to 16")));
-  EXPECT_THAT(message_of(with_camera(good + "\nfocus = 2")), HasSubstr("unknown key"));
-  EXPECT_THAT(message_of(with_camera(good, "[[radiance]]\nname = \"eye\"\nzenith_deg = 0")),
-              AllOf(HasSubstr("camera.0.name"), HasSubstr("already in use")));
-  EXPECT_THAT(message_of(layers_toml + "[[radiance]]\nname = \"a\"\nzenith_deg = 0\nwidth = 3"),
-              AllOf(HasSubstr("radiance.0.height"), HasSubstr("missing")));
 }
 
 std::string spectral(const std::string& part, const std::string& by) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`cloudbow verify` as a user calls it: all checks hold, in seconds, and docs/verify.md tells of each of them and of no other.
+"""`cloudbow verify` as a user calls it: all checks hold, in seconds, and docs/verify.md has each of them and no other.
 
 usage: check_verify.py CLOUDBOW DOCS/VERIFY.MD
 """

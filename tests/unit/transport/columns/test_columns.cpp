@@ -2,10 +2,8 @@
 // invariance under cutting a layer, and the solver of ordinates.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "cloudbow/transport/solver.hpp"
@@ -17,7 +15,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-SolverOptions by_columns(int streams = 8) {
+SolverOptions by_independent_columns(int streams = 8) {
   SolverOptions options;
   options.independent_columns = true;
   options.column_streams = streams;
@@ -60,7 +58,7 @@ void expect_same_bits(const Solution& one, const Solution& two) {
 }
 
 TEST(Columns, PureAbsorptionIsBeersLaw) {
-  const Solution solution = solve(slab(3, 0, PhaseFunction::isotropic(), .5, 4), by_columns());
+  const Solution solution = solve(slab(3, 0, PhaseFunction::isotropic(), .5, 4), by_independent_columns());
   for (int e = 0; e <= 4; ++e) {
     // Float has 1e-7.
     EXPECT_NEAR(solution.direct_flux[e], .5 * std::exp(-(4 - e) * .75 / .5), 1e-7);
@@ -98,7 +96,7 @@ TEST(Columns, SlabsHaveTheFluxesOfDiscreteOrdinates) {
     const PhaseFunction phase = c.g > 0 ? PhaseFunction::henyey_greenstein(c.g) : PhaseFunction::isotropic();
     for (const int cells : {1, 20}) {
       const Solution solution =
-          solve(slab(c.optical_depth, c.single_scattering_albedo, phase, c.mu0, cells), by_columns(16));
+          solve(slab(c.optical_depth, c.single_scattering_albedo, phase, c.mu0, cells), by_independent_columns(16));
       // Sixteen streams per hemisphere are accurate to 1e-5 of the incident flux in these cases; float in deep columns
       // to 1e-5.
       EXPECT_NEAR(solution.upwelling_flux.back(), c.up, 1e-4 * c.mu0) << c.optical_depth << " " << c.mu0;
@@ -116,8 +114,9 @@ TEST(Columns, GrazingSunsOnStrongPeaksHaveTheFluxesOfAddingAndDoubling) {
       {50, .999, .95, .05, .04267094499, .005279294407},
   };
   for (const SlabCase& c : cases) {
-    const Solution solution = solve(
-        slab(c.optical_depth, c.single_scattering_albedo, PhaseFunction::henyey_greenstein(c.g), c.mu0), by_columns(8));
+    const Solution solution =
+        solve(slab(c.optical_depth, c.single_scattering_albedo, PhaseFunction::henyey_greenstein(c.g), c.mu0),
+              by_independent_columns(8));
     // Eight streams are accurate to .03 % of the incident flux here. A beam truncated at 32 moments errs by up to .3 %.
     EXPECT_NEAR(solution.upwelling_flux.back(), c.up, 3e-4 * c.mu0) << c.g;
     EXPECT_NEAR(solution.downwelling_diffuse_flux[0] + solution.direct_flux[0], c.down, 3e-4 * c.mu0) << c.g;
@@ -129,7 +128,7 @@ TEST(Columns, ConservativeSlabsOfAnyDepthLoseNothing) {
     for (const int cells : {1, 40}) {
       Problem problem = slab(depth, 1, PhaseFunction::henyey_greenstein(.85), .5, cells);
       problem.surface.albedo = .3;
-      const Solution solution = solve(problem, by_columns());
+      const Solution solution = solve(problem, by_independent_columns());
       EXPECT_TRUE(solution.report.converged) << depth;
       EXPECT_LT(std::abs(solution.ledger.residual), 1e-5) << depth;
       EXPECT_EQ(solution.ledger.absorptance, 0);
@@ -145,7 +144,7 @@ TEST(Columns, WhatAVeryThickSlabLetsThroughHasItsDigits) {
   for (const double depth : {1e3, 1e5, 1e8, 1e9, 1e12, 1e20, 1e30}) {
     for (const int cells : {1, 7, 40}) {
       for (const bool in_double : {true, false}) {
-        SolverOptions options = by_columns(16);
+        SolverOptions options = by_independent_columns(16);
         options.double_precision = in_double;
         options.collapse_uniform_axes = false;
         const Solution solution = solve(slab(depth, 1, PhaseFunction::isotropic(), 1, cells), options);
@@ -161,7 +160,7 @@ TEST(Columns, FurnaceStaysAtTheSkysRadiance) {
   Problem problem = random_columns(true, 5, 1, 1);
   problem.sun.reset();
   problem.sky_radiance = 1;
-  SolverOptions options = by_columns();
+  SolverOptions options = by_independent_columns();
   options.actinic = true;
   const Solution solution = solve(problem, options);
   // A white ground under matter that does not absorb: 1 everywhere, to float.
@@ -173,8 +172,8 @@ TEST(Columns, FurnaceStaysAtTheSkysRadiance) {
 TEST(Columns, CuttingALayerChangesNothing) {
   const PhaseFunction phase = PhaseFunction::henyey_greenstein(.85);
   for (const double mu0 : {.05, .3, 1.}) {
-    const Solution whole = solve(slab(4, .97, phase, mu0), by_columns());
-    const Solution cut = solve(slab(4, .97, phase, mu0, 16), by_columns());
+    const Solution whole = solve(slab(4, .97, phase, mu0), by_independent_columns());
+    const Solution cut = solve(slab(4, .97, phase, mu0, 16), by_independent_columns());
     // Each cell is exact but for its thinnest part.
     EXPECT_NEAR(whole.upwelling_flux.back(), cut.upwelling_flux.back(), 2e-4 * mu0);
     EXPECT_NEAR(whole.downwelling_diffuse_flux[0], cut.downwelling_diffuse_flux[0], 2e-4 * mu0);
@@ -186,7 +185,7 @@ TEST(Columns, AreColumnsSolvedOneByOne) {
   Problem problem = random_columns(true, 4, .99, .4);
   const BoxGrid box = problem.grid.box;
   const auto extinction = random_extinction(box, 4, 3);
-  SolverOptions options = by_columns();
+  SolverOptions options = by_independent_columns();
   options.actinic = true;
   const Solution together = solve(problem, options);
   EXPECT_EQ(together.report.mode, "independent-columns");
@@ -213,7 +212,7 @@ TEST(Columns, LikeColumnsHaveTheSameBitsWhateverElseThereIs) {
     for (int j = 0; j < 3; ++j) extinction[(k * 3 + j) * 8 + 7] = extinction[(k * 3) * 8];
   }
   const Problem problem = problem_of(make_grid(box, extinction, .98), PhaseFunction::henyey_greenstein(.8));
-  const Solution solution = solve(problem, by_columns(4));
+  const Solution solution = solve(problem, by_independent_columns(4));
   for (int e = 0; e <= 5; ++e) {
     const float first = solution.upwelling_flux[e * 24];
     for (int j = 0; j < 3; ++j) EXPECT_EQ(solution.upwelling_flux[e * 24 + j * 8 + 7], first);
@@ -225,18 +224,18 @@ TEST(Columns, AlbedoMapsTellColumnsApart) {
   const BoxGrid box = make_box(2, 1, 1);
   Problem problem = problem_of(make_grid(box, std::vector<float>(2, 1.F), 1), PhaseFunction::isotropic());
   problem.surface.albedo_map = {.1F, .7F};
-  const Solution both = solve(problem, by_columns());
+  const Solution both = solve(problem, by_independent_columns());
   for (int c = 0; c < 2; ++c) {
     Problem one = problem;
     one.surface.albedo = static_cast<double>(problem.surface.albedo_map[c]);
     one.surface.albedo_map.clear();
-    EXPECT_NEAR(both.upwelling_flux[2 + c], solve(one, by_columns()).upwelling_flux[2], 1e-6);
+    EXPECT_NEAR(both.upwelling_flux[2 + c], solve(one, by_independent_columns()).upwelling_flux[2], 1e-6);
   }
 }
 
 TEST(Columns, BitsDoNotDependOnThreads) {
   const Problem problem = random_columns(true, 6, .99, .2);
-  SolverOptions options = by_columns(4);
+  SolverOptions options = by_independent_columns(4);
   options.threads = 1;
   const Solution one = solve(problem, options);
   options.threads = 2;
@@ -245,7 +244,7 @@ TEST(Columns, BitsDoNotDependOnThreads) {
 
 TEST(Columns, AbsorbedPowerIsActinicFluxTimesAbsorption) {
   const Problem problem = random_columns(false, 3, .9, .2);
-  SolverOptions options = by_columns(4);
+  SolverOptions options = by_independent_columns(4);
   options.actinic = true;
   const Solution solution = solve(problem, options);
   const auto extinction = random_extinction(problem.grid.box, 3, 3);
@@ -258,7 +257,7 @@ TEST(Columns, AbsorbedPowerIsActinicFluxTimesAbsorption) {
 
 TEST(Columns, HaveTheFluxesOfOrdinates) {
   Problem problem = random_columns(true, 2, .99, .3);
-  SolverOptions options = by_columns(16);
+  SolverOptions options = by_independent_columns(16);
   const Solution columns = solve(problem, options);
   options.views = {{"up", Direction::UnitZ(), 0, 0}};  // requests azimuths
   options.directions = "double-gauss-12x24";
@@ -280,7 +279,7 @@ TEST(Columns, HaveTheFluxesOfOrdinates) {
 TEST(Columns, DiffuseColumnsUnderASlantedBeamKeepEnergy) {
   for (const bool periodic : {true, false}) {
     const Problem problem = random_columns(periodic, 2, .97, .3);
-    SolverOptions options = by_columns();
+    SolverOptions options = by_independent_columns();
     options.beam_crosses_columns = true;
     options.actinic = true;
     const Solution solution = solve(problem, options);
@@ -302,7 +301,7 @@ TEST(Columns, ShadowsThatPassBetweenLevelsTellColumnsApart) {
   extinction[12] = 1000;
   Problem problem = problem_of(make_grid(box, extinction, 0), PhaseFunction::isotropic());
   problem.sun->travel = travel_along(-.2, 0);
-  SolverOptions options = by_columns();
+  SolverOptions options = by_independent_columns();
   options.beam_crosses_columns = true;
   options.actinic = true;
   const Solution solution = solve(problem, options);
@@ -320,7 +319,7 @@ TEST(Columns, ASlantedBeamThroughASlabIsThatOfItsColumns) {
   const BoxGrid box = make_box(3, 2, 40);
   const Problem problem = problem_of(make_grid(box, std::vector<float>(cells_of(box), .05F), .99),
                                      PhaseFunction::henyey_greenstein(.85), .5);
-  SolverOptions options = by_columns();
+  SolverOptions options = by_independent_columns();
   const Solution columns = solve(problem, options);
   options.beam_crosses_columns = true;
   const Solution slanted = solve(problem, options);

@@ -8,6 +8,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/transport/solver.hpp"
+#include "limit_test_tools.hpp"
 #include "transport/driver/path_load.hpp"
 #include "transport/problem/finite.hpp"
 #include "transport/rays/path_pattern.hpp"
@@ -20,38 +21,6 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-Problem cloudy(bool periodic = true) {
-  const BoxGrid box = make_box(4, 3, 3, periodic);
-  Problem problem;
-  problem.grid = make_grid(box, random_extinction(box, 2., 1), .99);
-  problem.phase = {PhaseFunction::henyey_greenstein(.85)};
-  problem.sun = Sun{travel_along(-.6, 37), 1.};
-  problem.sky_radiance = .125;
-  problem.surface.albedo = .25;
-  return problem;
-}
-
-SolverOptions quick() {
-  SolverOptions options = coarse_options();
-  options.actinic = true;
-  options.tolerance = 1e-3;
-  return options;
-}
-
-std::size_t predicted_memory(const Problem& problem, const SolverOptions& options) {
-  return predict_memory(SolvePlan(problem, options));
-}
-
-double predicted_seconds(const Problem& problem, const SolverOptions& options) {
-  return predict_seconds(SolvePlan(problem, options));
-}
-
-Problem under_zenith(double zenith_deg, bool periodic = true) {
-  Problem problem = cloudy(periodic);
-  problem.sun->travel = travel_along(-std::cos(zenith_deg * std::numbers::pi / 180), 0);
-  return problem;
-}
 
 // Every value is proportional to the light, and a power of two changes no digit of a float: truth is the solution of
 // unit light.
@@ -126,44 +95,6 @@ TEST(SolveLimits, NarrowCellsAreRefusedForTheirOrdinates) {
   EXPECT_THROW(check_paths(SolvePlan(problem, quick())), InputError);
   problem.sun.reset();
   EXPECT_THAT([&] { check_paths(SolvePlan(problem, quick())); }, ThrowsMessage<InputError>(HasSubstr("directions:")));
-}
-
-TEST(SolveLimits, MemoryOfLongPatternsIsForeseen) {
-  const double zenith = std::atan(1e6) * 180 / std::numbers::pi;  // 3e6 segments of 72 bytes
-  SolverOptions options = quick();
-  options.threads = 1;
-  EXPECT_GT(predicted_memory(under_zenith(zenith), options), predicted_memory(under_zenith(60), options) + 200'000'000);
-  EXPECT_GT(predicted_seconds(under_zenith(zenith), options), predicted_seconds(under_zenith(60), options) + 1);
-}
-
-TEST(SolveLimits, FewCellsAreForeseenOnTheOneThreadThatSolvesThem) {
-  SolverOptions one = quick(), many = quick();
-  one.threads = 1;
-  many.threads = 64;
-  EXPECT_EQ(predicted_memory(under_zenith(89.99), many), predicted_memory(under_zenith(89.99), one));
-  EXPECT_EQ(predicted_seconds(under_zenith(89.99), many), predicted_seconds(under_zenith(89.99), one));
-}
-
-TEST(SolveLimits, LinesOfSightAreForeseenByTheCellsThatTheyCross) {
-  const auto seconds = [](const Eigen::Vector3d& look_at) {
-    Problem thin = cloudy();
-    for (float& a : thin.grid.absorption) a *= 1e-4F;
-    for (float& s : thin.grid.scattering.front()) s *= 1e-4F;
-    SolverOptions options = quick();
-    options.cameras = {
-        make_camera("c", Camera::Projection::perspective, {{2, 1.5, .01}, look_at, {0, 1, 0}}, .02, 3000, 3000, 1)};
-    return predicted_seconds(thin, options);
-  };
-  // 3 cells straight up; at a slope of a hundredth 300 cells for each of the three levels.
-  EXPECT_GT(seconds({2, 1.5, 100}), predicted_seconds(cloudy(), quick()) + 1);
-  EXPECT_GT(seconds({102, 1.5, 5}), 3 * seconds({2, 1.5, 100}));
-}
-
-TEST(SolveLimits, TablesOfReflectionAreForeseen) {
-  Problem sea = cloudy();
-  sea.surface.brdf = SurfaceBrdf::cox_munk(7, 1.34);
-  // 1313 x 1313 samples, in double precision, and their products with 642 points.
-  EXPECT_GT(predicted_memory(sea, quick()), predicted_memory(cloudy(), quick()) + 20'000'000);
 }
 
 // The ledger is in terms of the power through the top, here a hundredth of the power through the sides: in float its

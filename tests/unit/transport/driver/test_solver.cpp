@@ -1,9 +1,7 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <numeric>
 #include <string>
@@ -12,82 +10,13 @@
 #include "cloudbow/medium/cloud_makers.hpp"
 #include "cloudbow/sphere/interpolation_weights.hpp"
 #include "cloudbow/transport/solver.hpp"
+#include "solve_test_tools.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-// Tables are made once a process and never taken from an older one.
-class FitCache {
- public:
-  FitCache()
-      : directory_(std::filesystem::path(testing::TempDir()) / ("cloudbow_test_solver_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(directory_);
-  }
-  ~FitCache() {
-    std::error_code ignored;
-    std::filesystem::remove_all(directory_, ignored);
-  }
-  FitCache(const FitCache&) = delete;
-  FitCache& operator=(const FitCache&) = delete;
-  const std::filesystem::path& directory() const { return directory_; }
-
- private:
-  std::filesystem::path directory_;
-};
-
-// Coarse, so that dozens of problems take seconds: the properties tested here hold at any accuracy.
-SolverOptions coarse() {
-  static const FitCache cache;
-  SolverOptions options = coarse_options();
-  options.fit.cache_directory = cache.directory();
-  options.flux_levels = FluxLevels::boundaries;
-  return options;
-}
-
-Problem problem_of(OpticalGrid grid, const PhaseFunction& phase, double mu0 = .6, double azimuth_deg = 37) {
-  Problem problem;
-  problem.grid = std::move(grid);
-  problem.phase = {phase};
-  problem.sun = Sun{travel_along(-mu0, azimuth_deg), 1.};
-  return problem;
-}
-
-Problem random_problem(bool periodic, double largest, double single_scattering_albedo, double surface_albedo) {
-  const BoxGrid box = make_box(6, 5, 4, periodic);
-  Problem problem = problem_of(make_grid(box, random_extinction(box, largest, 1), single_scattering_albedo),
-                               PhaseFunction::henyey_greenstein(.85));
-  problem.surface.albedo = surface_albedo;
-  return problem;
-}
-
-// One homogeneous layer as a column of its own.
-Problem slab(double optical_depth, double single_scattering_albedo, const PhaseFunction& phase, double mu0) {
-  const Layer layer{0, 1000, optical_depth, single_scattering_albedo, 0};
-  return problem_of(
-      make_optical_grid(nullptr, {}, {layer}, {0, 0, 0}, {1, 1, 1000}, true, 1, {0.}, LevelOptions::layers_only()),
-      phase, mu0);
-}
-
-double mean_of_level(const std::vector<float>& flux, const BoxGrid& box, std::size_t level) {
-  const auto first = flux.begin() + static_cast<std::ptrdiff_t>(level * box.columns());
-  return std::accumulate(first, first + static_cast<std::ptrdiff_t>(box.columns()), 0.) /
-         static_cast<double>(box.columns());
-}
-
-void expect_finite_and_closed(const Solution& solution, double closure) {
-  EXPECT_TRUE(solution.report.converged) << solution.report.sweeps << " sweeps, error "
-                                         << solution.report.estimated_error;
-  EXPECT_LE(std::abs(solution.ledger.residual), closure);
-  for (const auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux}) {
-    for (const float f : *field) {
-      ASSERT_TRUE(std::isfinite(f));
-      ASSERT_GE(f, 0);
-    }
-  }
-}
 
 // ---- published values -----------------------------------------------------------------------------------------------
 
@@ -467,106 +396,6 @@ TEST(Solve, AMapOfOneAlbedoIsThatAlbedoAndContrastFollowsIt) {
 
 // ---- radiance -------------------------------------------------------------------------------------------------------
 
-TEST(Solve, ViewsThroughAbsorbersFollowBeer) {
-  // Nothing scatters: light goes down through tau, comes off the ground and goes up through tau; from below the sky
-  // alone.
-  const double tau = .7, mu0 = .6, mu = .5, albedo = .3, sky = 2;
-  Problem problem = slab(tau, 0, PhaseFunction::isotropic(), mu0);
-  problem.surface.albedo = albedo;
-  problem.sky_radiance = sky;
-  SolverOptions options = coarse();
-  options.views = {{"up", travel_along(mu, 10)}, {"down", travel_along(-mu, 10)}};
-  const Solution solution = solve(problem, options);
-  ASSERT_EQ(solution.images.size(), 2U);
-  const double ground = solution.upwelling_flux[0] / pi;
-  EXPECT_GT(ground, albedo / pi * mu0 * std::exp(-tau / mu0));  // and the light of the sky
-  EXPECT_NEAR(solution.images[0].radiance[0], ground * std::exp(-tau / mu), 2e-6 * ground);
-  EXPECT_NEAR(solution.images[1].radiance[0], sky * std::exp(-tau / mu), 1e-5);
-}
-
-TEST(Solve, ViewsOfThinAirAreSingleScattering) {
-  // I = P F0 mu0/(mu + mu0) [1 - e^(-tau (1/mu + 1/mu0))] / (4 pi) for light that comes up; higher orders are smaller
-  // by about tau. Ahead of the sun and behind it the radiances differ by a factor of 7.6: an azimuth that flips cannot
-  // pass.
-  const double tau = 1e-4, mu0 = .5, mu = .5;
-  const PhaseFunction phase = PhaseFunction::henyey_greenstein(.8);
-  Problem problem = slab(tau, 1, phase, mu0);  // the sun's light travels in azimuth 37
-  SolverOptions options = coarse();
-  options.views = {{"ahead", travel_along(mu, 37)}, {"behind", travel_along(mu, 217)}};
-  const Solution solution = solve(problem, options);
-  const double path = (1 - std::exp(-tau * (1 / mu + 1 / mu0))) * mu0 / (mu + mu0) / (4 * pi);
-  for (std::size_t v = 0; v < 2; ++v) {
-    const double cosine = -mu * mu0 + (v == 0 ? 1 : -1) * .75;
-    EXPECT_NEAR(solution.images[v].radiance[0] / (phase(cosine) * path), 1, 2e-3);
-  }
-  EXPECT_GT(solution.images[0].radiance[0], 7 * solution.images[1].radiance[0]);
-}
-
-TEST(Solve, ViewsOfBareGroundAreItsReflectance) {
-  // Air of tau 1e-8: the images show f mu0 F0.
-  Problem problem = slab(1e-8, 1, PhaseFunction::isotropic(), .6);
-  const SurfaceBrdf brdf = SurfaceBrdf::rpv(.1, .7, -.24, .1);
-  problem.surface.brdf = brdf;
-  SolverOptions options = coarse();
-  for (const double azimuth : {37., 100., 217.}) options.views.push_back({"v", travel_along(.4, azimuth)});
-  const Solution solution = solve(problem, options);
-  for (const RadianceImage& image : solution.images)
-    EXPECT_NEAR(image.radiance[0] / (.6 * brdf(problem.sun->travel, image.view.travel)), 1, 1e-5);
-}
-
-TEST(Solve, FarCamerasAndGridsOfPixelsSeeWhatParallelViewsSee) {
-  // A telescope of a milliradian in line with the view; a grid of one pixel a column. Lines of sight differ in place by
-  // parts of a column alone, in direction by less than a thousandth.
-  Problem problem = random_problem(true, .3, .99, .3);
-  problem.surface.albedo = .3;
-  const BoxGrid& box = problem.grid.box;
-  SolverOptions options = coarse();
-  options.beam_rays = 64;
-  const Direction travel = travel_along(.7, 100);
-  options.views = {{"columns", travel}, {"pixels", travel, box.nx, box.ny}, {"below", travel_along(-.5, 10)}};
-  const double width = box.nx * box.dx_m, height = box.ny * box.dy_m;
-  const Eigen::Vector3d centre(box.x_min_m + width / 2, box.y_min_m + height / 2, box.z_edge_m.back());
-  const double far = 2e3 * std::max(width, height);
-  options.cameras = {make_camera("far", Camera::Projection::perspective, {centre + far * travel, centre},
-                                 2 * std::atan(width / 2 / far), 40, 40)};
-  const Solution solution = solve(problem, options);
-  const auto mean = [](const std::vector<float>& image) {
-    return std::accumulate(image.begin(), image.end(), 0.) / static_cast<double>(image.size());
-  };
-  const auto& columns = solution.images[0].radiance;
-  const auto& pixels = solution.images[1].radiance;
-  ASSERT_EQ(columns.size(), pixels.size());
-  for (std::size_t c = 0; c < columns.size(); ++c) EXPECT_NEAR(pixels[c], columns[c], .02 * columns[c]);
-  EXPECT_NEAR(mean(pixels) / mean(columns), 1, 2e-3);
-  // The camera looks at a square of one domain's width, foreshortened: a domain's mean, whole in x and nearly so in y.
-  // Its source is interpolated between points.
-  EXPECT_NEAR(mean(solution.camera_images[0].radiance) / mean(columns), 1, .03);
-}
-
-TEST(Solve, CamerasInThinAirSeeSingleScatteringAndTheGround) {
-  const double tau = 1e-4, mu0 = .5;
-  const PhaseFunction phase = PhaseFunction::henyey_greenstein(.8);
-  Problem problem = slab(tau, 1, phase, mu0);
-  problem.surface.albedo = .2;
-  SolverOptions options = coarse();
-  const double top = problem.grid.box.z_edge_m.back();
-  // One pixel of a hundredth of a degree, from the ground upwards and from above downwards.
-  for (const double mu : {.8, -.8}) {
-    const Direction line = travel_along(mu, 80);
-    const Eigen::Vector3d eye(0, 0, mu > 0 ? 0 : top);
-    options.cameras.push_back(make_camera("c", Camera::Projection::perspective, {eye, eye + 10 * line}, 1.7e-4, 1, 1));
-  }
-  const Solution solution = solve(problem, options);
-  const double cosine = -travel_along(.8, 80).dot(problem.sun->travel);
-  const double path = (std::exp(-tau / .8) - std::exp(-tau / mu0)) * mu0 / (.8 - mu0) / (4 * pi);
-  const double sky = phase(cosine) * path;
-  // Light from the ground scatters too: some .2 mu0 of the sun's, by the phase function's values about its mean, not
-  // its 3 % here.
-  EXPECT_NEAR(solution.camera_images[0].radiance[0] / sky, 1, .3);
-  EXPECT_GT(solution.camera_images[0].radiance[0], sky);
-  EXPECT_NEAR(solution.camera_images[1].radiance[0] / (.2 * mu0 / pi), 1, 1e-3);
-}
-
 // ---- axes along which nothing varies --------------------------------------------------------------------------------
 
 // A field that varies along z and, unless they are left out, along x and y; some cells are empty.
@@ -740,82 +569,6 @@ TEST(Solve, UniformCloudInThreeDimensionsIsTheSlab) {
 
 // ---- what comes out -------------------------------------------------------------------------------------------------
 
-TEST(Solve, FluxLevelsAreThoseAskedFor) {
-  const Problem problem = random_problem(true, 2, .9, .3);
-  SolverOptions options = coarse();
-  options.flux_levels = FluxLevels::all;
-  const Solution all = solve(problem, options);
-  EXPECT_EQ(all.flux_level, (std::vector<int>{0, 1, 2, 3, 4}));
-  EXPECT_EQ(all.upwelling_flux.size(), 5 * problem.grid.box.columns());
-  options.flux_levels = FluxLevels::listed;
-  options.listed_levels = {1, 4};
-  const Solution listed = solve(problem, options);
-  EXPECT_EQ(listed.flux_level, (std::vector<int>{1, 4}));
-  ASSERT_EQ(listed.upwelling_flux.size(), 2 * problem.grid.box.columns());
-  for (std::size_t l = 0; l < 2; ++l) {
-    const auto e = static_cast<std::size_t>(listed.flux_level[l]);
-    EXPECT_NEAR(mean_of_level(listed.upwelling_flux, listed.box, l), listed.profile_upwelling_flux[e], 1e-6);
-    EXPECT_NEAR(mean_of_level(all.upwelling_flux, all.box, e), all.profile_upwelling_flux[e], 1e-6);
-    EXPECT_NEAR(mean_of_level(all.downwelling_diffuse_flux, all.box, e), all.profile_downwelling_diffuse_flux[e], 1e-6);
-    EXPECT_NEAR(mean_of_level(all.direct_flux, all.box, e), all.profile_direct_flux[e], 1e-6);
-  }
-}
-
-TEST(Solve, ActinicFluxAndRadianceFieldTellOfTheSameLight) {
-  Problem problem = random_problem(true, 2, .9, .3);
-  problem.sun.reset();  // so that all light is diffuse
-  problem.sky_radiance = 1;
-  SolverOptions options = coarse();
-  options.actinic = true;
-  options.radiance_field = true;
-  const Solution solution = solve(problem, options);
-  const std::size_t n = cells_of(problem.grid.box);
-  ASSERT_EQ(solution.actinic_flux.size(), n);
-  ASSERT_TRUE(solution.radiance_field.has_value());
-  const RadianceField& field = *solution.radiance_field;
-  ASSERT_EQ(field.direction.size(), 42U);
-  ASSERT_EQ(field.voxel.size(), n);  // empty cells were made active
-  ASSERT_EQ(field.radiance.size(), 42 * n);
-  double sphere = 0;  // the triangles cover it once, all counter-clockwise
-  for (const auto& [a, b, c] : field.triangle) {
-    const double area = spherical_triangle_area(field.direction[a], field.direction[b], field.direction[c]);
-    EXPECT_GT(area, 0);
-    sphere += area;
-  }
-  EXPECT_NEAR(sphere, 4 * std::numbers::pi, 1e-10);
-  const OrdinateSet quadrature = make_ordinate_set("control-points-42");
-  double worst = 0, sum = 0, total = 0;
-  for (std::size_t c = 0; c < n; ++c) {
-    double integral = 0;
-    for (int d = 0; d < quadrature.size(); ++d) {
-      std::size_t m = 0;
-      while ((field.direction[m] - quadrature.direction[d]).norm() > 1e-9) ASSERT_LT(++m, 42U);
-      integral += quadrature.weight[d] * static_cast<double>(field.radiance[c * 42 + m]);
-    }
-    const auto [i, j, k] = field.voxel[c];
-    const double actinic = static_cast<double>(solution.actinic_flux[(k * 5 + j) * 6 + i]);
-    worst = std::max(worst, std::abs(integral / actinic - 1));
-    sum += integral;
-    total += actinic;
-  }
-  EXPECT_LT(worst, .05);             // two quadratures of some forty directions each
-  EXPECT_NEAR(sum / total, 1, .01);  // on average they differ by less
-}
-
-TEST(Solve, ActinicFluxTimesAbsorptionIsAbsorbedPower) {
-  Problem problem = random_problem(true, 2, .9, .3);
-  SolverOptions options = coarse();
-  options.actinic = true;
-  const Solution solution = solve(problem, options);
-  const auto dense = random_extinction(problem.grid.box, 2, 1);
-  for (std::size_t c = 0; c < dense.size(); ++c) {
-    const double absorption = static_cast<double>(static_cast<float>((1 - .9) * static_cast<double>(dense[c])));
-    EXPECT_GT(solution.actinic_flux[c], 0);
-    EXPECT_NEAR(solution.absorbed_power[c], absorption * static_cast<double>(solution.actinic_flux[c]),
-                1e-6 * absorption + 1e-12);
-  }
-}
-
 TEST(Solve, ProgressIsToldAndMayStop) {
   const Problem problem = random_problem(true, 2, .9, .3);
   std::vector<std::string> phases;
@@ -829,57 +582,6 @@ TEST(Solve, ProgressIsToldAndMayStop) {
                        if (p.phase == "sweep" && p.sweep == 2) throw Stop{};
                      }),
                Stop);
-}
-
-TEST(Solve, LayersShineInThroughOpenSides) {
-  // A box with open sides that holds nothing but a layer. Radiance at the sides is that of the layer itself. The light
-  // is thus that of the infinite layer (whose surface is black inside and outside).
-  const Layer layer{0, 4, 1., .9, 0};
-  const CloudField speck =
-      make_cloud_field({4, 4, 16}, {2, 2, .25}, {0, 0, 0}, std::vector<float>(256, 1e-9F), "extinction");
-  const auto grid = [&](bool periodic) {
-    return make_optical_grid(&speck, {}, {layer}, {0, 0, 0}, {8, 8, 4}, periodic, 1, {0.}, {});
-  };
-  SolverOptions options = coarse();
-  options.tolerance = 1e-6;
-  const Solution open = solve(problem_of(grid(false), PhaseFunction::isotropic()), options);
-  const Solution periodic = solve(problem_of(grid(true), PhaseFunction::isotropic()), options);
-  expect_finite_and_closed(open, 1e-5);
-  // Incident light is linear between the 16 levels' interfaces, but radiance is concave: .1 % of it is missing.
-  EXPECT_NEAR(open.ledger.reflectance, periodic.ledger.reflectance, 1e-3);
-  EXPECT_NEAR(open.ledger.transmittance, periodic.ledger.transmittance, 1e-3);
-  EXPECT_NEAR(open.ledger.side_gain / open.ledger.side_loss, 1, 2e-3);
-}
-
-// Truth: the same solve without clear cells, which scatter no light. Thin subdivided levels lie below a thick clear one
-// here. Diffusion in the clear level once made this very cloud diverge.
-TEST(Solve, ActinicFluxInClearAirCostsNoSweeps) {
-  CloudMakerOptions cumulus;
-  cumulus.kind = "cumulus";
-  cumulus.cells = {16, 16, 32};
-  cumulus.voxel_size_m = {40, 40, 40};
-  cumulus.optical_depth = 15;
-  cumulus.cover = .3;
-  cumulus.seed = 155;
-  cumulus.base_m = 40;
-  const CloudField cloud = make_cloud(cumulus);
-  CloudOptics optics;
-  optics.single_scattering_albedo = .99;
-  Problem problem =
-      problem_of(make_optical_grid(&cloud, optics, {}, {0, 0, 0}, {640, 640, 1280}, true, 1, {0.}, LevelOptions{}),
-                 PhaseFunction::henyey_greenstein(.75), .12, 35);
-  problem.surface.albedo = .5;
-  SolverOptions options = coarse();
-  options.max_level_optical_depth = 2;
-  options.max_sweeps = 30;
-  const Solution without = solve(problem, options);
-  options.actinic = true;
-  const Solution with = solve(problem, options);
-  EXPECT_TRUE(without.report.converged);
-  EXPECT_TRUE(with.report.converged);
-  EXPECT_LE(with.report.sweeps, without.report.sweeps + 1);
-  // The iteration's tolerance of 1e-4, and slopes of light that are found near its end: measured 1.2e-4.
-  EXPECT_NEAR(with.ledger.reflectance, without.ledger.reflectance, 2e-4);
 }
 
 }  // namespace

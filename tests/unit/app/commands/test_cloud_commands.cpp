@@ -1,0 +1,41 @@
+// `cloudbow cloud make` and `info`. Truth: the numbers that the command line states.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/planning/tradeoff.hpp"
+#include "call_cloudbow.hpp"
+#include "cloudbow/app/command_line.hpp"
+#include "cloudbow/core/error.hpp"
+#include "cloudbow/io/droplet_table_file.hpp"
+#include "cloudbow/medium/vdb_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace cloudbow {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(CommandLine, CloudInfoDoubtsAndRefuses) {
+  const TemporaryFolder folder;
+  const CloudField field = make_cloud_field({1, 1, 1}, {50, 50, 100}, {0, 0, 0}, {2005}, "liquid_water_content");
+  write_cloud_vdb(folder / "cloud.vdb", field, {}, {{"reff", "effective_radius", "um", {1e-5f}}});
+  const Outcome outcome = cloudbow({"cloud", "info", folder / "cloud.vdb"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("liquid water path"));
+  EXPECT_THAT(outcome.errors, AllOf(HasSubstr("warning: "), HasSubstr("2005 g/m3"), HasSubstr("0.1 to 5000 um")));
+}
+
+TEST(CommandLine, MakesAndDescribesACloud) {
+  const TemporaryFolder folder;
+  const auto cloud = folder / "sphere.vdb";
+  ASSERT_EQ(
+      cloudbow({"cloud", "make", "sphere", "--cells", "6", "6", "6", "--voxel-size-m", "50", "50", "50", "-o", cloud})
+          .exit_code,
+      0);
+  EXPECT_THAT(cloudbow({"cloud", "info", cloud}).output, HasSubstr("density"));
+  EXPECT_EQ(cloudbow({"cloud", "info", folder / "none.vdb"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace cloudbow

@@ -1,0 +1,55 @@
+// Paths of ordinates through a box. Truth: light near the horizon has fewer segments sideways, and each path crosses
+// all levels.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "transport/rays/ordinate_path.hpp"
+#include "transport_test_tools.hpp"
+
+namespace cloudbow {
+namespace {
+
+class OrdinatePaths : public testing::Test {
+ protected:
+  OrdinatePath path_along(const Direction& travel, bool independent_columns = false) const {
+    return make_ordinate_paths<double>(box_, cells_, {travel}, independent_columns).front();
+  }
+  static int levels_of(const OrdinatePath& path) {
+    int levels = 0;
+    for (const PathPattern& pattern : path.along_z) levels += pattern.levels();
+    return levels + (path.sideways ? path.sideways->levels.last - path.sideways->levels.first : 0);
+  }
+
+  const BoxGrid box_ = make_box(16, 12, 8);
+  const std::vector<double> untruncated_{0.};
+  const Cells<double> cells_ =
+      make_cells<double>(make_grid(box_, std::vector<float>(cells_of(box_), .5F), .9), untruncated_, false, 1);
+};
+
+TEST_F(OrdinatePaths, SteepOrdinatesMarchAlongZAlone) {
+  for (const double mu : {.95, -.95}) {
+    const OrdinatePath path = path_along(travel_along(mu, 40));
+    EXPECT_EQ(path.upward, mu > 0);
+    EXPECT_FALSE(path.sideways);
+    ASSERT_EQ(path.along_z.size(), 1U);
+    EXPECT_EQ(levels_of(path), 8);
+    EXPECT_GT(path.cost, 0);
+  }
+}
+
+TEST_F(OrdinatePaths, GrazingOrdinatesMarchSidewaysWhereTheyMay) {
+  const OrdinatePath path = path_along(travel_along(.03, 10));
+  ASSERT_TRUE(path.sideways);
+  EXPECT_EQ(path.sideways->axis, 0) << "10 degrees from x";
+  EXPECT_EQ(path.along_z.size(), 2U);
+  EXPECT_EQ(levels_of(path), 8);
+  EXPECT_EQ(path_along(travel_along(.03, 80)).sideways->axis, 1);
+}
+
+TEST_F(OrdinatePaths, CostGrowsTowardsTheHorizonUntilTheyTurnSideways) {
+  EXPECT_LT(path_along(travel_along(.9, 30)).cost, path_along(travel_along(.5, 30)).cost);
+}
+
+}  // namespace
+}  // namespace cloudbow
