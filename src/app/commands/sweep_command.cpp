@@ -12,6 +12,7 @@ void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& c
   struct Options {
     SweepOptions sweep;
     std::vector<std::string> set;
+    std::string share;
   };
   auto options = std::make_shared<Options>();
   RunOptions& run = options->sweep.run;
@@ -31,6 +32,11 @@ void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& c
   sweep_app->add_option("--jobs", options->sweep.jobs, "Runs at a time, which share the threads")
       ->capture_default_str()
       ->check(whole_number(1, 4096));
+  sweep_app
+      ->add_option("--share", options->share,
+                   "Solve this share of the runs alone, as a job of a batch system; the same command without it then "
+                   "writes the file")
+      ->type_name("I/N");
   sweep_app->add_option("--threads", run.threads, "Threads in all (default: one per processor)")
       ->check(whole_number(1, 4096));
   sweep_app->add_flag("--compare", run.compare, "Solve as independent columns too, as in run");
@@ -43,6 +49,7 @@ void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& c
   sweep_app->callback([&action, options] {
     action = [options] {
       for (const std::string& assignment : options->set) options->sweep.keys.push_back(parse_swept_key(assignment));
+      if (!options->share.empty()) options->sweep.share = parse_sweep_share(options->share);
       return sweep(options->sweep);
     };
   });

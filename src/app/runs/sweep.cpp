@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -15,6 +16,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -122,14 +124,21 @@ void check_same_coordinates(const RunEstimate& first, const RunEstimate& other,
                                  fmt::join(settings, " --set ")));
 }
 
-std::string plan_text(const SweepPlan& plan, const std::string& first, int jobs) {
+std::size_t done_runs(const SweepPlan& plan) {
+  return static_cast<std::size_t>(
+      std::count_if(plan.runs.begin(), plan.runs.end(), [](const auto& r) { return r.done; }));
+}
+
+std::string plan_text(const SweepPlan& plan, const std::string& first, int jobs,
+                      const std::optional<SweepShare>& share) {
   std::string text = "runs      ";
   for (const SweepDimension& dimension : plan.dimensions) {
     text +=
         fmt::format("{}{} ({})", &dimension == &plan.dimensions.front() ? "" : " x ", dimension.size(), dimension.name);
   }
   text += fmt::format(": {}", plan.runs.size());
-  if (plan.to_solve < plan.runs.size()) text += fmt::format(", of which {} are done", plan.runs.size() - plan.to_solve);
+  if (const std::size_t done = done_runs(plan); done > 0) text += fmt::format(", of which {} are done", done);
+  if (share) text += fmt::format("\nshare     {} of {}: {} runs to solve", share->number, share->of, plan.to_solve);
   text += fmt::format("\nall       {:.2f} GB predicted, {} at a time; {:.1f} s predicted\n\nthe first run\n",
                       static_cast<double>(plan.memory_bytes) / 1e9, jobs, plan.seconds);
   return text + first;
@@ -169,7 +178,7 @@ class Workers {
   Workers(const SweepOptions& options, const SweepPlan& plan, const SweepParts& parts)
       : options_(options), plan_(plan), parts_(parts), common_(common_options(options)), finished_(plan.runs.size()) {
     for (std::size_t n = 0; n < plan.runs.size(); ++n) {
-      if (!plan.runs[n].done) waiting_.push_back(n);
+      if (plan.runs[n].to_solve) waiting_.push_back(n);
     }
     jobs_ = std::min(waiting_.size(), static_cast<std::size_t>(options.jobs));
     const int threads = common_.threads > 0 ? common_.threads : omp_get_max_threads();
@@ -291,6 +300,17 @@ int graver(int a, int b) {
 
 }  // namespace
 
+SweepShare parse_sweep_share(const std::string& text) {
+  SweepShare share;
+  const char* const end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, share.number);
+  const bool has_slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
+  const auto of = has_slash ? std::from_chars(number.ptr + 1, end, share.of) : number;
+  if (!has_slash || of.ec != std::errc() || of.ptr != end || share.number < 1 || share.number > share.of)
+    throw InputError(fmt::format("--share: found '{}', allowed I/N with I from 1 to N, as in 3/8", text));
+  return share;
+}
+
 SweepPlan plan_sweep(const SweepOptions& options) {
   const std::vector<SweptKey> lists = lists_of(options);
   const RunOptions common = common_options(options);
@@ -321,7 +341,8 @@ SweepPlan plan_sweep(const SweepOptions& options) {
     if (options.show_scene) options.show_scene(run.scene);
     run.key = keys.of(scene, run.scene, of_run);
     run.done = parts.has(run.key);
-    if (!run.done) {
+    run.to_solve = !run.done && (!options.share || options.share->has(plan.runs.size()));
+    if (run.to_solve) {
       ++plan.to_solve;
       plan.seconds += estimate.seconds;
       memory.push_back(estimate.memory_bytes);
@@ -351,7 +372,7 @@ SweepPlan plan_sweep(const SweepOptions& options) {
         "fewer at a time need less",
         options.jobs, static_cast<double>(plan.memory_bytes) / 1e6, static_cast<double>(available) / 1e6));
   }
-  plan.text = plan_text(plan, first->text, options.jobs);
+  plan.text = plan_text(plan, first->text, options.jobs, options.share);
   return plan;
 }
 
@@ -360,6 +381,17 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
   parts.make();
   std::vector<Finished> finished = Workers(options, plan, parts).solve();
   SweepOutcome outcome;
+  const auto note = [&outcome](const PlannedSweepRun& run, const Finished& end) {
+    outcome.exit_code = graver(outcome.exit_code, end.exit_code);
+    if (!end.message.empty())
+      outcome.sentences.push_back(fmt::format("{}: {}", fmt::join(run.settings, ", "), end.message));
+  };
+  if (options.share) {
+    for (std::size_t n = 0; n < plan.runs.size(); ++n) {
+      if (plan.runs[n].to_solve) note(plan.runs[n], finished[n]);
+    }
+    return outcome;
+  }
   std::vector<SweptRun> runs;
   bool any = false, all = true;
   for (std::size_t n = 0; n < plan.runs.size(); ++n) {
@@ -370,9 +402,7 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
     any = any || has_result;
     all = all && has_result;
     runs.push_back({has_result ? parts.file(run.key) : std::filesystem::path(), end.exit_code, end.message, run.scene});
-    outcome.exit_code = graver(outcome.exit_code, end.exit_code);
-    if (!end.message.empty())
-      outcome.sentences.push_back(fmt::format("{}: {}", fmt::join(run.settings, ", "), end.message));
+    note(run, end);
   }
   if (any) {
     write_sweep(options.run.output, plan.dimensions, runs,
@@ -400,12 +430,19 @@ int sweep(const SweepOptions& options) {
     return exit_done;
   }
   const std::string folder = SweepParts(options.run.output).folder().string();
-  if (!options.run.quiet && plan.to_solve < plan.runs.size())
-    tell("cloudbow: {} of {} runs were done, in {}\n", plan.runs.size() - plan.to_solve, plan.runs.size(), folder);
+  if (const std::size_t done = done_runs(plan); !options.run.quiet && done > 0)
+    tell("cloudbow: {} of {} runs were done, in {}\n", done, plan.runs.size(), folder);
   try {
     const SweepOutcome outcome = solve_sweep(options, plan);
     for (const std::string& sentence : outcome.sentences) tell("cloudbow: {}\n", printable(sentence));
-    if (!options.run.quiet) fmt::print("{} runs written to {}\n", plan.runs.size(), options.run.output.string());
+    if (options.run.quiet) return outcome.exit_code;
+    if (options.share) {
+      fmt::print(
+          "share {} of {}: {} runs solved, kept in {}. Without --share, after all shares, the same command writes {}\n",
+          options.share->number, options.share->of, plan.to_solve, folder, options.run.output.string());
+    } else {
+      fmt::print("{} runs written to {}\n", plan.runs.size(), options.run.output.string());
+    }
     return outcome.exit_code;
   } catch (const Interrupted&) {
     tell("cloudbow: finished runs are kept in {}: the same command goes on from there\n", folder);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,11 +17,23 @@
 
 namespace cloudbow {
 
+/// One of the shares in which jobs of a batch system solve the runs of a sweep: every `of`th run.
+struct SweepShare {
+  std::size_t number = 1;  ///< from 1
+  std::size_t of = 1;
+
+  bool has(std::size_t run) const { return run % of == number - 1; }
+};
+
+/// "I/N". @throws InputError if it is not, or if I is not from 1 to N.
+SweepShare parse_sweep_share(const std::string& text);
+
 struct SweepOptions {
   RunOptions run;              ///< of every run; its output is that of the sweep, its overrides hold in all runs
   std::vector<SweptKey> keys;  ///< with one value: set in all runs
   int jobs = 1;                ///< runs at a time, which share the threads
   std::function<void(std::string&)> show_scene{};  ///< changes the text of a scene for its result; may be empty
+  std::optional<SweepShare> share{};               ///< its runs alone are solved and kept, and no file is written
 };
 
 /// One run of a sweep, before it is solved.
@@ -29,13 +42,14 @@ struct PlannedSweepRun {
   std::string scene;                  ///< its text, as results show it
   std::uint64_t key = 0;              ///< of RunKeys
   bool done = false;                  ///< its result was kept
+  bool to_solve = false;              ///< neither done nor in the share of another job
 };
 
 struct SweepPlan {
   std::vector<SweepDimension> dimensions;
   std::vector<PlannedSweepRun> runs;  ///< the last dimension fastest
   std::string scene;                  ///< the text of the scene before keys are swept
-  std::size_t to_solve = 0;           ///< runs whose results were not kept
+  std::size_t to_solve = 0;           ///< runs of which that is true
   std::uint64_t memory_bytes = 0;     ///< peak, predicted, of the runs that are solved at a time
   double seconds = 0;                 ///< of the runs to solve, predicted
   std::string text;                   ///< all of it in lines for a terminal
@@ -52,7 +66,8 @@ struct SweepOutcome {
   std::vector<std::string> sentences;  ///< on runs that failed or did not converge
 };
 
-/// Solves the runs that are not done and writes the file. @throws InputError, Interrupted: finished runs are kept.
+/// Solves the runs that are not done and, without a share, writes the file. @throws InputError, Interrupted: finished
+/// runs are kept.
 SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan);
 
 /// Plans, solves, prints. @returns the exit code.

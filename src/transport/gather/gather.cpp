@@ -92,10 +92,13 @@ std::vector<GatherDirection> gather_directions(int count, bool upward, const std
     const Direction travel = cosine * *sun_travel + sine * (std::cos(azimuth) * a + std::sin(azimuth) * b);
     if (travel.z() * side > grazing) set.push_back({travel, 0., 1 / (extra * henyey_greenstein_density(cosine))});
   }
+  double sum = 0;
   for (GatherDirection& d : set) {
     d.weight = 1 / (count * std::abs(d.travel.z()) / std::numbers::pi +
                     extra * henyey_greenstein_density(d.travel.dot(*sun_travel)));
+    sum += power(d);
   }
+  for (GatherDirection& d : set) d.weight *= std::numbers::pi / sum;  // exact for isotropic light, as the spiral alone
   return set;
 }
 

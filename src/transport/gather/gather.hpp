@@ -20,13 +20,13 @@ namespace cloudbow {
 struct GatherDirection {
   Direction travel;
   double weight;   ///< sr
-  double spacing;  ///< [sr] per direction of its own set, of the spiral or of those about the sun: what it stands for alone
+  double spacing;  ///< [sr] per direction of its own set: the spiral, or those about the sun
 };
 
-/// Cosine-weighted golden spiral over one hemisphere of travel; with a sun, those of count/4 more in that hemisphere that
-/// crowd about its direction as HG(.85) does: upward as well, because grazing light leaves upward after small deflections.
-/// Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance
-/// heuristic: Veach 1997).
+/// Cosine-weighted golden spiral over one hemisphere of travel. With a sun, those of count/4 more in that hemisphere
+/// that crowd about its direction as HG(.85) does: upward as well, because grazing light leaves upward after small
+/// deflections. Weights make cosine-weighted means exact in the limit (multiple importance sampling, balance heuristic:
+/// Veach 1997), and the flux of isotropic light exact.
 std::vector<GatherDirection> gather_directions(int count, bool upward, const std::optional<Direction>& sun_travel);
 
 /// Downward directions about the sun's, one for each of the angles; their weights are one over the density of these.

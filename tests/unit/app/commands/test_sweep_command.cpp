@@ -16,26 +16,34 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(SweepCommand, SolvesEachValueIntoOneFile) {
+TEST(SweepCommand, EndsWithAFileAndNoParts) {
   const TemporaryFolder folder;
-  const std::string result = folder / "suns.h5";
-  const Outcome outcome =
-      cloudbow({"sweep", folder.write("slab.toml", slab_toml), "--set", "sun.zenith_deg=0:60:30", "-o", result});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_THAT(outcome.output, HasSubstr("3 runs written to " + result));
-  EXPECT_TRUE(std::filesystem::exists(result));
-  EXPECT_FALSE(std::filesystem::exists(result + ".parts"));
+  const std::string scene = folder.write("scene.toml", slab_toml), out = folder / "out.h5";
+  const Outcome done = cloudbow({"sweep", scene, "--set", "sun.zenith_deg=0:80:40", "--jobs", "2", "-o", out});
+  EXPECT_EQ(done.exit_code, 0) << done.errors;
+  EXPECT_THAT(done.output, HasSubstr("3 runs written"));
+  EXPECT_THAT(done.errors, HasSubstr("3 of 3: sun.zenith_deg="));
+  EXPECT_TRUE(std::filesystem::exists(out));
+  EXPECT_FALSE(std::filesystem::exists(out + ".parts"));
 }
 
-TEST(SweepCommand, RefusesWrongListsBeforeItSolves) {
+TEST(SweepCommand, UsageErrors) {
   const TemporaryFolder folder;
-  const std::string scene = folder.write("slab.toml", slab_toml);
-  for (const std::string wrong : {"sun.zenith_deg=60", "sun.zenith_deg=0:60:0", "sun.zenith_deg=0,95"}) {
-    const Outcome outcome = cloudbow({"sweep", scene, "--set", wrong, "-o", folder / "suns.h5"});
-    EXPECT_EQ(outcome.exit_code, 2) << wrong;
+  const std::string scene = folder.write("scene.toml", slab_toml), out = folder / "out.h5";
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"sweep"},
+           {"sweep", scene, "-o", out},
+           {"sweep", scene, "--set", "sun.zenith_deg=0,1"},
+           {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", scene},
+           {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", out, "--jobs", "0"},
+           {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", out, "--share", "3/2"},
+           {"sweep", scene, "--set", "sun.zenith_deg=0:10", "-o", out},
+           {"sweep", scene, "--set", "sun.zenith_deg=0,,10", "-o", out}}) {
+    const Outcome outcome = cloudbow(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
     EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
-    EXPECT_FALSE(std::filesystem::exists(folder / "suns.h5"));
   }
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 }  // namespace

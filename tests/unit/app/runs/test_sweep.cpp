@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "../commands/call_cloudbow.hpp"
 #include "../temporary_folder.hpp"
 #include "app/runs/sweep.hpp"
 #include "cloudbow/core/error.hpp"
@@ -71,17 +70,6 @@ TEST(Sweep, RefusesBeforeAnythingIsSolved) {
   EXPECT_THAT(plan({"layer.0.top_m=100,200"}), ThrowsMessage<InputError>(AllOf(HasSubstr("z_edge"), HasSubstr("200"))));
 }
 
-TEST(Sweep, CommandEndsWithAFileAndNoParts) {
-  const TemporaryFolder folder;
-  const std::string scene = folder.write("scene.toml", slab), out = folder / "out.h5";
-  const Outcome done = cloudbow({"sweep", scene, "--set", "sun.zenith_deg=0:80:40", "--jobs", "2", "-o", out});
-  EXPECT_EQ(done.exit_code, 0) << done.errors;
-  EXPECT_THAT(done.output, HasSubstr("3 runs written"));
-  EXPECT_THAT(done.errors, HasSubstr("3 of 3: sun.zenith_deg="));
-  EXPECT_TRUE(std::filesystem::exists(out));
-  EXPECT_FALSE(std::filesystem::exists(out + ".parts"));
-}
-
 TEST(Sweep, GoesOnWithTheResultsThatAreThere) {
   const TemporaryFolder folder;
   const SweepOptions few = options_of(folder, {"sun.zenith_deg=0,40"});
@@ -94,22 +82,26 @@ TEST(Sweep, GoesOnWithTheResultsThatAreThere) {
   EXPECT_EQ(plan_sweep(other).to_solve, 2) << "a complete sweep leaves nothing";
 }
 
-TEST(Sweep, UsageErrors) {
+TEST(Sweep, SharesAreSolvedApartAndJoined) {
   const TemporaryFolder folder;
-  const std::string scene = folder.write("scene.toml", slab), out = folder / "out.h5";
-  for (const std::vector<std::string>& arguments :
-       std::vector<std::vector<std::string>>{{"sweep"},
-                                             {"sweep", scene, "-o", out},
-                                             {"sweep", scene, "--set", "sun.zenith_deg=0,1"},
-                                             {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", scene},
-                                             {"sweep", scene, "--set", "sun.zenith_deg=0,1", "-o", out, "--jobs", "0"},
-                                             {"sweep", scene, "--set", "sun.zenith_deg=0:10", "-o", out},
-                                             {"sweep", scene, "--set", "sun.zenith_deg=0,,10", "-o", out}}) {
-    const Outcome outcome = cloudbow(arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
-    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
-  }
-  EXPECT_FALSE(std::filesystem::exists(out));
+  SweepOptions options = options_of(folder, {"sun.zenith_deg=0:80:40"});
+  options.share = parse_sweep_share("2/2");
+  const SweepPlan second = plan_sweep(options);
+  EXPECT_EQ(second.to_solve, 1);
+  EXPECT_EQ(solve_sweep(options, second).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(options.run.output));
+  options.share = parse_sweep_share("1/2");
+  const SweepPlan first = plan_sweep(options);
+  EXPECT_EQ(first.to_solve, 2);
+  EXPECT_TRUE(first.runs[1].done);
+  EXPECT_EQ(solve_sweep(options, first).exit_code, 0);
+  options.share.reset();
+  const SweepPlan joined = plan_sweep(options);
+  EXPECT_EQ(joined.to_solve, 0);
+  EXPECT_EQ(solve_sweep(options, joined).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(options.run.output));
+  for (const char* wrong : {"", "2", "0/2", "3/2", "1/0", "1/2/3", "a/b", "-1/2", "1/2 "})
+    EXPECT_THROW(parse_sweep_share(wrong), InputError) << wrong;
 }
 
 }  // namespace

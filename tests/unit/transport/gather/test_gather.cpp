@@ -45,8 +45,8 @@ TEST(GatherDirections, WithASunTheMixtureStillHasThem) {
     EXPECT_GT(set.size(), 560U);
     EXPECT_LE(set.size(), 640U);
     for (const auto& d : set) EXPECT_LT(d.travel.z(), 0);
+    EXPECT_NEAR(cosine_weighted(set, [](const Direction&) { return 1.; }) / pi, 1, 1e-12) << mu0;
     // Two independent point sets: 1 % with some six hundred.
-    EXPECT_NEAR(cosine_weighted(set, [](const Direction&) { return 1.; }) / pi, 1, .01) << mu0;
     EXPECT_NEAR(cosine_weighted(set, [](const Direction& d) { return d.z() * d.z(); }) / (pi / 2), 1, .01) << mu0;
     EXPECT_NEAR(cosine_weighted(set, [](const Direction& d) { return d.x() * d.x(); }) / (pi / 4), 1, .02) << mu0;
   }
@@ -95,7 +95,7 @@ TEST(GatherDirections, AreSpacedAsTheirOwnSetIs) {
     const auto mixed = gather_directions(512, upward, sun);
     ASSERT_GT(mixed.size(), alone.size());
     for (std::size_t i = 0; i < mixed.size(); ++i) {
-      EXPECT_LT(mixed[i].weight, mixed[i].spacing);  // both sets share its light
+      EXPECT_LT(mixed[i].weight, 1.02 * mixed[i].spacing);  // both sets share its light; scaled for isotropic light
       if (i < alone.size()) {
         EXPECT_EQ(mixed[i].spacing, alone[i].weight);
       }
