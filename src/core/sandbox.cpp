@@ -4,17 +4,20 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <new>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
@@ -121,15 +124,29 @@ std::string read_all(int file) {
   }
 }
 
-/// Closes what the host has open, but for the standard streams. A lock of the host on a file would otherwise last until
-/// the child ends, even after the host closes that file.
-void close_files_of_host(int but) {
-  close_range(STDERR_FILENO + 1, static_cast<unsigned>(but) - 1, 0);
-  close_range(static_cast<unsigned>(but) + 1, ~0U, 0);
+/// Closes the descriptors of the host, so that its locks on files do not last until the child ends. Regular files that
+/// are open for reading stay, and the file that is read: HDF5 opens no file a second time if its host has it open.
+void close_files_of_host(const std::filesystem::path& path, int answer) {
+  struct stat read {};
+  const bool exists = stat(path.c_str(), &read) == 0;
+  std::vector<int> open_files;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry("/proc/self/fd", error), end; !error && entry != end;
+       entry.increment(error)) {
+    open_files.push_back(std::atoi(entry->path().filename().c_str()));
+  }
+  for (const int file : open_files) {
+    struct stat found {};
+    if (file <= STDERR_FILENO || file == answer || fstat(file, &found) != 0) continue;
+    const bool is_read = exists && found.st_dev == read.st_dev && found.st_ino == read.st_ino;
+    const bool is_read_only = (fcntl(file, F_GETFL) & O_ACCMODE) == O_RDONLY;
+    if (!S_ISREG(found.st_mode) || !(is_read || is_read_only)) close(file);
+  }
 }
 
-[[noreturn]] void perform(const Limits& limits, const std::function<void()>& read_file, int answer) {
-  close_files_of_host(answer);
+[[noreturn]] void perform(const std::filesystem::path& path, const Limits& limits,
+                          const std::function<void()>& read_file, int answer) {
+  close_files_of_host(path, answer);
   impose(limits);
   // The parent's read prints the messages of the library again, so the child's are discarded.
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
@@ -233,7 +250,7 @@ void read_in_sandbox(const std::filesystem::path& path, const SandboxOptions& op
   const Limits limits = limits_for(path, options);
   const std::array<int, 2> answer = open_pipe();
   const pid_t child = fork();
-  if (child == 0) perform(limits, read, answer[1]);
+  if (child == 0) perform(path, limits, read, answer[1]);
   const int fork_error = errno;
   close(answer[1]);
   const std::string message = child > 0 ? read_all(answer[0]) : "";

@@ -319,7 +319,7 @@ FluxProfile read_profile(hid_t file, const std::string& where, const std::string
   const Selection selection = select_wavelength(file, where, variable, dataset, wavelength_um);
   const unsigned vertical = selection.wavelength_um ? 1 : 0;
   if (selection.size.size() <= vertical)
-    throw InputError(fmt::format("{}: {} has no levels (found one value, allowed one a level)", where, variable));
+    throw InputError(fmt::format("{}: {} has no levels (found one value, allowed one per level)", where, variable));
   const std::size_t levels = selection.size[vertical];
   FluxProfile profile{variable,
                       hdf5::attribute_text(dataset, "units"),

@@ -39,7 +39,7 @@ void set_size(RenderReport& report, int scale) {
   const double width = cells * pixels_a_cell;
   const double height = std::max(1.0, std::round(width * aspect));
   if (std::max(width, height) > largest_side) {
-    throw InputError(fmt::format("scale: {} pixels a cell make an image of {} x {}, at most {} x {} are allowed",
+    throw InputError(fmt::format("scale: {} pixels per cell make an image of {} x {}, at most {} x {} are allowed",
                                  pixels_a_cell, width, height, largest_side, largest_side));
   }
   report.width = static_cast<int>(width);

@@ -183,6 +183,12 @@ class FluxFields {
       solution.report.gather_rescaling = factor;
   }
 
+  // With open sides the mean flux up at the top is that of the gather. The spiral alone then errs by .02 %, with more
+  // directions about a sun at 80 degrees by .24 %.
+  std::vector<GatherDirection> upward_directions() const {
+    return gather_directions(options_.gather_directions, true, system_.box.periodic ? sun_direction() : std::nullopt);
+  }
+
   void gather_ends(Solution& solution) {
     report_progress(0);
     bottom_down_ = gather_flux<Real>(gather_scene(), 0, false,
@@ -204,8 +210,7 @@ class FluxFields {
     }
     note_factor(solution, factor);
     report_progress(.25);
-    top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true,
-                                gather_directions(options_.gather_directions, true, sun_direction()));
+    top_up_ = gather_flux<Real>(gather_scene(), system_.box.nz(), true, upward_directions());
     const double by_ordinates = profile_up(system_.box.nz());
     if (system_.box.periodic) {
       note_factor(solution, rescale(top_up_, by_ordinates));
@@ -233,7 +238,7 @@ class FluxFields {
     const int count = options_.gather_directions;
     inner_down_ = gather(gather_scene(), false, gather_directions(count, false, sun_direction()));
     report_progress(.7);
-    inner_up_ = gather(gather_scene(), true, gather_directions(count, true, sun_direction()));
+    inner_up_ = gather(gather_scene(), true, upward_directions());
     report_progress(.9);
     if (!peak_directions_.empty()) inner_peak_ = gather(peak_scene(), false, peak_directions_);
   }

@@ -17,7 +17,7 @@ namespace sight {
 /// Lines that are level never leave periodic air: they are followed through so many domains.
 constexpr int most_domains = 2000;
 
-/// Cuts the part [enter, leave] of a line, in distances along it. What is left lies between low and high on one axis.
+/// Cuts the part [enter, leave] of a line, in distances along it. The rest lies between low and high on one axis.
 inline void clip(double from, double along, double low, double high, double& enter, double& leave) {
   if (along == 0) {
     if (from < low || from > high) leave = -1;

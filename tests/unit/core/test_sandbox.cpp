@@ -51,21 +51,38 @@ TEST(Sandbox, ChangesNothingInThisProcess) {
   EXPECT_EQ(cloudbow::after_sandbox(file, {}, [&] { return ++reads; }), 1);
 }
 
-// flock(2): a lock lasts until all descriptors of the open file are closed, in any process.
+/// Word of a child about a descriptor.
+std::string message_about(int descriptor) {
+  return message_of([descriptor] { throw InputError(fcntl(descriptor, F_GETFD) == -1 ? "closed" : "open"); });
+}
+
+// flock(2): a lock lasts until all descriptors of the open file are closed, in any process. This process may close the
+// file while a child reads another one; whoever locks it next must find it free.
 TEST(Sandbox, HoldsNoLockOfThisProcess) {
-  const int locked = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  ASSERT_EQ(flock(locked, LOCK_SH), 0);
-  EXPECT_EQ(message_of([locked] {
-              // This process may close the file while a child reads; whoever locks it next must find it free.
-              if (fcntl(locked, F_GETFD) != -1) throw InputError("the file of the host is open");
-            }),
-            "nothing thrown");
+  const std::filesystem::path other = testing::TempDir() + "/cloudbow-locked-" + std::to_string(getpid());
+  const int locked = open(other.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(flock(locked, LOCK_EX), 0);
+  EXPECT_EQ(message_about(locked), "closed");
   // Closed in the child, it stays locked here.
-  const int other = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  EXPECT_NE(flock(other, LOCK_EX | LOCK_NB), 0);
+  const int next = open(other.c_str(), O_RDWR | O_CLOEXEC);
+  EXPECT_NE(flock(next, LOCK_EX | LOCK_NB), 0);
   close(locked);
-  EXPECT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
-  close(other);
+  EXPECT_EQ(flock(next, LOCK_EX | LOCK_NB), 0);
+  close(next);
+  std::filesystem::remove(other);
+}
+
+// HDF5 takes a file that it has open already from the descriptor that it has.
+TEST(Sandbox, KeepsFilesThatThisProcessReads) {
+  const std::filesystem::path other = testing::TempDir() + "/cloudbow-read-" + std::to_string(getpid());
+  std::ofstream(other) << "read";
+  const int read_only = open(other.c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(message_about(read_only), "open");
+  close(read_only);
+  const int itself = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(message_about(itself), "open");
+  close(itself);
+  std::filesystem::remove(other);
 }
 
 TEST(Sandbox, HandsOnTheMessageOfAnError) {

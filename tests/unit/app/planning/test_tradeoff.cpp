@@ -23,7 +23,7 @@ TEST(CommandLine, TradeoffLeavesOutWhatDoesNotFit) {
   options.memory_bytes = 1'000'000;  // more than the grid takes, less than any solve
   EXPECT_THAT([&] { tradeoff(options); },
               testing::ThrowsMessage<InputError>(
-                  AllOf(HasSubstr("draft"), HasSubstr("reference"), HasSubstr("there are 0.00 GB"))));
+                  AllOf(HasSubstr("draft"), HasSubstr("reference"), HasSubstr("0.00 GB are available"))));
 }
 
 // Columns under a slanted beam give no image.

@@ -263,6 +263,17 @@ TEST(Scene, EarlierNamesOfKeysAreAccepted) {
               AllOf(HasSubstr("solver.largest_level_depth"), HasSubstr("earlier name")));
 }
 
+TEST(Scene, NamesInMessagesAreOnOneLine) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("scene.toml", "\"a\\u001b\\n\" = 1\n");
+  EXPECT_THAT([&] { read_scene(file); }, testing::ThrowsMessage<InputError>(
+                                             AllOf(HasSubstr("\"a\\u001B\\u000A\""), testing::Not(HasSubstr("\n")))));
+  const std::vector<std::string> set{"x=\n1"};
+  EXPECT_THAT(
+      [&] { read_scene(folder.write("slab.toml", layers_toml), set); },
+      testing::ThrowsMessage<InputError>(AllOf(HasSubstr("--set \"x=\\u000A1\""), testing::Not(HasSubstr("\n")))));
+}
+
 TEST(Scene, WrongOverrides) {
   EXPECT_THAT(message_of(layers_toml, {"sun.zenit_deg=30"}),
               AllOf(HasSubstr("--set sun.zenit_deg=30"), HasSubstr("unknown key"), HasSubstr("mean zenith_deg")));

@@ -94,7 +94,7 @@ TEST(SceneSettings, FieldsOfTheOutputAreThoseOfTheList) {
   EXPECT_FALSE(some.output.actinic);
   EXPECT_TRUE(output_of("[\"fluxes\", \"actinic\"]").output.actinic);
   EXPECT_THAT(message_of(layers_toml + "[output]\nfields = [\"fluxes\", \"actinick\"]\n"),
-              AllOf(HasSubstr("output.fields"), HasSubstr("did you mean actinic?")));
+              AllOf(HasSubstr("output.fields"), HasSubstr("found \"actinick\"")));
 }
 
 }  // namespace

@@ -233,7 +233,7 @@ TEST(IterationState, NumbersThatMakeNoSenseAreRefused) {
   EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), Kept::Stopped);
   kept.stop_after = 0;
   for (const auto& [place, value] : std::vector<std::pair<std::size_t, double>>{
-           {3, -1.}, {4, 1e9}, {6, -1.}, {6, 1e9}, {7, std::nan("")}, {27, 1e6}, {27, -1.}}) {
+           {3, -1.}, {4, 1e9}, {6, -1.}, {6, 1e9}, {7, std::nan("")}, {26, 1e6}, {26, -1.}}) {
     kept.place = place;
     kept.value = value;
     EXPECT_THROW(iterate_source(system, of.iteration, {}, &kept), std::invalid_argument) << place << ' ' << value;

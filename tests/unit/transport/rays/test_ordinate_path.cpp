@@ -10,7 +10,7 @@
 namespace cloudbow {
 namespace {
 
-class OrdinatePaths : public testing::Test {
+class OrdinatePathTest : public testing::Test {
  protected:
   OrdinatePath path_along(const Direction& travel, bool independent_columns = false) const {
     return make_ordinate_paths<double>(box_, cells_, {travel}, independent_columns).front();
@@ -24,10 +24,10 @@ class OrdinatePaths : public testing::Test {
   const BoxGrid box_ = make_box(16, 12, 8);
   const std::vector<double> untruncated_{0.};
   const Cells<double> cells_ =
-      make_cells<double>(make_grid(box_, std::vector<float>(cells_of(box_), .5F), .9), untruncated_, false, 1);
+      make_cells<double>(make_grid(box_, random_extinction(box_, .1, 9), 1.), untruncated_, false, 1);
 };
 
-TEST_F(OrdinatePaths, SteepOrdinatesMarchAlongZAlone) {
+TEST_F(OrdinatePathTest, SteepOrdinatesMarchAlongZAlone) {
   for (const double mu : {.95, -.95}) {
     const OrdinatePath path = path_along(travel_along(mu, 40));
     EXPECT_EQ(path.upward, mu > 0);
@@ -38,16 +38,16 @@ TEST_F(OrdinatePaths, SteepOrdinatesMarchAlongZAlone) {
   }
 }
 
-TEST_F(OrdinatePaths, GrazingOrdinatesMarchSidewaysWhereTheyMay) {
-  const OrdinatePath path = path_along(travel_along(.03, 10));
+TEST_F(OrdinatePathTest, GrazingOrdinatesMarchSidewaysWhereTheyMay) {
+  const OrdinatePath path = path_along(travel_along(.1, 8));
   ASSERT_TRUE(path.sideways);
-  EXPECT_EQ(path.sideways->axis, 0) << "10 degrees from x";
+  EXPECT_EQ(path.sideways->axis, 0) << "8 degrees from x";
   EXPECT_EQ(path.along_z.size(), 2U);
   EXPECT_EQ(levels_of(path), 8);
-  EXPECT_EQ(path_along(travel_along(.03, 80)).sideways->axis, 1);
+  EXPECT_EQ(path_along(travel_along(.1, 80)).sideways->axis, 1);
 }
 
-TEST_F(OrdinatePaths, CostGrowsTowardsTheHorizonUntilTheyTurnSideways) {
+TEST_F(OrdinatePathTest, CostGrowsTowardsTheHorizonUntilTheyTurnSideways) {
   EXPECT_LT(path_along(travel_along(.9, 30)).cost, path_along(travel_along(.5, 30)).cost);
 }
 
