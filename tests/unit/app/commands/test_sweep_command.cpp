@@ -1,4 +1,4 @@
-// `cloudbow sweep` as a user calls it. Truth: the values on the command line. What it computes is in
+// `cloudbow sweep` as a user calls it. Truth: the values on the command line. Its results are tested in
 // runs/test_sweep.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
