@@ -16,9 +16,10 @@ constexpr double pixels_per_point = 8.0 / 3;  // 450 points are 1200 pixels
 
 const DrawingModule& drawing_module() {
   static const DrawingModule& module = []() -> const DrawingModule& {
-    // Measured: 60 MB of libraries and fonts. Pango looks for fonts in two threads.
+    // Measured: 60 MB of libraries and fonts. Pango looks for fonts in two threads and ends the program if one cannot
+    // start. The C library reserves 134 MB of addresses for the allocations of the first.
     const void* const symbol = load_module("cloudbow_drawing.so", "cloudbow_drawing_module",
-                                           {"Cairo and Pango", "draws figures", 100'000'000, 4});
+                                           {"Cairo and Pango", "draws figures", 234'000'000, 4});
     const auto& loaded = *static_cast<const DrawingModule*>(symbol);
     if (const std::string reason = loaded.find_fonts(); !reason.empty())
       throw InputError("figure: " + reason + " (found none, allowed any) install one, such as fonts-dejavu-core");
