@@ -10,6 +10,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/sandbox.hpp"
 #include "io/hdf5_handle.hpp"
+#include "io/open_result.hpp"
 
 namespace cloudbow {
 namespace {
@@ -47,7 +48,7 @@ SolveCost read_cost(hid_t file) {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(hdf5::open_file(path)) {}
+  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(open_result(path)) {}
 
   BoundaryResult read() const {
     for (const char* name :

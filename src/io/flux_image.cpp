@@ -14,6 +14,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/sandbox.hpp"
 #include "io/hdf5_handle.hpp"
+#include "io/open_result.hpp"
 
 namespace cloudbow {
 
@@ -201,8 +202,12 @@ FluxImage read_section(hid_t file, const std::string& where, hid_t dataset, Flux
   const std::size_t rank = selection.size.size();
   const std::string levels = dimension_name(dataset, vertical);
   image.rows = static_cast<int>(selection.size[vertical]);
-  image.row_edge_m = levels == "z" ? read_axis(file, where, "z_edge", selection.size[vertical] + 1)
-                                   : edges_between(read_axis(file, where, levels, selection.size[vertical]));
+  if (levels == "z") {
+    image.row_edge_m = read_axis(file, where, "z_edge", selection.size[vertical] + 1);
+  } else {
+    image.level_m = read_axis(file, where, levels, selection.size[vertical]);
+    image.row_edge_m = edges_between(image.level_m);
+  }
   image.rows_along = "z";
   const bool along_x = choice.section ? choice.section->axis == 'y' : axes.x.size() > 1;
   if (choice.section) {
@@ -329,7 +334,9 @@ FluxProfile read_profile(hid_t file, const std::string& where, const std::string
                       read_axis(file, where, dimension_name(dataset, vertical), levels),
                       {},
                       0,
-                      0};
+                      0,
+                      {}};
+  if (dimension_name(dataset, vertical) == "z") profile.face_m = read_axis(file, where, "z_edge", levels + 1);
   const std::vector<double> edge = read_coordinate(file, "z_edge");
   profile.bottom_m = edge.empty() ? profile.height_m.front() : edge.front();
   profile.top_m = edge.empty() ? profile.height_m.back() : edge.back();
@@ -347,7 +354,7 @@ auto with_result(const std::filesystem::path& result_file, const Action& action)
   const std::string where = result_file.string();
   return after_sandbox(result_file, {.library = "HDF5"}, [&] {
     try {
-      const Handle file = hdf5::open_file(result_file);
+      const Handle file = open_result(result_file);
       return action(file);
     } catch (const hdf5::Error& failure) {
       throw InputError(fmt::format("{}: can't be read as a result file of cloudbow run ({})", where, failure.what()));

@@ -9,6 +9,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/interpolation_weights.hpp"
+#include "io/open_result.hpp"
 
 namespace cloudbow {
 
@@ -31,7 +32,7 @@ hsize_t chunk_rows(hid_t dataset) {
 
 }  // namespace
 
-ResultInput::ResultInput(const std::filesystem::path& path) : path_(path.string()), file_(hdf5::open_file(path)) {
+ResultInput::ResultInput(const std::filesystem::path& path) : path_(path.string()), file_(open_result(path)) {
   if (exists(file_, "wavelength"))
     fail("it holds a spectrum (found the dimension wavelength, allowed the result of a scene without [spectrum])");
   read_box();

@@ -12,12 +12,11 @@ namespace cloudbow {
 
 namespace {
 
-constexpr int wanted_ticks = 7;
 constexpr std::size_t most_decades_labelled = 8;
 constexpr int most_digits = 7;
 
-double nice_spacing(double length) {
-  const double raw = length / wanted_ticks, power = std::pow(10, std::floor(std::log10(raw)));
+double nice_spacing(const PlotAxis& axis, double length) {
+  const double raw = length / axis.wanted_ticks, power = std::pow(10, std::floor(std::log10(raw)));
   for (const double step : {1.0, 2.0, 5.0}) {
     if (raw <= 1.0001 * step * power) return step * power;
   }
@@ -79,7 +78,7 @@ std::vector<double> axis_ticks(const PlotAxis& axis, std::pair<double, double> r
     return ticks;
   }
   if (minor) return ticks;
-  const double spacing = axis.tick_spacing.value_or(nice_spacing(largest - least));
+  const double spacing = axis.tick_spacing.value_or(nice_spacing(axis, largest - least));
   const double first = std::ceil(least / spacing - 1e-6);
   for (int n = 0; (first + n) * spacing <= largest + 1e-6 * spacing; ++n) ticks.push_back((first + n) * spacing);
   return ticks;
@@ -105,7 +104,7 @@ std::pair<double, double> axis_range(const PlotAxis& axis, const std::vector<dou
     least -= half;
     largest += half;
   }
-  const double spacing = axis.tick_spacing.value_or(nice_spacing(largest - least));
+  const double spacing = axis.tick_spacing.value_or(nice_spacing(axis, largest - least));
   return {spacing * std::floor(least / spacing + 1e-6), spacing * std::ceil(largest / spacing - 1e-6)};
 }
 
@@ -114,7 +113,7 @@ AxisText axis_text(const PlotAxis& axis, std::pair<double, double> range) {
   AxisText text;
   text.tick = axis_ticks(axis, range);
   const double spacing =
-      text.tick.size() > 1 ? text.tick[1] - text.tick[0] : nice_spacing(std::abs(range.second - range.first));
+      text.tick.size() > 1 ? text.tick[1] - text.tick[0] : nice_spacing(axis, std::abs(range.second - range.first));
   double offset = 0;
   const auto largest = [&] {
     double size = spacing;

@@ -13,7 +13,8 @@ struct PlotAxis {
   std::string unit;  ///< as in files ("W m-2"); "1" or empty: none
   bool logarithmic = false;
   std::optional<std::pair<double, double>> range{};  ///< default: of the data, widened to ticks
-  std::optional<double> tick_spacing{};  ///< linear axes; default: about seven ticks, at 1, 2 or 5 times 10^n
+  std::optional<double> tick_spacing{};              ///< linear axes; default: 1, 2 or 5 times 10^n
+  int wanted_ticks = 7;                              ///< intervals of linear axes without tick_spacing: at most as many
 };
 
 /// The range of an axis that shows these values. Values that are not finite, or not positive on a logarithmic axis, do

@@ -37,15 +37,15 @@ std::string unbroken(const std::string& text) {
   return joined;
 }
 
-/// Rows of uneven height take as many pixels as the thinnest needs, within limits.
+/// Rows of uneven height take as many pixels as the thinnest needs, within limits; between levels values change.
 int pixel_rows(const FluxImage& image) {
+  constexpr int least_pixels = 1024;  // edges of uneven rows are in their place to a pixel
   double thinnest = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n + 1 < image.row_edge_m.size(); ++n)
     thinnest = std::min(thinnest, image.row_edge_m[n + 1] - image.row_edge_m[n]);
   const double height = image.row_edge_m.back() - image.row_edge_m.front();
   const double even = height / image.rows;
-  if (even - thinnest < 1e-3 * even) return std::min(image.rows, most_pixels);
-  constexpr int least_pixels = 1024;  // edges of uneven rows are in their place to a pixel
+  if (image.level_m.empty() && even - thinnest < 1e-3 * even) return std::min(image.rows, most_pixels);
   return static_cast<int>(std::clamp(std::ceil(2 * height / thinnest), double{least_pixels}, double{most_pixels}));
 }
 
@@ -97,7 +97,8 @@ std::pair<double, double> value_range(const std::vector<float>& values, const Co
 
 ColourScale colour_scale(const std::string& variable, const std::string& unit, std::pair<double, double> range,
                          const ColourChoice& choice) {
-  ColourScale scale{{.name = readable_name(variable), .unit = unit}, range, {}};
+  constexpr int ticks = 12;  // one of them is near each end
+  ColourScale scale{{.name = readable_name(variable), .unit = unit, .wanted_ticks = ticks}, range, {}};
   auto& [first, last] = scale.range;
   if (first == last) {
     const double half = first == 0 ? 1 : 0.05 * std::abs(first);
@@ -143,8 +144,7 @@ Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std
   picture.width = std::min(image.columns, most_pixels);
   picture.height = pixel_rows(image);
   const auto& [first, last] = scale.range;
-  for (const std::size_t cell : cells_of_pixels(image, picture.width, picture.height)) {
-    const float value = image.value[cell];
+  for (const float value : values_of_pixels(image, picture.width, picture.height)) {
     if (!std::isfinite(value)) {
       picture.rgba.insert(picture.rgba.end(), 4, 0);
       continue;
@@ -166,6 +166,39 @@ Drawing photograph_figure(const FluxImage& image, const std::vector<std::uint8_t
   return map_figure(std::move(plot));
 }
 
+namespace {
+
+/// Curve of a profile, through its levels or as stairs over its cells. @param metres of the unit of heights
+PlotSeries curve_of(const FluxProfile& profile, double metres, const PlotColour& colour) {
+  const bool of_cells = !profile.face_m.empty();
+  const std::size_t count = profile.value.size();
+  if (profile.height_m.size() != count || (of_cells && profile.face_m.size() != count + 1)) {
+    throw InputError(fmt::format("{}: its profile is damaged (found {} values, allowed one per height: {})",
+                                 profile.variable, count, profile.height_m.size()));
+  }
+  PlotSeries series{readable_name(profile.variable), {}, {}, {colour, 1.4}};
+  const auto add = [&](double value, double height_m) {
+    series.x.push_back(value);
+    series.y.push_back(height_m / metres);
+  };
+  for (std::size_t k = 0; k < count; ++k) {
+    add(profile.value[k], of_cells ? profile.face_m[k] : profile.height_m[k]);
+    if (of_cells) add(profile.value[k], profile.face_m[k + 1]);
+  }
+  return series;
+}
+
+/// The range of the values with room at both sides: curves do not lie on the frame.
+std::pair<double, double> range_with_margin(const LinePlot& plot) {
+  constexpr double margin = 0.03;
+  std::vector<double> values;
+  for (const PlotSeries& series : plot.series) values.insert(values.end(), series.x.begin(), series.x.end());
+  const auto [first, last] = axis_range(plot.x, values);
+  return {first - margin * (last - first), last + margin * (last - first)};
+}
+
+}  // namespace
+
 Drawing profile_figure(const std::vector<FluxProfile>& profiles, const std::string& title) {
   const FluxProfile& first = profiles.front();
   const LengthUnit unit = length_unit(first.top_m - first.bottom_m);
@@ -173,12 +206,9 @@ Drawing profile_figure(const std::vector<FluxProfile>& profiles, const std::stri
   plot.x = {.name = profiles.size() == 1 ? readable_name(first.variable) : "flux", .unit = first.units};
   plot.y = {.name = "z", .unit = unit.name};
   plot.y.range = std::pair(first.bottom_m / unit.metres, first.top_m / unit.metres);
-  for (std::size_t n = 0; n < profiles.size(); ++n) {
-    PlotSeries series{
-        readable_name(profiles[n].variable), profiles[n].value, profiles[n].height_m, {plot_colour(n), 1.4}};
-    for (double& height : series.y) height /= unit.metres;
-    plot.series.push_back(std::move(series));
-  }
+  for (std::size_t n = 0; n < profiles.size(); ++n)
+    plot.series.push_back(curve_of(profiles[n], unit.metres, plot_colour(n)));
+  plot.x.range = range_with_margin(plot);
   constexpr double plot_height = 330, width = figure_width - 2 * figure_margin;
   Drawing drawing{.width = figure_width, .title = title};
   std::string subtitle = "domain mean";

@@ -36,7 +36,9 @@ Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std
 Drawing photograph_figure(const FluxImage& image, const std::vector<std::uint8_t>& rgb, int width, int height,
                           const std::string& title);
 
-/// Values to the right, height upwards; all of one unit. One profile without legend, several with.
+/// Values to the right, height upwards; all of one unit. Lines go through levels; cells are stairs from face to face.
+/// One profile without legend, several with.
+/// @throws InputError if a profile has not one value per height
 Drawing profile_figure(const std::vector<FluxProfile>& profiles, const std::string& title);
 
 }  // namespace cloudbow

@@ -1,6 +1,7 @@
 #include "plots/image_pixels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace cloudbow {
@@ -20,6 +21,27 @@ std::vector<std::size_t> cells_of_pixels(const FluxImage& image, int width, int 
     }
   }
   return cell;
+}
+
+std::vector<float> values_of_pixels(const FluxImage& image, int width, int height) {
+  const std::vector<std::size_t> cell = cells_of_pixels(image, width, height);
+  const std::vector<double>& level = image.level_m;
+  const double bottom = image.row_edge_m.front(), top = image.row_edge_m.back();
+  const auto columns = static_cast<std::size_t>(image.columns);
+  std::vector<float> value(cell.size());
+  for (std::size_t pixel = 0; pixel < cell.size(); ++pixel) {
+    value[pixel] = image.value[cell[pixel]];
+    if (level.size() < 2) continue;
+    const double row = static_cast<double>(pixel / static_cast<std::size_t>(width)) + 0.5;
+    const double at = top - row / height * (top - bottom);
+    const auto above = std::upper_bound(level.begin() + 1, level.end() - 1, at);
+    const auto upper = static_cast<std::size_t>(above - level.begin());
+    const double share = std::clamp((at - *(above - 1)) / (*above - *(above - 1)), 0.0, 1.0);
+    const std::size_t column = cell[pixel] % columns;
+    const double low = image.value[(upper - 1) * columns + column], high = image.value[upper * columns + column];
+    if (std::isfinite(low) && std::isfinite(high)) value[pixel] = static_cast<float>(low + share * (high - low));
+  }
+  return value;
 }
 
 bool is_map(const FluxImage& image) { return image.rows_along == "y"; }

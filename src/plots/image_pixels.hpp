@@ -12,6 +12,10 @@ namespace cloudbow {
 /// height have as many pixels as their height asks for.
 std::vector<std::size_t> cells_of_pixels(const FluxImage& image, int width, int height);
 
+/// For each pixel its value: that of its cell, or between two levels the linear interpolation in height. Beside a level
+/// without a value, it is that of the nearer level.
+std::vector<float> values_of_pixels(const FluxImage& image, int width, int height);
+
 /// Whether the image is a horizontal map or that of a camera, and not a vertical section.
 bool is_map(const FluxImage& image);
 

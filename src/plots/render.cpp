@@ -27,7 +27,7 @@ namespace {
 constexpr int colour_count = 255;
 constexpr double longer_side = 768;
 constexpr double largest_side = 16384;
-constexpr int least_width = 200, largest_width = 10000;  // of figures
+constexpr int least_width = 400, largest_width = 10000;  // of figures
 
 void set_size(RenderReport& report, int scale) {
   const double aspect = aspect_of(report.image);

@@ -27,6 +27,7 @@ struct FluxImage {
   double column_start_m = 0;       ///< edge of the first column
   double column_width_m = 1;       ///< of a camera: 1, a pixel
   std::vector<double> row_edge_m;  ///< rows + 1, ascending
+  std::vector<double> level_m{};   ///< heights of rows whose values hold at levels; empty: those of cells
 };
 
 /// A vertical plane through a result.
@@ -52,6 +53,7 @@ struct FluxProfile {
   std::optional<double> wavelength_um;
   std::vector<double> height_m, value;  ///< ascending; NaN: no value
   double bottom_m = 0, top_m = 0;       ///< of the domain
+  std::vector<double> face_m{};         ///< of cells, one more than values; empty: the values hold at levels
 };
 
 /// Wavelengths [um] of a result; empty: it has no spectrum. @throws InputError if the file is no result.

@@ -61,7 +61,7 @@ void add_render(CLI::App& app, std::function<int()>& action) {
   figure->excludes(bare);
   render_app->add_option("--title", options->title, "Title of a figure (default: the scene's)")->type_name("TEXT");
   render_app->add_option("--size", options->width, "Width of a PNG figure in pixels (default: 1200)")
-      ->check(whole_number(200, 10000));
+      ->check(whole_number(400, 10000));
   render_app->add_option("--range", options->range, "Values of the first and the last colour (default: those there)")
       ->type_name("FIRST LAST")
       ->check(any_number);

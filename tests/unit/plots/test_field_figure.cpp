@@ -141,12 +141,51 @@ TEST(ProfileFigure, CurvesHaveValuesToTheRightAndHeightUpwards) {
   EXPECT_DOUBLE_EQ(curves[0].points[0].y, frame.bottom);
   EXPECT_DOUBLE_EQ(curves[0].points[2].y, frame.top);
   EXPECT_NEAR(curves[0].points[1].y, frame.bottom - frame.height() / 3, 1e-9);
-  EXPECT_NEAR(curves[0].points[2].x, frame.right, 1e-9);                     // 400 of 0 to 400
-  EXPECT_NEAR(curves[1].points[2].x, frame.left + frame.width() / 4, 1e-9);  // 100
+  // The axis goes from 0 to 400, with 3 % of that as margin at each side.
+  const double left = frame.left + 0.03 / 1.06 * frame.width(), width = frame.width() / 1.06;
+  EXPECT_NEAR(curves[0].points[2].x, left + width, 1e-9);      // 400
+  EXPECT_NEAR(curves[1].points[2].x, left + width / 4, 1e-9);  // 100
+  EXPECT_NEAR(curves[1].points[0].x, left, 1e-9);              // 0
   const std::string text = all_text(drawing);
   for (const char* part : {"z [km]", "flux [W", "upwelling flux|", "direct flux|", "domain mean", "Scene"})
     EXPECT_THAT(text, HasSubstr(part));
   EXPECT_THAT(all_text(profile_figure({up}, "")), testing::Not(HasSubstr("|upwelling flux|")));
+}
+
+TEST(ProfileFigure, CellsAreStairsFromFaceToFace) {
+  const FluxProfile rate{"heating_rate", "K s-1", "", "", {}, {50, 200}, {1, 2}, 0, 300, {0, 100, 300}};
+  const Drawing drawing = profile_figure({rate}, "");
+  const auto line = std::ranges::find_if(drawing.shapes, [](const Shape& shape) {
+    return std::holds_alternative<DrawnLine>(shape) && std::get<DrawnLine>(shape).clip;
+  });
+  ASSERT_NE(line, drawing.shapes.end());
+  const auto& [points, stroke, clip] = std::get<DrawnLine>(*line);
+  ASSERT_EQ(points.size(), 4u);
+  EXPECT_NEAR(points[0].y, clip->bottom, 1e-9);
+  EXPECT_NEAR(points[1].y, clip->bottom - clip->height() / 3, 1e-9);
+  EXPECT_EQ(points[1].y, points[2].y);
+  EXPECT_NEAR(points[3].y, clip->top, 1e-9);
+  EXPECT_EQ(points[0].x, points[1].x);
+  EXPECT_LT(points[1].x, points[2].x);
+}
+
+TEST(ProfileFigure, RefusesProfilesWithoutOneValuePerHeight) {
+  FluxProfile profile{"direct_flux", "W m-2", "", "", {}, {0, 1000, 3000}, {1, 2, 3, 1, 2, 3}, 0, 3000};
+  EXPECT_THROW(profile_figure({profile}, ""), InputError);
+  profile.value = {1, 2};
+  EXPECT_THROW(profile_figure({profile}, ""), InputError);
+  profile.value = {1, 2, 3};
+  profile.face_m = {0, 500, 3000};
+  EXPECT_THROW(profile_figure({profile}, ""), InputError);
+}
+
+TEST(ColourScale, HasATickNearEachEnd) {
+  for (const double last : {1.9, 2.4, 3.7, 5.3, 8.6, 9.9}) {
+    const ColourScale scale = colour_scale("f", "1", {0.04, last}, {});
+    const std::vector<double> ticks = axis_ticks(scale.axis, scale.range);
+    EXPECT_LT(ticks.front() - 0.04, 0.21 * last) << last;  // the widest spacing is 2.5 twelfths
+    EXPECT_LT(last - ticks.back(), 0.21 * last) << last;
+  }
 }
 
 TEST(ReadableName, HasNoUnderscores) {

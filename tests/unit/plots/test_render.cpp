@@ -320,6 +320,8 @@ TEST_F(Render, ProfilesAreThoseOfTheFileOrMeans) {
   EXPECT_THAT(stored.height_m, testing::ElementsAre(510, 530, 560));
   const FluxProfile mean = read_flux_profile(options_.result_file, "absorbed_power", {});
   EXPECT_THAT(mean.height_m, testing::ElementsAre(520, 545));
+  EXPECT_THAT(stored.face_m, testing::IsEmpty());
+  EXPECT_THAT(mean.face_m, testing::ElementsAre(510, 530, 560));
   EXPECT_NEAR(mean.value[1], 4000 + 100 + 15 + 1 / 16., 1e-3);  // the mean of a linear function; floats
   EXPECT_EQ(mean.units, "W m-3");
   EXPECT_EQ(mean.bottom_m, 510);
@@ -356,7 +358,7 @@ TEST_F(Render, OptionsThatExcludeEachOther) {
   expect([](auto& o) { o.form = RenderForm::bare, o.width = 600; }, HasSubstr("bare: excludes size"));
   expect([](auto& o) { o.scale = 2, o.title = "T"; }, HasSubstr("scale: excludes title"));
   expect([](auto& o) { o.scale = 2, o.form = RenderForm::figure; }, HasSubstr("excludes figure"));
-  expect([](auto& o) { o.width = 100; }, HasSubstr("found 100, allowed a width from 200 to 10000"));
+  expect([](auto& o) { o.width = 100; }, HasSubstr("found 100, allowed a width from 400 to 10000"));
   expect([](auto& o) { o.profile = true, o.section = "y=0"; }, HasSubstr("profile: excludes section"));
   for (const char* section : {"z=3", "y", "x=", "y=12m", "x=nan", "3200"}) {
     expect([section](auto& o) { o.section = section; },
