@@ -85,12 +85,34 @@ def _axis(array: Any, axis: str, key: str) -> Optional[tuple]:
     return size, _tidy(float(centre[0]) - size / 2, size), descends
 
 
+def _voxel_size(cloud: Mapping, key: str) -> Optional[tuple]:
+    """The scene's voxel size along x, y, z [m]; None if it has none."""
+    size = cloud.get("voxel_size_m")
+    if size is None:
+        return None
+    try:
+        sizes = tuple(float(part) for part in (size if hasattr(size, "__len__") and not isinstance(size, str) else [size] * 3))
+    except (TypeError, ValueError):
+        sizes = ()
+    if len(sizes) != 3:
+        raise refuse(key.removesuffix(".file") + ".voxel_size_m", "no size", repr(size), "a number, or three for x, y, z [m]")
+    return sizes
+
+
+def _check_voxel_size(cells: Cells, cloud: Mapping, key: str) -> None:
+    """Coordinates and the scene's voxel size must not contradict each other."""
+    size = _voxel_size(cloud, key)
+    if size is not None and not all(math.isclose(a, b, rel_tol=1e-6) for a, b in zip(size, cells.size_m)):
+        texts = [" x ".join(f"{part:g}" for part in parts) for parts in (size, cells.size_m)]
+        raise refuse(key.removesuffix(".file") + ".voxel_size_m", f"contradicts the coordinates of {key}", f"{texts[0]} m",
+                     f"{texts[1]} m, as the coordinates say; leave the key out, or give the array without coordinates")
+
+
 def _box(domain: Any, cloud: Mapping, shape: tuple, key: str) -> Cells:
     """Cells of an array without coordinates: those that fill the scene's domain, or of the scene's voxel size."""
-    if cloud.get("voxel_size_m") is not None:
-        size = cloud["voxel_size_m"]
-        size = [float(size)] * 3 if not hasattr(size, "__len__") else [float(part) for part in size]
-        return Cells(tuple(size), (0.0, 0.0, 0.0))
+    size = _voxel_size(cloud, key)
+    if size is not None:
+        return Cells(size, (0.0, 0.0, 0.0))
     low, high = (domain or {}).get("min_m"), (domain or {}).get("max_m")
     if low is None or high is None:
         raise refuse(key, "an array without coordinates", "neither cloud.voxel_size_m nor domain.min_m and domain.max_m",
@@ -139,7 +161,9 @@ def placed(array: Any, key: str, domain: Any = None, cloud: Mapping = {}) -> tup
             for n, axis in enumerate(AXES):
                 if axes[axis][2]:
                     values = np.flip(values, n)
-            return values, Cells(*(tuple(axes[axis][n] for axis in "xyz") for n in (0, 1)))
+            cells = Cells(*(tuple(axes[axis][n] for axis in "xyz") for n in (0, 1)))
+            _check_voxel_size(cells, cloud, key)
+            return values, cells
         if any(axes.values()):
             raise refuse(key, "coordinates", ", ".join(axis for axis in AXES if axes[axis]), "those of z, y, x, or none")
         return values, _box(domain, cloud, array.shape, key)
@@ -171,7 +195,7 @@ def quantity_of(array: Any, key: str, given: Optional[str] = None) -> str:
     if not quantity:
         quantity = next((name for name in UNITS if units and units in UNITS[name] and name in CLOUDS), None)
     if quantity not in CLOUDS:
-        raise refuse(key, "no quantity", repr(quantity or units), f"{key_of_quantity}, or units of {' or '.join(CLOUDS[:2])}")
+        raise refuse(key, "no quantity", repr(quantity or units), f'{key_of_quantity} = {" or ".join(repr(name) for name in CLOUDS[:2])}, or units of them')
     return quantity
 
 

@@ -153,6 +153,22 @@ def read_groups(source: Union[str, os.PathLike, bytes], by_xarray: bool = False,
     return datasets
 
 
+class GroupsByPath(dict):
+    """Datasets by the paths of their groups. The first "/" may be left out."""
+
+    def __missing__(self, name: Any) -> "xr.Dataset":
+        if super().__contains__(f"/{name}"):
+            return self[f"/{name}"]
+        there = ", ".join(self) or "none: they belong to the Dataset that `run` or `open_result` has returned"
+        raise KeyError(f"no such group (found {name!r}, allowed {there})")
+
+    def __contains__(self, name: Any) -> bool:
+        return super().__contains__(name) or super().__contains__(f"/{name}")
+
+    def get(self, name: Any, default: Any = None) -> Any:
+        return self[name] if name in self else default
+
+
 class Groups:
     """`ds.cloudbow.groups`: the groups of a result, such as "/solver", each a Dataset.
 
@@ -161,12 +177,12 @@ class Groups:
 
     def __init__(self, dataset: "xr.Dataset"):
         self._content: Optional[bytes] = None
-        self._groups: dict = {}
+        self._groups = GroupsByPath()
 
     @property
-    def groups(self) -> dict:
+    def groups(self) -> GroupsByPath:
         if self._content is not None:
-            self._groups, self._content = read_groups(self._content, root=False), None
+            self._groups, self._content = GroupsByPath(read_groups(self._content, root=False)), None
         return self._groups
 
     def set(self, source: Union[str, os.PathLike, bytes]) -> None:
@@ -174,7 +190,7 @@ class Groups:
         if isinstance(source, bytes):
             self._content = source
         else:
-            self._groups = read_groups(source, root=False)
+            self._groups = GroupsByPath(read_groups(source, root=False))
 
 
 def _register_accessor() -> None:

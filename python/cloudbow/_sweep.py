@@ -1,5 +1,6 @@
 """Sweeps: a scene for lists of values of its keys."""
 import os
+import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 NOT_CONVERGED = 3
 MOST_JOBS = 4096
+_RANGE = re.compile(r"[-+.\deE]+([:,\s]+[-+.\deE]+)+")  # as the command line has it
 
 
 class SweepProgress(NamedTuple):
@@ -26,6 +28,8 @@ class SweepProgress(NamedTuple):
 def _list_of(key: str, values: Any, absolute: bool) -> tuple:
     """(key, values as --set takes them, whether they are a dimension)."""
     is_list = isinstance(values, Sequence) and not isinstance(values, str) or hasattr(values, "ndim") and values.ndim == 1
+    if isinstance(values, str) and _RANGE.fullmatch(values):
+        raise refuse(key, "a text in place of a list", repr(values), "a list or an array, as in [0, 30, 60] or numpy.arange(0, 90, 30)")
     if hasattr(values, "ndim") and values.ndim > 1:
         raise refuse(key, "no list", f"an array of {values.ndim} dimensions", "a value, a list, or an array of one dimension")
     plain = _toml.plain(list(values) if isinstance(values, Sequence) and is_list else values, key)
@@ -104,6 +108,8 @@ def sweep(scene: Scene, keys: Mapping[str, Any], *, set: Optional[Mapping[str, A
     with workspace() as folder, explained(folder):
         file = prepare(scene, set, folder)
         lists = [_list_of(key, values, isinstance(scene, Mapping)) for key, values in keys.items()]
+        if not any(is_list for _, _, is_list in lists):
+            raise refuse(", ".join(keys) or "keys", "nothing to sweep", "no key with a list", 'a list for one key or more, as in {"sun.zenith_deg": [0, 30]}; `run` solves one scene')
         target = folder / "result.h5" if output is None else Path(output)
         options = options_of(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("sweep", scene, keys))
         outcome = _core.sweep(options=options, lists=lists, jobs=_check_jobs(jobs), shown=file.shown, message=notes(folder),

@@ -7,8 +7,8 @@
 
 namespace cloudbow {
 
-/// Opens a file for readers of the result of one run.
-/// @throws InputError if the file is missing or holds a sweep, hdf5::Error if it is damaged.
+/// Opens the result of one run.
+/// @throws InputError if the file is missing or is that of `cloudbow sweep`; hdf5::Error if it is damaged.
 hdf5::Handle open_result(const std::filesystem::path& path);
 
 }  // namespace cloudbow

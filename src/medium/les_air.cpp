@@ -461,12 +461,14 @@ void LesAir::set_density_by_gas_law() {
               "with this temperature: are both in the units that the file says?");
   if (const auto ratio = balance(air, kelvin); ratio && !(*ratio > 0.9 && *ratio < 1.1)) {
     file_.fail(
-        "'{}', '{}' and the heights contradict each other (found {:.3g} times the density that the weight of the air "
+        "'{}', '{}' and the heights contradict each other (found {:.5g} times the density that the weight of the air "
         "gives, allowed 0.9 to 1.1): is one in another unit, or a perturbation? name --pressure and --temperature, "
         "--air-density, or give --voxel-size-m DX DY DZ",
         air.name, variable->name, *ratio);
   }
-  file_.note("air density: '{}' / (287.05 J/(kg K) '{}')", air.name, variable->name);
+  const bool is_sum = air.name.find('+') != std::string::npos;
+  file_.note("air density: {}'{}'{} / (287.05 J/(kg K) '{}')", is_sum ? "(" : "", air.name, is_sum ? ")" : "",
+             variable->name);
 }
 
 }  // namespace cloudbow

@@ -66,7 +66,7 @@ VdbInput::VdbInput(const std::filesystem::path& path, const std::string& wanted)
   std::memcpy(&magic, first.data(), first.size());
   if (!stream_ || magic != openvdb::OPENVDB_MAGIC) {
     throw InputError(fmt::format(
-        "{}: not an OpenVDB file (its first bytes are {}) `cloudbow cloud import {} -o cloud.vdb` makes one "
+        "{}: not an OpenVDB file (its first bytes are {}); `cloudbow cloud import {} -o cloud.vdb` makes one "
         "of LES output (netCDF), SHDOM files and text",
         path.string(), kind_of(first), path.string()));
   }

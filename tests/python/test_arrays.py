@@ -183,6 +183,11 @@ def test_other_wrong_arrays_name_the_key(cloud):
     refused("cloud.up_axis", up_axis="y")
     refused("cloud.quantity", quantity="extinctoin")
     refused("cloud.file.*quantity", quantity=None, file=extinction().assign_attrs(units=""))
+    refused("cloud.file.*allowed cloud.quantity = 'extinction' or 'liquid_water_content'", quantity=None, file=extinction().values)
+    refused("cloud.voxel_size_m: contradicts the coordinates of cloud.file .found 100 x 100 x 25 m, allowed 100 x 100 x 50 m", voxel_size_m=[100, 100, 25])
+    refused("cloud.voxel_size_m: no size", voxel_size_m=[100, 100])
+    refused("cloud.voxel_size_m: no size", voxel_size_m="wide")
+    cb.check(dict(cloud, cloud=dict(cloud["cloud"], voxel_size_m=[100, 100, 50])))
     refused("cloud.grid", file=extinction().to_dataset(name="density"), grid="water")
     for wrong, problem in ((np.ones(3), "1 dimension"), (np.full((6, 8), np.nan), "not finite"), (np.full((6, 8), 2.0), "surface.albedo_map")):
         with pytest.raises(cb.InputError, match="surface.albedo_map") as error:

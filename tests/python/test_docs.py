@@ -4,6 +4,8 @@ Truth: the page, and the signatures of the package.
 """
 import inspect
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import cloudbow as cb
@@ -18,6 +20,14 @@ def test_the_page_runs(tmp_path, monkeypatch):
         exec(compile(block, str(PAGE), "exec"), names)
     assert (tmp_path / "heating.png").stat().st_size > 1000
     assert float(names["day"].max()) > 0 and names["series"].sizes["zenith_deg"] == 3
+
+
+def test_the_figure_of_sweeps_needs_no_comparison(layers, tmp_path):
+    for compare in (False, True):
+        picture = tmp_path / f"{compare}.png"
+        cb.sweep(layers, {"sun.zenith_deg": [0, 40]}, compare=compare, output=tmp_path / f"{compare}.h5")
+        subprocess.run([sys.executable, PAGE.parent / "examples/plot_sweep.py", tmp_path / f"{compare}.h5", picture], check=True)
+        assert picture.stat().st_size > 1000
 
 
 def test_the_page_has_every_name():

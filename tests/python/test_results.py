@@ -67,6 +67,16 @@ def test_a_result_can_be_pickled(layers):
     assert ds.isel(x=0).cloudbow.groups == {}
 
 
+def test_groups_are_found_without_a_slash_and_listed(layers):
+    ds = cb.run(layers)
+    groups = ds.cloudbow.groups
+    assert groups["summary"] is groups["/summary"] and "summary" in groups and groups.get("nothing") is None
+    with pytest.raises(KeyError, match="found 'sumary', allowed .*/summary.*/solver|found 'sumary', allowed .*/solver.*/summary"):
+        groups["sumary"]
+    with pytest.raises(KeyError, match="belong to the Dataset that `run`"):
+        ds.isel(x=0).cloudbow.groups["/summary"]
+
+
 def test_no_result(tmp_path):
     with pytest.raises(cb.InputError, match="not_there"):
         cb.open_result(tmp_path / "not_there.h5")

@@ -168,7 +168,7 @@ std::string quantity_of(const Scene& scene, const SceneCloud& cloud, const VdbCl
                         cloud.read.scale >= extinction_per_liquid_water(largest_effective_radius_um);
   if (water_to_extinction && cloud.read.scale != 1 && by_scale) return quantity;
   throw InputError(fmt::format(
-      "{}: contradicts the grid \"{}\" of {} (found {}, the grid's metadata say {}) leave the key out, or "
+      "{}: contradicts the grid \"{}\" of {} (found {}, the grid's metadata say {}); leave the key out, or "
       "name the grid "
       "that holds {}{}",
       scene.where(cloud.key + ".quantity"), cloud.read.grid, cloud.file.string(), quantity, stored, quantity,

@@ -55,23 +55,40 @@ RunOptions common_options(const SweepOptions& options) {
   return common;
 }
 
+std::string names_of(const std::vector<SweptKey>& lists) {
+  std::string names;
+  for (const SweptKey& list : lists) names += (names.empty() ? "" : ", ") + list.key;
+  return names;
+}
+
+[[noreturn]] void throw_without_lists(const std::vector<SweptKey>& keys) {
+  const auto array = std::find_if(keys.begin(), keys.end(), [](const SweptKey& key) {
+    return key.values.front().starts_with('[') && key.values.front().ends_with(']');
+  });
+  const std::string& key = array != keys.end() ? array->key : keys.empty() ? "KEY" : keys.front().key;
+  throw InputError(fmt::format(
+      "{}: nothing to sweep (found {}, allowed {}={} or {}=FIRST:LAST:STEP; `cloudbow run` solves one scene)", key,
+      array != keys.end() ? fmt::format("{}, one value that is an array", array->values.front())
+                          : std::string("no key with a list"),
+      key,
+      array != keys.end() ? array->values.front().substr(1, array->values.front().size() - 2)
+                          : std::string("VALUE,VALUE,..."),
+      key));
+}
+
 std::vector<SweptKey> lists_of(const SweepOptions& options) {
   std::vector<SweptKey> lists;
   std::set<std::string> names;
   for (const SweptKey& key : options.keys) {
     if (!names.insert(key.key).second)
-      throw InputError(fmt::format("--set {}: a key twice (found two lists, allowed one)", key.key));
+      throw InputError(fmt::format("{}: a key twice (found two lists, allowed one)", key.key));
     if (key.is_list) lists.push_back(key);
   }
-  if (lists.empty()) {
-    throw InputError(
-        "--set: nothing to sweep (found no key with a list, allowed KEY=VALUE,VALUE,... or KEY=FIRST:LAST:STEP; "
-        "`cloudbow run` solves one scene)");
-  }
+  if (lists.empty()) throw_without_lists(options.keys);
   double product = 1;
   for (const SweptKey& list : lists) product *= static_cast<double>(list.values.size());
   if (product > static_cast<double>(most_runs))
-    throw InputError(fmt::format("--set: too many runs (found {:.0f}, allowed {})", product, most_runs));
+    throw InputError(fmt::format("{}: too many runs (found {:.0f}, allowed {})", names_of(lists), product, most_runs));
   return lists;
 }
 
@@ -114,14 +131,14 @@ void check_same_coordinates(const RunEstimate& first, const RunEstimate& other,
     const auto found = other.coordinates.find(name);
     if (found != other.coordinates.end() && found->second == values) continue;
     throw InputError(fmt::format(
-        "--set {}: the run has another {} than the first one, so that one file cannot hold both (allowed: keys that "
+        "{}: the run has another {} than the first one, so that one file cannot hold both (allowed: keys that "
         "leave the grid and the sizes of outputs as they are{})",
-        fmt::join(settings, " --set "), name,
+        fmt::join(settings, ", "), name,
         name == "z_edge" ? "; domain.vertical_cells fixes the levels of a scene without cloud" : ""));
   }
   if (other.coordinates.size() > first.coordinates.size())
-    throw InputError(fmt::format("--set {}: the run has other outputs than the first one (allowed: the same in all)",
-                                 fmt::join(settings, " --set ")));
+    throw InputError(fmt::format("{}: the run has other outputs than the first one (allowed: the same in all)",
+                                 fmt::join(settings, ", ")));
 }
 
 std::size_t done_runs(const SweepPlan& plan) {
@@ -140,7 +157,8 @@ std::string plan_text(const SweepPlan& plan, const std::string& first, int jobs,
   if (const std::size_t done = done_runs(plan); done > 0) text += fmt::format(", of which {} are done", done);
   if (share) text += fmt::format("\nshare     {} of {}: {} runs to solve", share->number, share->of, plan.to_solve);
   text += fmt::format("\nall       {:.2f} GB predicted, {} at a time; {:.1f} s predicted\n\nthe first run\n",
-                      static_cast<double>(plan.memory_bytes) / 1e9, jobs, plan.seconds);
+                      static_cast<double>(plan.memory_bytes) / 1e9,
+                      std::min(static_cast<std::size_t>(jobs), plan.to_solve), plan.seconds);
   return text + first;
 }
 
@@ -370,7 +388,7 @@ SweepPlan plan_sweep(const SweepOptions& options) {
     throw InputError(fmt::format(
         "--jobs: the runs need more memory than is available (found {} at a time with {:.0f} MB, allowed {:.0f} MB); "
         "fewer at a time need less",
-        options.jobs, static_cast<double>(plan.memory_bytes) / 1e6, static_cast<double>(available) / 1e6));
+        memory.size(), static_cast<double>(plan.memory_bytes) / 1e6, static_cast<double>(available) / 1e6));
   }
   plan.text = plan_text(plan, first->text, options.jobs, options.share);
   return plan;
@@ -412,7 +430,9 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
   }
   // A failed run may succeed in another attempt, with more memory perhaps.
   if (all) {
-    parts.remove();
+    std::vector<std::uint64_t> keys;
+    for (const PlannedSweepRun& run : plan.runs) keys.push_back(run.key);
+    outcome.kept = parts.remove(keys);
   } else if (any) {
     outcome.sentences.push_back(
         fmt::format("the results of the other runs are kept in {}: the same command solves "
@@ -442,6 +462,9 @@ int sweep(const SweepOptions& options) {
           options.share->number, options.share->of, plan.to_solve, folder, options.run.output.string());
     } else {
       fmt::print("{} runs written to {}\n", plan.runs.size(), options.run.output.string());
+      if (outcome.kept > 0)
+        tell("cloudbow: {} finished runs of other sweeps stay in {}: remove the folder if none goes on\n", outcome.kept,
+             folder);
     }
     return outcome.exit_code;
   } catch (const Interrupted&) {

@@ -86,14 +86,25 @@ void SweepParts::make() const {
   }
 }
 
-void SweepParts::remove() const {
+std::size_t SweepParts::remove(std::span<const std::uint64_t> keys) const {
   std::error_code error;
   std::vector<std::filesystem::path> parts;
+  std::size_t kept = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
-    if (is_part(entry.path())) parts.push_back(entry.path());
+    const std::string name = entry.path().filename().string();
+    if (!is_part(entry.path())) continue;
+    const bool of_keys = std::any_of(keys.begin(), keys.end(), [&](std::uint64_t key) {
+      return name.find(file(key).filename().string()) != std::string::npos;
+    });
+    if (of_keys) {
+      parts.push_back(entry.path());
+    } else if (!name.starts_with('.')) {
+      ++kept;
+    }
   }
   for (const std::filesystem::path& part : parts) std::filesystem::remove(part, error);
-  std::filesystem::remove(folder_, error);
+  std::filesystem::remove(folder_, error);  // fails if anything is left in it
+  return kept;
 }
 
 }  // namespace cloudbow

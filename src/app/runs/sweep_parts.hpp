@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 
 #include "app/planning/run_options.hpp"
@@ -37,8 +38,9 @@ class SweepParts {
   bool has(std::uint64_t key) const;
   /// Makes the folder. @throws InputError if that fails.
   void make() const;
-  /// Removes results of sweeps, and the folder if nothing else is in it.
-  void remove() const;
+  /// Removes the results of these runs and their temporary files. The folder goes too if nothing else is in it.
+  /// @returns the number of results of other runs, which stay.
+  std::size_t remove(std::span<const std::uint64_t> keys) const;
 
  private:
   std::filesystem::path folder_;

@@ -1,6 +1,7 @@
 #include "app/runs/swept_key.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -105,6 +106,20 @@ std::optional<std::vector<std::string>> range_of(const std::string& assignment, 
   return values;
 }
 
+bool are_numbers(const std::vector<std::string>& parts) {
+  return std::all_of(parts.begin(), parts.end(), [](const std::string& part) { return number_of(trimmed(part)); });
+}
+
+/// Refuses numbers between separators of other lists: "0:60", "0 30".
+void check_separators(const std::string& assignment, const std::string& item) {
+  if (const auto parts = split(item, ':'); parts.size() > 1 && are_numbers(parts))
+    fail(assignment, fmt::format("a range has FIRST:LAST:STEP (found {}, allowed as in 0:60:20)", item));
+  std::vector<std::string> words = split(item, ' ');
+  std::erase(words, "");
+  if (words.size() > 1 && are_numbers(words))
+    fail(assignment, fmt::format("commas separate values (found {}, allowed {})", item, fmt::join(words, ",")));
+}
+
 }  // namespace
 
 SweptKey parse_swept_key(const std::string& assignment) {
@@ -121,6 +136,7 @@ SweptKey parse_swept_key(const std::string& assignment) {
       swept.is_list = true;
       swept.values.insert(swept.values.end(), range->begin(), range->end());
     } else {
+      check_separators(assignment, item);
       swept.values.push_back(item);
     }
   }
@@ -130,7 +146,7 @@ SweptKey parse_swept_key(const std::string& assignment) {
 
 void check_values(const SweptKey& swept) {
   const auto refuse = [&swept](const std::string& problem) {
-    throw InputError(fmt::format("--set {}: {}", swept.key, problem));
+    throw InputError(fmt::format("{}: {}", swept.key, problem));
   };
   if (swept.values.empty()) refuse("an empty list (allowed one value or more)");
   if (swept.values.size() > most_values)

@@ -1,6 +1,7 @@
 #include "app/scene/config_reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,31 @@ bool NumberRange::contains(double value) const {
   return std::isfinite(value) && (low_included ? value >= low : value > low) &&
          (high_included ? value <= high : value < high);
 }
+
+namespace {
+
+/// The end of a message. A setting of the command line may be a list of numbers or a range.
+const char* hint_of_list(const ConfigNode& node) {
+  const auto* text = std::get_if<std::string>(&node.scalar);
+  const bool is_list = node.kind == ConfigNode::Kind::scalar && text != nullptr && node.place.starts_with("--set") &&
+                       text->find_first_not_of("0123456789+-.eE,: ") == std::string::npos &&
+                       text->find_first_of(",:") != std::string::npos;
+  return is_list ? "; `cloudbow sweep` takes lists" : "";
+}
+
+/// The tables of a table, or of the first entries of its arrays, that have this key: "sun.zenith_deg".
+std::string found_below(const ConfigNode& table, const std::string& key) {
+  for (std::size_t n = 0; n < table.items.size(); ++n) {
+    const ConfigNode& item = table.items[n];
+    if (item.kind == ConfigNode::Kind::table && item.find(key) != nullptr)
+      return fmt::format("{}.{}", table.keys[n], key);
+    if (item.kind == ConfigNode::Kind::array && !item.items.empty() && item.items.front().find(key) != nullptr)
+      return fmt::format("{}.0.{}", table.keys[n], key);
+  }
+  return "";
+}
+
+}  // namespace
 
 ConfigReader::ConfigReader(const ConfigNode& table, std::string path) : table_(table), path_(std::move(path)) {}
 
@@ -50,7 +76,10 @@ double ConfigReader::as_number(const std::string& key, const ConfigNode& node, c
   } else {
     const bool is_text = node.kind == ConfigNode::Kind::scalar && std::holds_alternative<std::string>(node.scalar);
     fail(key, "not a number", describe(node),
-         fmt::format("{}{}", range.allowed, is_text ? "; numbers stand without quotes" : ""));
+         fmt::format("{}{}", range.allowed,
+                     *hint_of_list(node) != 0 ? hint_of_list(node)
+                     : is_text                ? "; numbers stand without quotes"
+                                              : ""));
   }
   if (!range.contains(value)) fail(key, "out of range", describe(node), range.allowed);
   if (std::fpclassify(value) == FP_SUBNORMAL) {
@@ -105,7 +134,8 @@ std::optional<int> ConfigReader::find_integer(const std::string& key, int low, i
   if (node == nullptr) return std::nullopt;
   const std::string allowed = fmt::format("an integer from {} to {}", low, high);
   const auto* value = std::get_if<std::int64_t>(&node->scalar);
-  if (node->kind != ConfigNode::Kind::scalar || value == nullptr) fail(key, "not an integer", describe(*node), allowed);
+  if (node->kind != ConfigNode::Kind::scalar || value == nullptr)
+    fail(key, "not an integer", describe(*node), allowed + hint_of_list(*node));
   if (*value < low || *value > high) fail(key, "out of range", describe(*node), allowed);
   return static_cast<int>(*value);
 }
@@ -201,7 +231,10 @@ void ConfigReader::check_keys(const std::vector<std::string>& known,
     if (std::find(not_available.begin(), not_available.end(), key) != not_available.end()) {
       throw InputError(fmt::format("{}: {}: not available in this version", place_of(key), full_name(key)));
     }
-    fail(key, "unknown key", describe_key(key), candidates_for(key, known));
+    const std::string below = path_.empty() ? found_below(table_, key) : "";
+    fail(key, "unknown key", describe_key(key),
+         below.empty() ? candidates_for(key, known)
+                       : fmt::format("{}; did you mean {}?", fmt::join(known, ", "), below));
   }
 }
 

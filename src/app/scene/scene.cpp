@@ -1,11 +1,16 @@
 #include "cloudbow/app/scene.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include "app/scene/scene_reader.hpp"
 #include "cloudbow/core/error.hpp"
@@ -227,35 +232,54 @@ void SceneReader::read_sky(const ConfigReader& reader) {
   scene_.sky_radiance = radiance < least_light ? 0 : radiance;
 }
 
+namespace {
+
+/// Keys of each type of surface, beside those of all.
+constexpr std::array<std::pair<std::string_view, std::array<const char*, 4>>, 4> surface_keys{
+    {{"lambertian", {"albedo", "albedo_map", "spectral_albedo"}},
+     {"rpv", {"rho0", "k", "theta", "rho_c"}},
+     {"ross-li", {"f_iso", "f_vol", "f_geo"}},
+     {"cox-munk", {"wind_speed_m_s", "refractive_index"}}}};
+
+void check_surface_keys(const ConfigReader& reader, const std::string& type) {
+  std::vector<std::string> own;
+  for (const auto& [name, keys] : surface_keys) {
+    if (name == type) std::copy_if(keys.begin(), keys.end(), std::back_inserter(own), [](auto key) { return key; });
+  }
+  for (const auto& [name, keys] : surface_keys) {
+    for (const char* key : keys) {
+      if (name == type || key == nullptr || !reader.has(key)) continue;
+      reader.fail(key, fmt::format("a key of the type \"{}\"", name), fmt::format("type = \"{}\"", type),
+                  fmt::format("beside it {}; leave {} out", fmt::join(own, ", "), key));
+    }
+  }
+  own.insert(own.end(), {"type", "slope_deg", "aspect_deg", "temperature_k", "temperature_map"});
+  reader.check_keys(own);
+}
+
+}  // namespace
+
 void SceneReader::read_surface(const ConfigReader& reader) {
   const std::string type =
       reader.find_choice("type", {"lambertian", "rpv", "ross-li", "cox-munk"}).value_or("lambertian");
-  std::vector<std::string> keys{"type", "slope_deg", "aspect_deg", "temperature_k", "temperature_map"};
-  const auto check_keys = [&](std::initializer_list<std::string> more) {
-    keys.insert(keys.end(), more);
-    reader.check_keys(keys);
-  };
+  check_surface_keys(reader, type);
   Surface& surface = scene_.surface;
   surface.tilt.slope_deg = reader.find_number("slope_deg", {"0 to 89", 0, 89}).value_or(0);
   surface.tilt.aspect_deg = reader.find_number("aspect_deg", finite).value_or(0);
   if (type == "lambertian") {
-    check_keys({"albedo", "albedo_map", "spectral_albedo"});
     surface.albedo = reader.find_number("albedo", fraction, at_).value_or(0);
     if (reader.has("spectral_albedo")) surface.albedo = read_spectral_albedo_key(reader);
     if (reader.has("albedo_map")) read_albedo_map_key(reader);
     if (surface.tilt.slope_deg > 0) surface.brdf = SurfaceBrdf::lambertian(surface.albedo);
   } else if (type == "rpv") {
-    check_keys({"rho0", "k", "theta", "rho_c"});
     const double rho0 = reader.number("rho0", not_negative, at_);
     surface.brdf = SurfaceBrdf::rpv(rho0, reader.number("k", positive, at_),
                                     reader.number("theta", {"between -1 and 1", -1, 1, false, false}, at_),
                                     reader.find_number("rho_c", not_negative, at_).value_or(rho0));
   } else if (type == "ross-li") {
-    check_keys({"f_iso", "f_vol", "f_geo"});
     surface.brdf = SurfaceBrdf::ross_li(reader.number("f_iso", not_negative, at_), reader.number("f_vol", finite, at_),
                                         reader.number("f_geo", finite, at_));
   } else if (type == "cox-munk") {
-    check_keys({"wind_speed_m_s", "refractive_index"});
     surface.brdf = SurfaceBrdf::cox_munk(
         reader.number("wind_speed_m_s", {"0 to 50", 0, 50}),
         reader.find_number("refractive_index", {"above 1, below 10", 1, 10, false, false}, at_).value_or(1.34));

@@ -111,6 +111,16 @@ TEST_F(LesImport, WrfsPerturbationsAndGeopotentialAreRead) {
   EXPECT_NEAR(cloud.field.cell_size_m[2], 40, 1e-3);
   EXPECT_NEAR(cloud.field.value[0] / (1e3 * water(3, 0, 0) * density(3)), 1, 1e-5);
   EXPECT_THAT(notes_of(cloud), HasSubstr("less 300 K"));
+  EXPECT_THAT(notes_of(cloud), HasSubstr("('P' + 'PB') / (287.05 J/(kg K) "));
+}
+
+TEST_F(LesImport, ADensityJustOutOfRangeDiffersFromTheLimit) {
+  CloudImportOptions options = with([](NetcdfBuilder& file) {
+    file.variable("p", {"z"}, "Pa", profile(pressure));
+    file.variable("T", {"z"}, "K", profile([](int k) { return kelvin(k) / 1.1004; }));
+    file.text("T", "standard_name", "air_temperature");
+  });
+  EXPECT_THAT(error_of(options), AllOf(HasSubstr("found 1.100"), HasSubstr("allowed 0.9 to 1.1)")));
 }
 
 TEST_F(LesImport, PotentialTemperatureIsKnownByNameByAttributeAndByTheWeightOfTheAir) {

@@ -39,7 +39,8 @@ TEST_F(VdbFile, WhatIsNoFileIsToldApart) {
               HasSubstr("none.vdb: can't be read (found no such file"));
   EXPECT_THAT(message_of([&] { read_cloud_vdb(folder_); }), HasSubstr("found a directory"));
   std::ofstream(file("text.vdb")) << "this is a text and no cloud";
-  EXPECT_THAT(message_of([&] { read_cloud_vdb(file("text.vdb")); }), HasSubstr("not an OpenVDB file"));
+  EXPECT_THAT(message_of([&] { read_cloud_vdb(file("text.vdb")); }),
+              testing::ContainsRegex("not an OpenVDB file .*\\); `cloudbow cloud import"));
   std::ofstream(file("empty.vdb")).flush();
   EXPECT_THAT(message_of([&] { read_cloud_vdb(file("empty.vdb")); }), HasSubstr("not an OpenVDB file"));
 }

@@ -173,7 +173,7 @@ TEST_F(AssembleTest, QuantitiesThatContradictTheFileAreErrors) {
       "quantity = \"liquid_water_content\"\neffective_radius_um = 10\nsingle_scattering_albedo = 1";
   const std::string extinction = "quantity = \"extinction\"\nsingle_scattering_albedo = 1";
   EXPECT_THAT(message("", water), AllOf(HasSubstr("scene.toml:4: cloud.quantity"), HasSubstr("contradicts"),
-                                        HasSubstr("metadata say extinction")));
+                                        HasSubstr("metadata say extinction); leave the key out")));
   for (const char* quantity : {"effective_radius", "absorbed_power"}) {
     write_cloud(quantity);
     EXPECT_THAT(message("", water), HasSubstr("contradicts"));

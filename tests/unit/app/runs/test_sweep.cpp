@@ -64,6 +64,9 @@ TEST(Sweep, RefusesBeforeAnythingIsSolved) {
   EXPECT_THAT(plan({"sun.zenith_deg=0,30,95"}), ThrowsMessage<InputError>(HasSubstr("zenith_deg=95")));
   EXPECT_THAT(plan({"sun.zenit=0,30"}), ThrowsMessage<InputError>(HasSubstr("zenit")));
   EXPECT_THAT(plan({"sun.zenith_deg=0"}), ThrowsMessage<InputError>(HasSubstr("nothing to sweep")));
+  EXPECT_THAT(plan({"sun.zenith_deg=[0,30]"}),
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("one value that is an array"), HasSubstr("allowed sun.zenith_deg=0,30 or"))));
   EXPECT_THAT(plan({"sun.zenith_deg=0,1", "sun.zenith_deg=2,3"}), ThrowsMessage<InputError>(HasSubstr("twice")));
   EXPECT_THAT(plan({"sun.zenith_deg=0:89:0.1", "surface.albedo=0:1:0.01"}),
               ThrowsMessage<InputError>(HasSubstr("too many runs")));
@@ -80,6 +83,27 @@ TEST(Sweep, GoesOnWithTheResultsThatAreThere) {
   EXPECT_NE(plan_sweep(other).runs[1].key, plan.runs[1].key);
   EXPECT_EQ(solve_sweep(few, plan).exit_code, 0);
   EXPECT_EQ(plan_sweep(other).to_solve, 2) << "a complete sweep leaves nothing";
+}
+
+TEST(Sweep, FinishedRunsOfAnotherSweepStay) {
+  const TemporaryFolder folder;
+  SweepOptions interrupted = options_of(folder, {"sun.zenith_deg=40,80"});
+  interrupted.share = parse_sweep_share("2/2");
+  EXPECT_EQ(solve_sweep(interrupted, plan_sweep(interrupted)).kept, 0u);
+  const SweepOptions other = options_of(folder, {"sun.zenith_deg=0,40"});
+  EXPECT_EQ(solve_sweep(other, plan_sweep(other)).kept, 1u);
+  interrupted.share.reset();
+  const SweepPlan plan = plan_sweep(interrupted);
+  EXPECT_EQ(plan.to_solve, 1u);
+  EXPECT_EQ(solve_sweep(interrupted, plan).kept, 0u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5.parts"));
+}
+
+TEST(Sweep, NoMoreRunsAtATimeThanThereAre) {
+  const TemporaryFolder folder;
+  SweepOptions options = options_of(folder, {"sun.zenith_deg=0,40"});
+  options.jobs = 99;
+  EXPECT_THAT(plan_sweep(options).text, HasSubstr("predicted, 2 at a time"));
 }
 
 TEST(Sweep, SharesAreSolvedApartAndJoined) {

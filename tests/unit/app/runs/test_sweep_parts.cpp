@@ -60,12 +60,14 @@ TEST(SweepParts, AreRemovedAndNothingElse) {
   folder.write("out.h5.parts/run-00000000000000ff.h5", "of another scene");
   folder.write("out.h5.parts/.run-00000000000000ff.h5.host.12-1.tmp", "of a killed run");
   folder.write("out.h5.parts/notes.txt", "of the user");
-  parts.remove();
+  EXPECT_EQ(parts.remove(std::vector<std::uint64_t>{7}), 1u) << "the run of another sweep stays";
+  EXPECT_TRUE(std::filesystem::exists(parts.file(255)));
+  EXPECT_EQ(parts.remove(std::vector<std::uint64_t>{7, 255}), 0u);
   EXPECT_TRUE(std::filesystem::exists(folder / "out.h5.parts/notes.txt"));
   EXPECT_FALSE(std::filesystem::exists(parts.file(255)));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5.parts/.run-00000000000000ff.h5.host.12-1.tmp"));
   std::filesystem::remove(folder / "out.h5.parts/notes.txt");
-  parts.remove();
+  EXPECT_EQ(parts.remove({}), 0u);
   EXPECT_FALSE(std::filesystem::exists(parts.folder()));
   folder.write("out.h5.parts", "a file");
   EXPECT_THROW(parts.make(), InputError);

@@ -43,14 +43,18 @@ TEST(SweptKey, OneValueIsNoList) {
 }
 
 TEST(SweptKey, RefusesListsWithoutSense) {
-  for (const auto& [list, words] : std::vector<std::pair<std::string, std::string>>{{"", "an empty value"},
-                                                                                    {"1,,2", "an empty value"},
-                                                                                    {"1,", "an empty value"},
-                                                                                    {"0:10:0", "STEP"},
-                                                                                    {"0:10:-1", "STEP"},
-                                                                                    {"0:1:1e-9", "too long"},
-                                                                                    {"1,2,1.0", "found 1.0"},
-                                                                                    {"a,\"a\"", "twice"}}) {
+  for (const auto& [list, words] :
+       std::vector<std::pair<std::string, std::string>>{{"", "an empty value"},
+                                                        {"1,,2", "an empty value"},
+                                                        {"1,", "an empty value"},
+                                                        {"0:60", "a range has FIRST:LAST:STEP"},
+                                                        {"0:1:2:3", "FIRST:LAST:STEP"},
+                                                        {"0 30  60", "allowed 0,30,60"},
+                                                        {"0:10:0", "STEP"},
+                                                        {"0:10:-1", "STEP"},
+                                                        {"0:1:1e-9", "too long"},
+                                                        {"1,2,1.0", "found 1.0"},
+                                                        {"a,\"a\"", "twice"}}) {
     EXPECT_THAT([&list = list] { values(list); }, ThrowsMessage<InputError>(HasSubstr(words))) << list;
   }
   EXPECT_THAT([] { parse_swept_key("zenith"); }, ThrowsMessage<InputError>(HasSubstr("KEY=VALUE")));

@@ -95,6 +95,17 @@ TEST_F(ConfigReaderTest, UnknownKeysAreNamedWithTheNearest) {
                 root_.check_keys({"half", "whole", "yes", "wort", "list", "words", "sun", "layer"});
               }),
               AllOf(HasSubstr("a.toml:4: word: unknown key"), HasSubstr("did you mean wort?")));
+  // A key without its table.
+  const std::string path = (folder_ / "a.toml").string();
+  const ConfigTree bare = read_config(path, std::vector<std::string>{"zenith_deg=30"});
+  const std::vector<std::string> known{"half", "whole", "yes", "word", "list", "words", "sun", "layer"};
+  EXPECT_THAT(message([&] { ConfigReader(bare.root, "").check_keys(known); }),
+              HasSubstr("did you mean sun.zenith_deg?"));
+  const ConfigTree of_list = read_config(path, std::vector<std::string>{"zenith=0,30", "many=2:8:2", "text=a,b"});
+  const ConfigReader reader(of_list.root, "");
+  EXPECT_THAT(message([&] { reader.number("zenith", finite); }), HasSubstr("; `cloudbow sweep` takes lists"));
+  EXPECT_THAT(message([&] { reader.find_integer("many", 0, 9); }), HasSubstr("; `cloudbow sweep` takes lists"));
+  EXPECT_THAT(message([&] { reader.number("text", finite); }), testing::Not(HasSubstr("sweep")));
   EXPECT_EQ(message([&] {
               root_.check_keys({"half", "whole", "yes", "word", "list", "words", "sun", "layer"});
             }),

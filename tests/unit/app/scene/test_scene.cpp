@@ -347,7 +347,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"redefined", "droplets]", "rayleigh]", {"phase_function.rayleigh", "already defined"}},
         Mistake{
             "surface_type", "\"lambertian\"", "\"snow\"", {":28: surface.type", "\"snow\"", "rpv, ross-li, cox-munk"}},
-        Mistake{"surface_key_of_another_type", "\"lambertian\"", "\"rpv\"", {":29: surface.albedo", "rho0"}},
+        Mistake{"surface_key_of_another_type",
+                "\"lambertian\"",
+                "\"rpv\"",
+                {":29: surface.albedo: a key of the type \"lambertian\"", "found type = \"rpv\"",
+                 "rho0, k, theta, rho_c; leave albedo out"}},
         Mistake{
             "surface_parameter", "albedo = 0.25", "slope_deg = 95", {":29: surface.slope_deg", "found 95", "0 to 89"}},
         Mistake{"albedo_map_and_albedo",
