@@ -390,7 +390,7 @@ def main():
                 ("a section of a map", ["--section", "y=100", "--field", "optical_depth"], ["result.h5", "optical_depth"]),
                 ("a profile of nothing", ["--profile", "--field", "z"], ["result.h5", "no profile", "upwelling_flux"]),
                 ("pixels and a width", ["--bare", "--size", "600"], ["bare", "size"]),
-                ("a tiny figure", ["--size", "20"], ["--size", "20", "200"]),
+                ("a tiny figure", ["--size", "20"], ["--size", "20", "400"]),
                 ("min above all", ["--min", "1e9"], ["min", "1e+09"])):
             checker.expect_error(f"render: {name}", ["render", folder / "result.h5", *arguments, "-o", folder / "output.png"], words, folder / "output.png")
         slab = ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", "9", "9", "9"]

@@ -27,8 +27,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "app/process/toml_hint.hpp"
 #include "app/scene/toml_depth.hpp"
-#include "app/scene/toml_hint.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
 

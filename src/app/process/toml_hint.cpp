@@ -1,4 +1,4 @@
-#include "app/scene/toml_hint.hpp"
+#include "app/process/toml_hint.hpp"
 
 #include <fmt/format.h>
 
