@@ -71,8 +71,8 @@ def test_groups_are_found_without_a_slash_and_listed(layers):
     ds = cb.run(layers)
     groups = ds.cloudbow.groups
     assert groups["summary"] is groups["/summary"] and "summary" in groups and groups.get("nothing") is None
-    with pytest.raises(KeyError, match="found 'sumary', allowed .*/summary.*/solver|found 'sumary', allowed .*/solver.*/summary"):
-        groups["sumary"]
+    with pytest.raises(KeyError, match="found 'nowhere', allowed .*/summary.*/solver|found 'nowhere', allowed .*/solver.*/summary"):
+        groups["nowhere"]
     with pytest.raises(KeyError, match="belong to the Dataset that `run`"):
         ds.isel(x=0).cloudbow.groups["/summary"]
 
