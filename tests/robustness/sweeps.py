@@ -166,11 +166,13 @@ def main():
             kills += max(1, checker.chain(draw, seconds, min(options.kills - kills, 6)))
         checker.output.unlink()
 
-        # Results of another scene are not taken for those of this one.
+        # Results of another scene are not taken for those of this one, and they stay.
         (folder / "other.toml").write_text(SCENE.replace("0.99", "0.9"))
-        checker.interrupted(2, scene="other.toml")
+        others = checker.interrupted(2, scene="other.toml")
         done = checker.sweep()
         checker.expect("parts of another scene", done.returncode == 0 and "runs were done" not in done.stderr and not differences(contents(checker.output), checker.truth), done.stderr.splitlines()[0])
+        checker.expect("they stay", others == sorted(checker.parts.glob("run-*.h5")) and f"{len(others)} finished runs of other sweeps stay" in done.stderr)
+        shutil.rmtree(checker.parts)
         checker.output.unlink()
         # Those of the same one that are damaged are not taken either.
         kept = checker.interrupted(2)
