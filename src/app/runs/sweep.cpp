@@ -227,8 +227,8 @@ class Workers {
     constexpr std::chrono::milliseconds between_looks{20};
     std::size_t shown = 0;
     std::unique_lock lock(mutex_);
-    while (running_ > 0) {
-      changed_.wait_for(lock, between_looks);
+    while (running_ > 0 || shown < done_) {  // the last runs may end during a report
+      if (running_ > 0) changed_.wait_for(lock, between_looks);
       const std::size_t done = done_;
       lock.unlock();
       InterruptGuard::check();
