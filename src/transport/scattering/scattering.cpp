@@ -174,14 +174,15 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
   }
 }
 
+template <class Real>
+using Matrices = std::span<const DenseMatrix<Real>>;
+
 #define CLOUDBOW_INSTANTIATE(Real)                                                                                  \
   template DenseMatrix<Real> rounded_conservatively<Real>(const Eigen::MatrixXd&, std::span<const double>);         \
-  template void scatter_in_place<Real>(AngularField<Real>&, std::span<const DenseMatrix<Real>>, const Cells<Real>&, \
+  template void scatter_in_place<Real>(AngularField<Real>&, Matrices<Real>, const Cells<Real>&,                     \
                                        const ScatteringTerms<Real>&, const DenseMatrix<Real>&);                     \
-  template AngularField<Real> scatter_to<Real>(int, AngularField<Real>, std::span<const DenseMatrix<Real>>,         \
-                                               const Cells<Real>&);                                                 \
-  template AngularField<Real> scatter_towards<Real>(const AngularField<Real>&, std::span<const DenseMatrix<Real>>,  \
-                                                    const Cells<Real>&);                                            \
+  template AngularField<Real> scatter_to<Real>(int, AngularField<Real>, Matrices<Real>, const Cells<Real>&);        \
+  template AngularField<Real> scatter_towards<Real>(const AngularField<Real>&, Matrices<Real>, const Cells<Real>&); \
   template void moments_of<Real>(const AngularField<Real>&, const DenseMatrix<Real>&, std::span<Real>)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
