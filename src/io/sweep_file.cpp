@@ -24,7 +24,6 @@
 namespace cloudbow {
 namespace {
 
-using hdf5::check;
 using hdf5::Handle;
 using netcdf4::Attribute;
 using netcdf4::AttributeValue;
