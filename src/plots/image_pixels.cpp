@@ -32,7 +32,8 @@ std::vector<float> values_of_pixels(const FluxImage& image, int width, int heigh
   for (std::size_t pixel = 0; pixel < cell.size(); ++pixel) {
     value[pixel] = image.value[cell[pixel]];
     if (level.size() < 2) continue;
-    const double row = static_cast<double>(pixel / static_cast<std::size_t>(width)) + 0.5;
+    const std::size_t line = pixel / static_cast<std::size_t>(width);
+    const double row = static_cast<double>(line) + 0.5;
     const double at = top - row / height * (top - bottom);
     const auto above = std::upper_bound(level.begin() + 1, level.end() - 1, at);
     const auto upper = static_cast<std::size_t>(above - level.begin());

@@ -125,7 +125,10 @@ LegendPlan plan_legend(double width, const std::vector<PlotSeries>& series) {
   const int columns = std::max(1, static_cast<int>(room / *std::max_element(entry.begin(), entry.end())));
   plan.column = width / columns;
   const auto count = static_cast<int>(entry.size());
-  for (int n = 0; n < count; ++n) plan.place.push_back({(n % columns) * plan.column, (n / columns + 0.5) * row});
+  for (int n = 0; n < count; ++n) {
+    const int line = n / columns;
+    plan.place.push_back({(n % columns) * plan.column, (line + 0.5) * row});
+  }
   plan.rows = (count + columns - 1) / columns;
   return plan;
 }
