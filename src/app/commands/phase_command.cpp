@@ -138,8 +138,8 @@ int phase(const PhaseOptions& options) {
 void add_phase(CLI::App& app, std::function<int()>& action, const std::string& command) {
   auto options = std::make_shared<PhaseOptions>();
   options->command = command;
-  CLI::App* phase_app = app.add_subcommand(
-      "phase", "A phase function by itself: moments, asymmetry, its fits to control points and their errors");
+  CLI::App* phase_app =
+      app.add_subcommand("phase", "A phase function: moments, asymmetry, its fits to control points and their errors");
   phase_app->add_option("type", options->type, fmt::format("{}", fmt::join(types, ", ")))->required();
   phase_app->add_option("--asymmetry-parameter", options->asymmetry_parameter, "henyey-greenstein: -1 < g < 1");
   phase_app->add_option("--forward-asymmetry-parameter", options->forward_asymmetry_parameter,

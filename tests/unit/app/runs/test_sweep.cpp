@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "../commands/call_cloudbow.hpp"
 #include "../temporary_folder.hpp"
 #include "app/runs/sweep.hpp"
 #include "cloudbow/core/error.hpp"
@@ -13,25 +14,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const std::string slab = R"(title = "slab"
-[[layer]]
-bottom_m = 0
-top_m = 100
-optical_depth = 1
-single_scattering_albedo = 0.9
-phase_function = "rayleigh"
-[sun]
-zenith_deg = 60
-azimuth_deg = 0
-[surface]
-albedo = 0.1
-[solver]
-accuracy = "draft"
-)";
-
 SweepOptions options_of(const TemporaryFolder& folder, const std::vector<std::string>& lists) {
   SweepOptions options;
-  options.run.scene = folder.write("scene.toml", slab);
+  options.run.scene = folder.write("scene.toml", slab_toml);
   options.run.output = folder / "out.h5";
   options.run.quiet = true;
   for (const std::string& list : lists) options.keys.push_back(parse_swept_key(list));
