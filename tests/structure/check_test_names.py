@@ -13,7 +13,7 @@ from pathlib import Path
 # Reason: sources.
 WITHOUT_TEST = {
     "no logic": ("main.cpp", "core/error.cpp"),
-    "settings of the program's process, which tests/robustness reads from outside": ("openmp_settings.cpp",),
+    "settings of the program's process, which tests/robustness reads from outside": ("large_arrays.cpp", "openmp_settings.cpp"),
     "published tables, compared with other publications by test_refractive_index.cpp": ("optics/refractive_index_tables.cpp",),
     "the order of calls, seen in the images of test_view.cpp and test_camera_view.cpp": ("transport/observers/images.cpp",),
     "the source towards views and cameras, compared with single scattering by the same two": ("transport/observers/viewing_source.cpp",),
