@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -73,7 +74,34 @@ struct Booking {
   Real scale;
 };
 
-// Work arrays of one group of directions, and its sums.
+// Sums of light on planes. Planes without light that varies are empty.
+template <class Real>
+struct PlaneSums {
+  std::vector<std::vector<Real>> columns;  // [planes][columns]
+  std::vector<double> everywhere;          // [planes] light of all columns beside them
+
+  explicit PlaneSums(std::size_t planes) : columns(planes), everywhere(planes, 0.) {}
+
+  // Keeps the memory of the planes.
+  void clear() {
+    for (std::vector<Real>& plane : columns) plane.clear();
+    std::fill(everywhere.begin(), everywhere.end(), 0.);
+  }
+  // Adds other sums, whose planes may be taken.
+  void add(PlaneSums& other) {
+    for (std::size_t p = 0; p < columns.size(); ++p) {
+      everywhere[p] += other.everywhere[p];
+      if (columns[p].empty()) {
+        columns[p].swap(other.columns[p]);
+        continue;
+      }
+      const std::vector<Real>& more = other.columns[p];
+      for (std::size_t c = 0; c < more.size(); ++c) columns[p][c] += more[c];
+    }
+  }
+};
+
+// Work arrays of a thread, and the sums of its present group of directions.
 template <class Real>
 struct Workspace {
   std::vector<DirectionMarch<Real>> marches;
@@ -81,15 +109,12 @@ struct Workspace {
   std::vector<CarriedRays<Real>> carried;  // their rays
   std::vector<Booking<Real>> bookings;     // at an interface
   std::vector<Real> sent, ground;
-  std::vector<std::vector<Real>> sums;  // [planes][columns]; empty: no light that varies
-  std::vector<double> same_everywhere;  // [planes] light of all columns beside them
+  PlaneSums<Real> sums;
 
-  void prepare(std::size_t slots, std::size_t columns, const ActiveRows& rows, std::size_t planes) {
+  Workspace(std::size_t slots, std::size_t columns, const ActiveRows& rows, std::size_t planes)
+      : sent(rows.largest_level() + lane_padding), sums(planes) {
     const std::size_t together = directions_together<Real>(slots, columns, rows.size());
     for (std::size_t d = 0; d < together; ++d) marches.emplace_back(slots, columns);
-    sent.resize(rows.largest_level() + lane_padding);
-    sums.assign(planes, {});
-    same_everywhere.assign(planes, 0.);
   }
 };
 
@@ -108,28 +133,31 @@ class LevelGather {
   std::vector<float> flux(std::vector<GatherDirection> directions) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
     const SumPlanes planes(schedule_, box_, levels_, classes);
+    const auto slots = static_cast<std::size_t>(schedule_.slots);
     const std::size_t groups = groups_for(box_);
-    std::vector<Workspace<Real>> work(groups);
-    for (const SpreadClass& alike : classes) {
-      ParallelErrors errors;
-#pragma omp parallel for schedule(dynamic, 1)
+    PlaneSums<Real> all(planes.size());
+    ParallelErrors errors;
+#pragma omp parallel
+    {
+      std::optional<Workspace<Real>> own;
+      // Groups are added in their order, whichever threads march them.
+#pragma omp for schedule(dynamic, 1) ordered
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
-          Workspace<Real>& own = work[g];
-          if (alike.first == 0) own.prepare(static_cast<std::size_t>(schedule_.slots), columns_, rows_, planes.size());
-          for (std::size_t first = alike.first + g; first < alike.last; first += groups * own.marches.size()) {
-            std::size_t count = 0;
-            for (std::size_t q = first; q < alike.last && count < own.marches.size(); q += groups)
-              start(directions[q], q, own.marches[count++], own.ground);
-            march(count, alike.spread, planes, own);
-          }
+          if (!own) own.emplace(slots, columns_, rows_, planes.size());
+          own->sums.clear();
+          for (const SpreadClass& alike : classes) march_class(directions, alike, g, groups, planes, *own);
+        });
+#pragma omp ordered
+        errors.run([&] {
+          if (own) all.add(own->sums);
         });
       }
-      errors.rethrow();
     }
+    errors.rethrow();
     double powers = 0;
     for (const GatherDirection& direction : directions) powers += power(direction);
-    return blurred(planes, work, powers);
+    return blurred(planes, all, powers);
   }
 
  private:
@@ -141,33 +169,32 @@ class LevelGather {
     return emits;
   }
 
+  // Directions of one spread that belong to group g.
+  void march_class(std::span<const GatherDirection> directions, const SpreadClass& alike, std::size_t g,
+                   std::size_t groups, const SumPlanes& planes, Workspace<Real>& own) const {
+    for (std::size_t first = alike.first + g; first < alike.last; first += groups * own.marches.size()) {
+      std::size_t count = 0;
+      for (std::size_t q = first; q < alike.last && count < own.marches.size(); q += groups)
+        start(directions[q], q, own.marches[count++], own.ground);
+      march(count, alike.spread, planes, own);
+    }
+  }
+
   // @param powers sum over the directions.
-  std::vector<float> blurred(const SumPlanes& planes, std::vector<Workspace<Real>>& work, double powers) const {
+  std::vector<float> blurred(const SumPlanes& planes, PlaneSums<Real>& sums, double powers) const {
     ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t p = 0; p < planes.size(); ++p) {
       errors.run([&] {
-        std::vector<Real>& sum = work[0].sums[p];
-        for (std::size_t g = 1; g < work.size(); ++g) {
-          std::vector<Real>& of_group = work[g].sums[p];
-          if (sum.empty()) {
-            sum.swap(of_group);
-            continue;
-          }
-          if (of_group.empty()) continue;
-          const Real* __restrict const more = of_group.data();
-          for (std::size_t c = 0; c < columns_; ++c) sum[c] += more[c];
-        }
-        if (!sum.empty()) blur_plane(sum, box_, planes.width_m(p));
+        if (!sums.columns[p].empty()) blur_plane(sums.columns[p], box_, planes.width_m(p));
       });
     }
     errors.rethrow();
     std::vector<float> flux(levels_ * columns_, static_cast<float>(powers * scene_.reference));
     for (std::size_t p = 0; p < planes.size(); ++p) {
-      const std::vector<Real>& sum = work[0].sums[p];
+      const std::vector<Real>& sum = sums.columns[p];
       float* __restrict const to = flux.data() + static_cast<std::size_t>(planes.level(p)) * columns_;
-      double more = 0;
-      for (const Workspace<Real>& group : work) more += group.same_everywhere[p];
+      const double more = sums.everywhere[p];
       for (std::size_t c = 0; c < columns_; ++c)
         to[c] += static_cast<float>(more + (sum.empty() ? 0. : static_cast<double>(sum[c])));
     }
@@ -206,7 +233,7 @@ class LevelGather {
         const int shift_y = wrapped(rays.pattern.shift_y(static_cast<int>(step) + 1), box_.ny);
         const auto enter = [&](const Slot<Real>& slot, int plane) {
           const auto at = static_cast<std::size_t>(plane);
-          work.same_everywhere[at] += slot.how.offset;
+          work.sums.everywhere[at] += slot.how.offset;
           if (slot.is_same_everywhere()) return;
           work.bookings.push_back({at, shift_x, shift_y, slot.rays.data(), static_cast<Real>(slot.how.scale)});
         };
@@ -370,7 +397,7 @@ class LevelGather {
     std::stable_sort(bookings.begin(), bookings.end(), [](const auto& a, const auto& b) { return a.plane < b.plane; });
     for (auto first = bookings.begin(); first != bookings.end();) {
       const auto last = std::find_if(first, bookings.end(), [&](const auto& b) { return b.plane != first->plane; });
-      std::vector<Real>& plane = work.sums[first->plane];
+      std::vector<Real>& plane = work.sums.columns[first->plane];
       if (plane.empty()) plane.resize(columns_);
       for (int row = 0; row < box_.ny; row += rows) {
         for (auto booking = first; booking != last; ++booking)
