@@ -77,7 +77,7 @@ struct Booking {
 // Sums of light on planes. Planes without light that varies are empty.
 template <class Real>
 struct PlaneSums {
-  std::vector<std::vector<Real>> columns;  // [planes][columns]
+  std::vector<std::vector<Real>> columns;  // [planes][columns + lane_padding]
   std::vector<double> everywhere;          // [planes] light of all columns beside them
 
   explicit PlaneSums(std::size_t planes) : columns(planes), everywhere(planes, 0.) {}
@@ -398,7 +398,7 @@ class LevelGather {
     for (auto first = bookings.begin(); first != bookings.end();) {
       const auto last = std::find_if(first, bookings.end(), [&](const auto& b) { return b.plane != first->plane; });
       std::vector<Real>& plane = work.sums.columns[first->plane];
-      if (plane.empty()) plane.resize(columns_);
+      if (plane.empty()) plane.resize(columns_ + lane_padding);
       for (int row = 0; row < box_.ny; row += rows) {
         for (auto booking = first; booking != last; ++booking)
           add_rows(*booking, row, std::min(box_.ny, row + rows), plane.data());
@@ -415,11 +415,20 @@ class LevelGather {
       const int from_row = row - booking.shift_y + (row < booking.shift_y ? box_.ny : 0);
       const Real* __restrict const from = booking.rays + static_cast<std::size_t>(from_row) * nx;
       Real* __restrict const to = plane + static_cast<std::size_t>(row) * nx;
-#pragma omp simd
-      for (std::size_t i = shift; i < nx; ++i) to[i] += scale * from[i - shift];
-#pragma omp simd
-      for (std::size_t i = 0; i < shift; ++i) to[i] += scale * from[i + (nx - shift)];
+      add_run(from, nx - shift, scale, to + shift);
+      add_run(from + (nx - shift), shift, scale, to);
     }
+  }
+
+  // Arrays have lane_padding behind them. Runs are short: a scalar loop over the last rays of each would take half the
+  // time.
+  static void add_run(const Real* from, std::size_t count, Real scale, Real* to) {
+    using Rays = Pack<Real>;
+    std::size_t i = 0;
+    for (; i + Rays::size <= count; i += Rays::size)
+      Rays::store_all(Rays::load(to + i) + scale * Rays::load(from + i), to + i);
+    if (i < count)
+      Rays::store(Rays::first(static_cast<int>(count - i)), Rays::load(to + i) + scale * Rays::load(from + i), to + i);
   }
 
   const GatherScene<Real>& scene_;
