@@ -53,7 +53,9 @@ class Batch {
     const int levels = static_cast<int>(scene.levels.size());
     for (int n = 0; n < levels; ++n) level_[scene.levels[n]] = n;
     first_down_ = static_cast<std::size_t>(levels) * columns_;
-    first_absorbed_ = 2 * first_down_;
+    first_circumsolar_ = 2 * first_down_;
+    first_absorbed_ = (scene.circumsolar_deg > 0 ? 3 : 2) * first_down_;
+    cone_cosine_ = scene.circumsolar_deg > 0 ? std::cos(scene.circumsolar_deg * pi / 180) : 2;
     first_radiance_ = first_absorbed_ + (scene.absorption ? static_cast<std::size_t>(box.layers()) * columns_ : 0);
     for (const View& view : scene.views) view_.push_back(towards(view.zenith_deg, view.azimuth_deg));
     tally_.resize(first_radiance_ + view_.size() * columns_);
@@ -114,6 +116,7 @@ class Batch {
   Photon emit(double uniform) {
     const int source = emitters_.at(uniform), nx = scene_.columns[0];
     Photon p;
+    p.diffuse = true;
     if (source < 0) {
       p.position = {random_.uniform() * box_.width(0), random_.uniform() * box_.width(1), scene_.z_edge_m.back()};
       p.k = box_.layers() - 1;
@@ -172,8 +175,10 @@ class Batch {
 
   void count(const Photon& p, int edge) {
     if (level_[edge] < 0) return;
-    tally_[(p.direction[2] > 0 ? 0 : first_down_) + static_cast<std::size_t>(level_[edge]) * columns_ +
-           box_.column_of(p)] += strength_ * p.weight;
+    const std::size_t at = static_cast<std::size_t>(level_[edge]) * columns_ + box_.column_of(p);
+    tally_[(p.direction[2] > 0 ? 0 : first_down_) + at] += strength_ * p.weight;
+    if (const double cosine = dot(p.direction, sun_); p.diffuse && p.direction[2] < 0 && cosine >= cone_cosine_)
+      tally_[first_circumsolar_ + at] += strength_ * p.weight * cosine / -p.direction[2];
   }
 
   void scatter(Photon& p) {
@@ -185,11 +190,13 @@ class Batch {
     for (std::size_t v = 0; v < view_.size(); ++v) {
       estimate(p, v, p.weight * medium.scatterer(dot(p.direction, view_[v])));
     }
+    p.diffuse = true;
     p.direction = turned(p.direction, medium.scatterer.cosine_at(random_.uniform()), random_);
   }
 
   void reflect(Photon& p) {
     p.weight *= scene_.surface_albedo;
+    p.diffuse = true;
     p.k = 0;
     if (p.weight > 0) leave_plane(p, true);
   }
@@ -218,8 +225,9 @@ class Batch {
   std::vector<int> level_;  // edge to index of the level, -1: not counted
   Vector sun_;              // direction of travel
   std::vector<Vector> view_;
-  std::size_t first_down_ = 0, first_absorbed_ = 0, first_radiance_ = 0;
-  Vector lit_area_{};  // seen along the beam: sides across x, across y, top
+  std::size_t first_down_ = 0, first_circumsolar_ = 0, first_absorbed_ = 0, first_radiance_ = 0;
+  double cone_cosine_ = 2;  // of its half angle; 2: nothing is counted
+  Vector lit_area_{};       // seen along the beam: sides across x, across y, top
   std::array<double, 2> shift_{};
   double strength_ = 1;  // power of a photon of weight 1, by area of a column
   std::vector<double> tally_;
@@ -261,7 +269,8 @@ std::vector<Plane> planes(const std::vector<std::vector<double>>& batch, std::si
 
 MonteCarloResult solve_by_monte_carlo(const MonteCarloScene& scene, const MonteCarloEffort& effort) {
   assert(effort.batches >= 2);
-  if (effort.backward && scene.sun_flux != 0) throw std::invalid_argument("backward photons do not find the sun");
+  if (effort.backward && (scene.sun_flux != 0 || scene.circumsolar_deg > 0))
+    throw std::invalid_argument("backward photons do not find the sun");
   const Box box(scene);
   const Emitters emitters(scene, box);
   const std::int64_t photons = effort.photons / effort.batches;
@@ -283,6 +292,7 @@ MonteCarloResult solve_by_monte_carlo(const MonteCarloScene& scene, const MonteC
   MonteCarloResult result;
   result.up = planes(batch, first, scene.levels.size(), columns);
   result.down = planes(batch, first, scene.levels.size(), columns);
+  result.circumsolar = planes(batch, first, scene.circumsolar_deg > 0 ? scene.levels.size() : 0, columns);
   result.absorbed = planes(batch, first, scene.absorption ? scene.z_edge_m.size() - 1 : 0, columns);
   result.radiance = planes(batch, first, scene.views.size(), columns);
   return result;

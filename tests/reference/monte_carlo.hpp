@@ -54,6 +54,8 @@ struct MonteCarloScene {
   double sun_zenith_deg = 0, sun_azimuth_deg = 0;
   std::vector<int> levels;  ///< indices into z_edge_m: levels of the fluxes
   bool absorption = false;  ///< whether absorbed power is counted
+  /// Half angle of a cone about the sun. At each of `levels` its diffuse light is counted; 0: it is not.
+  double circumsolar_deg = 0;
   std::vector<View> views;
 };
 
@@ -76,6 +78,8 @@ struct Plane {
 /// In the unit of the sun's flux, per area of the column.
 struct MonteCarloResult {
   std::vector<Plane> up, down;  ///< for each of `levels`: flux through the level, down with the direct beam
+  /// For each of `levels`, if requested: diffuse light from the cone about the sun, through a plane that faces the sun.
+  std::vector<Plane> circumsolar;
   std::vector<Plane> absorbed;  ///< for each layer of cells, the lowest first, if requested: less what it emits
   std::vector<Plane> radiance;  ///< for each of `views` [1/sr]: mean over a column of the top (or bottom) plane
 };

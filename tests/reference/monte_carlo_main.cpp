@@ -7,7 +7,7 @@
 //   medium SSA isotropic | rayleigh | henyey-greenstein G | table N ANGLE VALUE ... ANGLE VALUE, and then its
 //   extinction:
 //          profile E1 ... E_NZ  or  cells E1 ... E_(NX*NY*NZ), x fastest, the lowest layer first [1/m].
-//   sun_flux F (1)    sky_radiance B (0).
+//   sun_flux F (1)    sky_radiance B (0)    circumsolar DEG (0).
 //   emission planck CELLS | step CELLS | surface B1 ... B_(NX*NY):
 //          mean Planck radiance of the cells; its increase from the lower to the upper face; of the surface.
 //          CELLS as the extinction of a medium: profile or cells.
@@ -115,6 +115,8 @@ void read_job(std::istream& in, MonteCarloScene& scene, MonteCarloEffort& effort
     } else if (key == "sun") {
       scene.sun_zenith_deg = get<double>(in, key);
       scene.sun_azimuth_deg = get<double>(in, key);
+    } else if (key == "circumsolar") {
+      scene.circumsolar_deg = get<double>(in, key);
     } else if (key == "view") {
       const auto zenith = get<double>(in, key);
       scene.views.push_back({zenith, get<double>(in, key)});
@@ -181,6 +183,7 @@ int main(int argc, char** argv) {
               << ", \"photons\": " << effort.photons / effort.batches * effort.batches;
     write_planes("up", result.up);
     write_planes("down", result.down);
+    write_planes("circumsolar", result.circumsolar);
     write_planes("absorbed", result.absorbed);
     write_planes("radiance", result.radiance);
     std::cout << "}\n";

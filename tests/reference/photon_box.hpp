@@ -84,6 +84,7 @@ struct Photon {
   Vector position, direction;
   int i = 0, j = 0, k = 0;  // i and j hold only in layers that are not uniform, until `locate`
   double weight = 1;
+  bool diffuse = false;  // has scattered, or does not come from the sun
 };
 
 enum class Event { collision, top, surface, side };

@@ -40,6 +40,7 @@ class Job:
     surface_planck: np.ndarray | None = None
     sky_radiance: float = 0.0
     sun_flux: float = 1.0
+    circumsolar_deg: float = 0.0  # half angle of a cone about the sun, whose diffuse light is counted at `levels`
 
     def text(self):
         lines = [f"columns {self.columns[0]} {self.columns[1]} {self.column_size[0]!r} {self.column_size[1]!r}",
@@ -48,6 +49,7 @@ class Job:
                  f"levels {len(self.levels)} " + " ".join(map(str, self.levels))]
         lines += [f"view {zenith!r} {azimuth!r}" for zenith, azimuth in self.views]
         lines += [f"medium {albedo!r} {scatterer} {cells_text(extinction)}" for albedo, scatterer, extinction in self.media]
+        lines.append(f"circumsolar {self.circumsolar_deg!r}")
         lines.append(f"absorption {int(self.absorption)}\nsun_flux {self.sun_flux!r}\nsky_radiance {self.sky_radiance!r}")
         lines += [f"emission {name} {cells_text(cells)}" for name, cells in (("planck", self.planck), ("step", self.planck_step)) if cells is not None]
         if self.surface_planck is not None:
@@ -64,13 +66,13 @@ def cells_text(cells):
 
 
 class Solution:
-    """In the unit of `sun_flux`: `up`, `down` by level, `absorbed` by layer of cells (net, by area), `radiance` by view, each a Plane."""
+    """In the unit of `sun_flux`: `up`, `down`, `circumsolar` by level, `absorbed` by layer of cells (net, by area), `radiance` by view, each a Plane."""
 
     def __init__(self, text, columns):
         answer = json.loads(text)
         self.cpu_seconds = answer["cpu_seconds"]
         self.photons = answer["photons"]
-        for name in ("up", "down", "absorbed", "radiance"):
+        for name in ("up", "down", "circumsolar", "absorbed", "radiance"):
             setattr(self, name, [Plane(np.reshape(p["value"], columns[::-1]), np.reshape(p["standard_error"], columns[::-1]), p["mean"],
                                        p["mean_standard_error"]) for p in answer[name]])
 

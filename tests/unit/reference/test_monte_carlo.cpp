@@ -163,6 +163,29 @@ TEST(MonteCarlo, SurfaceUnderClearAirShinesEqually) {
   EXPECT_NEAR(result.up[1].mean, 0.3, 1e-12);
 }
 
+TEST(MonteCarlo, ConeAboutTheSunCountsDiffuseLightAlone) {
+  // An even sky of radiance 1 sends pi sin^2 of the half angle through a plane that faces the sun. The sun's own light
+  // is not counted, that from below neither.
+  MonteCarloScene scene;
+  scene.columns = {2, 1};
+  scene.column_size_m = {10, 10};
+  scene.z_edge_m = {0, 5, 30};
+  scene.sun_zenith_deg = 30;
+  scene.surface_albedo = 1;
+  scene.levels = {0, 1};
+  scene.circumsolar_deg = 40;
+  scene.media = {{1, Scatterer::isotropic(), std::vector<double>(4, 0.0)}};
+  const auto of_sun = solve_by_monte_carlo(scene, {1000, 10, 2, 1});
+  EXPECT_EQ(of_sun.circumsolar[0].mean, 0);
+  scene.sky_radiance = 1;
+  const auto result = solve_by_monte_carlo(scene, {200000, 50, 3, 1});
+  const double expected = pi * std::pow(std::sin(40 * pi / 180), 2);
+  for (const Plane& plane : result.circumsolar) {
+    expect_within(plane.mean, expected, plane.mean_standard_error);
+    EXPECT_LT(plane.mean_standard_error, .01 * expected);  // so that agreement means something
+  }
+}
+
 TEST(MonteCarlo, RadiancesAreThoseOfDiscreteOrdinates) {
   // cdisort 2.1.3 with 128 streams, as in tests/data/plane_parallel_subset.json, for unit flux facing the sun at mu0
   // .5; the azimuth is that of the light's travel, 0 for the beam's. Depth 1, conservative.
