@@ -197,14 +197,33 @@ class ResultWriter : private SolutionWriter {
     }
     for (const OutputField& field : output_fields()) {
       const bool at_levels = field.grid == OutputField::Grid::levels;
-      if (!at_levels && (first_.*field.values).empty()) continue;
+      if ((first_.*field.values).empty()) continue;
       const FieldNames field_names = names(field);
+      Attributes attributes = attributes_of(field, field_names);
+      if (field.values == &Solution::circumsolar_flux)
+        attributes.push_back({"half_angle_deg", info_.circumsolar_deg.value_or(0)});
       write_lit(
           file, field_names.name, {at_levels ? flux_level_name() : "z", "y", "x"},
-          [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes_of(field, field_names));
+          [&field](const Solution& s) -> auto& { return s.*field.values; }, attributes);
     }
+    write_direct_normal_flux(file);
     write_heating_rate(file, {"z", "y", "x"}, "area: mean z: mean", &HeatingRate::cell);
     write_optical_depth(file);
+  }
+
+  /// Writes nothing unless circumsolar light was requested.
+  void write_direct_normal_flux(hid_t file) const {
+    if (first_.circumsolar_flux.empty()) return;
+    write_lit(file, "direct_normal_flux", {flux_level_name(), "y", "x"},
+              [](const Solution& s) {
+                std::vector<float> flux = s.direct_flux;
+                const double mu0 = s.sun ? -s.sun->travel.z() : 1;
+                for (float& f : flux) f = static_cast<float>(f / mu0);
+                return flux;
+              },
+              {{"units", units("W m-2")},
+               {"long_name", "unscattered sunlight through a plane that faces the sun (true extinction)"},
+               {"cell_methods", "area: mean"}});
   }
 
   /// Writes nothing if it was not requested.
@@ -253,7 +272,8 @@ class ResultWriter : private SolutionWriter {
   /// Both solutions have the levels that write_fields() wrote.
   void write_comparison(hid_t file) const {
     for (const OutputField& field : output_fields()) {
-      if (field.grid != OutputField::Grid::levels) continue;
+      const bool in_both = !(first_.*field.values).empty() && !(independent_columns_.front().*field.values).empty();
+      if (field.grid != OutputField::Grid::levels || !in_both) continue;
       const FieldNames field_names = names(field);
       write_lit(file, fmt::format("difference_{}", field_names.name), {flux_level_name(), "y", "x"},
                 [this, &field](const Solution& s) {

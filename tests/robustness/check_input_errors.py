@@ -349,6 +349,9 @@ def main():
         checker.expect_error("clear sky of a cloud alone", [*run, "--clear-sky"], ["--clear-sky", "a cloud alone", "spectrum.gas_model"], output)
         checker.expect_error("azimuths of columns that have none", [*run, "--set", "solver.mode=independent-diffuse", "--set", 'output.fields=["radiance_field"]'],
                              ["solver.mode", "independent-diffuse", "radiance_field"], output)
+        checker.expect_error("a cone of columns without azimuths", [*run, "--set", "solver.mode=independent-diffuse", "--set", "output.circumsolar_deg=3"],
+                             ["solver.mode", "independent-diffuse", "output.circumsolar_deg"], output)
+        checker.expect_error("a cone as wide as the sky", [*run, "--set", "output.circumsolar_deg=90"], ["output.circumsolar_deg", "90", "0.05 to 10"], output)
         checker.expect_error("storage that there is not", [*run, "--set", "solver.radiance_storage=float8"], ["solver.radiance_storage", "float8", "float16"], output)
         checker.expect_error("layer that is not there", [*run, "--set", "layer.0.optical_depth=2"], ["layer"], output)
         crashing = Path(__file__).resolve().parents[1] / "data" / "les_that_crashes_hdf5.nc"

@@ -50,6 +50,7 @@ height = 2
 [output]
 flux_levels = "boundaries"
 fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors", "optical_depth"]
+circumsolar_deg = 2.5
 """
 THERMAL = """\
 [cloud]

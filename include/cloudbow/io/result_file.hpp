@@ -89,7 +89,8 @@ struct ResultInfo {
   std::vector<ConstituentInfo> constituents{};
   std::vector<std::vector<float>> cloud_optical_depth{};  ///< [y][x] of each solution, or none
   std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
-  std::optional<SunPosition> sun{};                       ///< scalar coordinates, if there is a sun
+  std::optional<double> circumsolar_deg{};  ///< half angle of the cone of circumsolar light, if that was requested
+  std::optional<SunPosition> sun{};         ///< scalar coordinates, if there is a sun
 };
 
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,

@@ -1,6 +1,7 @@
 // Settings of a solve, and the requested outputs.
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,9 @@ struct IterationOptions {
   bool half_precision_radiance = false;
 };
 
+/// Of OutputOptions::circumsolar_half_angle: 10 degrees. The light beside the forward peak is taken from one direction.
+inline constexpr double largest_circumsolar_half_angle = 10 * std::numbers::pi / 180;
+
 /// Contents of a solution.
 struct OutputOptions {
   FluxLevels flux_levels = FluxLevels::all;
@@ -63,6 +67,9 @@ struct OutputOptions {
   bool absorption = true;
   bool actinic = false;
   bool radiance_field = false;
+  /// Half angle in radians of the cone about the sun whose diffuse light is requested, at most
+  /// largest_circumsolar_half_angle; 0: not requested.
+  double circumsolar_half_angle = 0;
   std::vector<View> views;
   std::vector<Camera> cameras;
 };

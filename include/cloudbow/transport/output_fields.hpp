@@ -28,8 +28,8 @@ struct OutputField {
   Grid grid;
   std::vector<float> Solution::*values;
   std::vector<double> Solution::*profile;  ///< [nz+1] domain means; null: none
-  const char* key;                         ///< in `output.fields` of a scene
-  bool OutputOptions::*asked;              ///< null: always there
+  const char* key;                         ///< in `output.fields` of a scene; null: it has a key of its own
+  bool OutputOptions::*asked;              ///< null: always there, or its values are empty
   // In scenes that emit; null: as above.
   const char* net_name = nullptr;
   const char* net_long_name = nullptr;

@@ -33,7 +33,9 @@ struct Solution {
   std::vector<float> upwelling_flux;            ///< [level][ny][nx] W m-2, diffuse
   std::vector<float> downwelling_diffuse_flux;  ///< as above
   std::vector<float> direct_flux;               ///< as above, true extinction, through a horizontal surface
-  std::vector<double> profile_upwelling_flux;   ///< [nz+1] domain means
+  /// As above, diffuse light from the cone about the sun through a plane that faces the sun; empty unless requested.
+  std::vector<float> circumsolar_flux;
+  std::vector<double> profile_upwelling_flux;  ///< [nz+1] domain means
   std::vector<double> profile_downwelling_diffuse_flux;
   std::vector<double> profile_direct_flux;
   bool emits = false;  ///< whether the problem has thermal emission

@@ -134,11 +134,12 @@ class DomainChecker {
 
 /// Diffuse light by columns under a slanted beam is known without its azimuths only.
 void check_asks_no_azimuths(const Scene& scene) {
-  const std::string found = scene.output.radiance_field ? "output.fields radiance_field"
-                            : !scene.radiances.empty()  ? "[[radiance]]"
-                            : !scene.cameras.empty()    ? "[[camera]]"
-                            : scene.surface.brdf        ? "a surface that does not reflect evenly"
-                                                        : "";
+  const std::string found = scene.output.radiance_field               ? "output.fields radiance_field"
+                            : !scene.radiances.empty()                ? "[[radiance]]"
+                            : !scene.cameras.empty()                  ? "[[camera]]"
+                            : scene.output.circumsolar_half_angle > 0 ? "output.circumsolar_deg"
+                            : scene.surface.brdf                      ? "a surface that does not reflect evenly"
+                                                                      : "";
   if (found.empty()) return;
   throw InputError(
       fmt::format("{}: 'independent-diffuse' computes fluxes, absorption and actinic flux over Lambertian ground alone "

@@ -20,7 +20,8 @@ std::size_t solution_bytes(const Scene& read, const AssembledScene& scene) {
   const std::size_t levels = flux_levels(box, options).size();
   const std::size_t of_cells =
       static_cast<std::size_t>(cell_field_count(options)) + (read.output.heating_rate ? 1U : 0U);
-  std::size_t floats = box.columns() * (3 * levels + of_cells * static_cast<std::size_t>(box.nz()));
+  const std::size_t of_levels = options.circumsolar_half_angle > 0 ? 4 : 3;
+  std::size_t floats = box.columns() * (of_levels * levels + of_cells * static_cast<std::size_t>(box.nz()));
   for (const View& view : options.views) floats += std::max<std::size_t>(box.columns(), 1UL * view.width * view.height);
   for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
   if (options.radiance_field)

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -357,6 +358,8 @@ ResultInfo result_info(const std::vector<Scene>& scenes, Solved& solved, const R
   }
   info.cloud_optical_depth = std::move(solved.cloud_optical_depth);
   info.cloud_optical_depth_um = visible_depth_um(scenes.front());
+  if (const double angle = scenes.front().output.circumsolar_half_angle; angle > 0)
+    info.circumsolar_deg = angle * 180 / std::numbers::pi;
   info.constituents =
       constituents_of(scenes.front(), solved, static_cast<double>(solved.solutions.front().box.columns()));
   add_thermal(scenes, solved, info);

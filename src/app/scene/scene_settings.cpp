@@ -55,6 +55,7 @@ void read_field(const ConfigReader& reader, const std::string& name, SceneOutput
   bool found = false;
   std::vector<std::string> allowed;
   for (const OutputField& field : output_fields()) {
+    if (field.key == nullptr) continue;
     if (std::find(allowed.begin(), allowed.end(), field.key) == allowed.end()) allowed.emplace_back(field.key);
     if (name != field.key) continue;
     found = true;
@@ -197,7 +198,7 @@ void SceneReader::read_solver(const ConfigReader& reader) {
 }
 
 void SceneReader::read_output(const ConfigReader& reader) {
-  reader.check_keys({"flux_levels", "file", "fields", "error_estimate"});
+  reader.check_keys({"flux_levels", "file", "fields", "error_estimate", "circumsolar_deg"});
   SceneOutput& output = scene_.output;
   output.error_estimate = reader.flag("error_estimate", output.error_estimate);
   if (reader.has("file")) output.file = relative_to_scene(reader.text("file"));
@@ -222,7 +223,11 @@ void SceneReader::read_output(const ConfigReader& reader) {
     }
     for (const std::string& name : *fields) read_field(reader, name, output);
   }
-  for (const char* key : {"flux_levels", "fields"}) remember(reader, key);
+  if (const auto degrees = reader.find_number("circumsolar_deg", {"0.05 to 10", .05, 10})) {
+    if (!scene_.sun) reader.fail("circumsolar_deg", "no sun", fmt::format("{}", *degrees), "with [sun] only");
+    output.circumsolar_half_angle = std::min(*degrees * std::numbers::pi / 180, largest_circumsolar_half_angle);
+  }
+  for (const char* key : {"flux_levels", "fields", "circumsolar_deg"}) remember(reader, key);
 }
 
 }  // namespace cloudbow

@@ -502,7 +502,8 @@ Solution solve_columns(const Problem& problem, const SolverOptions& options, con
   solution.emits = problem.emits();
   solution.flux_level = flux_levels(box, options);
   for (const OutputField& field : output_fields()) {
-    if (field.asked != nullptr && !(options.*field.asked)) continue;
+    const bool has_own_key = field.key == nullptr;
+    if (has_own_key || (field.asked != nullptr && !(options.*field.asked))) continue;
     const bool at_levels = field.grid == OutputField::Grid::levels;
     const std::size_t planes = at_levels ? solution.flux_level.size() : static_cast<std::size_t>(box.nz());
     (solution.*field.values).assign(planes * box.columns(), 0.F);

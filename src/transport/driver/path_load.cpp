@@ -9,6 +9,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/sphere/ordinate_set.hpp"
 #include "cloudbow/transport/solve_plan.hpp"
+#include "transport/observers/viewing_source.hpp"
 #include "transport/rays/direct_beam.hpp"
 #include "transport/rays/path_pattern.hpp"
 
@@ -89,6 +90,14 @@ PathLoad path_load(const SolvePlan& plan) {
   }
   for (const View& view : options.views) {
     if (view.width == 0) load.longest_diffuse = std::max(load.longest_diffuse, length(view.travel));
+  }
+  if (problem.sun && options.circumsolar_half_angle > 0) {
+    const Direction& sun = problem.sun->travel;
+    const double lowest = std::acos(-sun.z()) + options.circumsolar_half_angle;
+    const double azimuth = std::atan2(sun.y(), sun.x());
+    const Direction travel(std::sin(lowest) * std::cos(azimuth), std::sin(lowest) * std::sin(azimuth),
+                           std::min(0., -std::cos(lowest)));
+    load.longest_diffuse = std::max(load.longest_diffuse, length(off_the_horizon(travel)));
   }
   return load;
 }

@@ -10,6 +10,7 @@
 #include "transport/driver/path_load.hpp"
 #include "transport/gather/gather.hpp"
 #include "transport/observers/camera_view.hpp"
+#include "transport/observers/circumsolar.hpp"
 #include "transport/observers/sight_line.hpp"
 
 namespace cloudbow {
@@ -36,7 +37,7 @@ std::vector<Camera> coarser(std::vector<Camera> cameras, int enough) {
 std::size_t directions_seen(const SolverOptions& options, std::size_t cells) {
   const std::size_t of_cameras =
       options.cameras.empty() ? 0 : sight_points(coarser(options.cameras, 256), cells).travel.size();
-  return options.views.size() + of_cameras;
+  return options.views.size() + of_cameras + (options.circumsolar_half_angle > 0 ? 1 : 0);
 }
 
 // Time of the direct beams: each of their rays crosses every row of its level in each segment.
@@ -116,6 +117,14 @@ double seen_seconds(const SolverOptions& options, double cells, int ordinates) {
          (2 * ordinates * seconds_a_product + seconds_to_march);
 }
 
+// Time of marches through the cone about the sun: two for each ray.
+double circumsolar_seconds(const SolverOptions& options, double cells) {
+  constexpr double seconds_a_cell_and_march = 12e-9;
+  if (options.circumsolar_half_angle == 0) return 0;
+  const double across = options.independent_columns ? 1 : circumsolar_rays_across(options);
+  return 2 * circumsolar_rings * circumsolar_azimuths * across * across * cells * seconds_a_cell_and_march;
+}
+
 // Time of a table of reflection, from functions of two directions.
 double surface_seconds(const Problem& problem, int ordinates) {
   constexpr double seconds_to_sample = .04;
@@ -191,9 +200,14 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t making_surface = problem.surface.brdf ? 27'000'000 : 0;
   const std::size_t levels_between =
       level_gather_bytes(box, active, inner_levels(box, options), options.gather_directions);
+  const std::size_t of_cone =
+      options.circumsolar_half_angle > 0
+          ? circumsolar_bytes(active, phases, flux_levels(box, options).size() * box.columns(), real)
+          : 0;
   const std::size_t held = grid + cell + system + radiance_field;
-  const std::size_t working = std::max({active * std::max(iteration, making_seen), active * gather + levels_between,
-                                        active * (gather + showing) + pixels * sizeof(float), making_surface});
+  const std::size_t working =
+      std::max({active * std::max(iteration, making_seen), active * gather + levels_between + of_cone,
+                active * (gather + showing) + pixels * sizeof(float), making_surface});
   const std::size_t solving = tables + of_patterns + active * held + working + box.columns() * surface;
   // Images on their way into the file.
   const std::size_t writing = active * (grid + radiance_field) + pixels * 3 * sizeof(float);
@@ -254,7 +268,8 @@ double predict_seconds(const SolvePlan& plan) {
   // Cells that are higher than wide are crossed in more segments: on average one a face.
   const double tall = std::max(0., dz / box.dx_m + dz / box.dy_m - 2) * seconds_a_segment / seconds_a_gather_pair;
   return (sweep * usual_sweeps + gather * (1 + tall) + beam_seconds(problem, options, cells) +
-          pixel_seconds(problem, options) + seen_seconds(options, cells, ordinates.size())) /
+          pixel_seconds(problem, options) + seen_seconds(options, cells, ordinates.size()) +
+          circumsolar_seconds(options, cells)) /
              threads_of(plan) +
          surface_seconds(problem, ordinates.size()) + seconds_to_start;
 }

@@ -40,7 +40,7 @@ bool needs_own_cells(const Problem& problem, const SolverOptions& options) {
 
 bool solved_by_polar_streams(const Problem& problem, const SolverOptions& options) {
   return options.independent_columns && !problem.surface.brdf && !options.radiance_field && options.views.empty() &&
-         options.cameras.empty();
+         options.cameras.empty() && options.circumsolar_half_angle == 0;
 }
 
 SolvePlan::SolvePlan(const Problem& problem, const SolverOptions& options) : whole_(&problem) { set(options, nullptr); }

@@ -18,6 +18,7 @@
 #include "transport/driver/path_load.hpp"
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/observers/cell_fields.hpp"
+#include "transport/observers/circumsolar.hpp"
 #include "transport/observers/converged_field.hpp"
 #include "transport/observers/flux_fields.hpp"
 #include "transport/observers/images.hpp"
@@ -104,6 +105,8 @@ template <class Real>
 void observe(const ConvergedField<Real>& field, AngularField<Real>& radiance, const ProgressCallback& progress,
              Solution& solution) {
   const Images<Real> images(field);
+  std::optional<CircumsolarLight<Real>> circumsolar;
+  if (field.options.circumsolar_half_angle > 0 && field.problem.sun) circumsolar.emplace(field);
   // Independent columns have their fluxes from the iteration.
   const bool gathers = field.result.fluxes.column_up.empty();
   std::optional<DirectionalSource<Real>> source;
@@ -111,6 +114,11 @@ void observe(const ConvergedField<Real>& field, AngularField<Real>& radiance, co
     source.emplace(scattered_source(field.discretisation, field.system, std::move(radiance)));
   fill_flux_fields(field, gathers ? &*source : nullptr, progress, solution);
   images.fill(solution);
+  if (circumsolar) {
+    circumsolar->fill(solution);
+  } else if (field.options.circumsolar_half_angle > 0) {
+    solution.circumsolar_flux.assign(solution.direct_flux.size(), 0.F);
+  }
   fill_cell_fields(field, source ? &*source : nullptr, solution);
   if (field.options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
 }

@@ -86,15 +86,14 @@ struct SeenScattering {
   }
 };
 
-// A line along the horizon never ends; the radiance just above or below replaces it.
+}  // namespace
+
 Direction off_the_horizon(const Direction& travel) {
   constexpr double least = .02;
   if (std::abs(travel.z()) >= least) return travel;
   const double stretch = std::sqrt((1 - least * least) / (1 - travel.z() * travel.z()));
   return {stretch * travel.x(), stretch * travel.y(), travel.z() < 0 ? -least : least};
 }
-
-}  // namespace
 
 template <class Real>
 AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::span<const Direction> travel) {

@@ -26,6 +26,10 @@ struct ViewingBeam {
 template <class Real>
 std::vector<ViewingBeam<Real>> viewing_beams(const ConvergedField<Real>& field);
 
+/// A line along the horizon never ends; the direction just above or below replaces it. Travel that is level counts as
+/// upward.
+Direction off_the_horizon(const Direction& travel);
+
 /// Orders of scattering >= 2, and thermal emission: one row for each direction of travel.
 ///
 /// The radiance I_d at the ordinates scatters by the phase function itself. Its truncated form has large errors at the

@@ -8,7 +8,7 @@ namespace {
 
 using Grid = OutputField::Grid;
 
-constexpr std::array<OutputField, 5> fields{{
+constexpr std::array<OutputField, 6> fields{{
     {"upwelling_flux", "W m-2", "upwelling diffuse flux through a horizontal surface",
      "upwelling_shortwave_flux_in_air", Grid::levels, &Solution::upwelling_flux, &Solution::profile_upwelling_flux,
      "fluxes", nullptr, nullptr, nullptr, "upwelling_longwave_flux_in_air",
@@ -26,6 +26,8 @@ constexpr std::array<OutputField, 5> fields{{
      "power absorbed per volume less the power emitted"},
     {"actinic_flux", "W m-2", "actinic flux: 4 pi times the mean radiance, direct beam included", nullptr, Grid::cells,
      &Solution::actinic_flux, nullptr, "actinic", &OutputOptions::actinic},
+    {"circumsolar_flux", "W m-2", "diffuse light from the cone about the sun, through a plane that faces the sun",
+     nullptr, Grid::levels, &Solution::circumsolar_flux, nullptr, nullptr, nullptr},
 }};
 
 }  // namespace
@@ -53,6 +55,7 @@ void ask_for_fluxes_alone(OutputOptions& options) {
     if (field.asked != nullptr) options.*field.asked = false;
   }
   options.radiance_field = false;
+  options.circumsolar_half_angle = 0;
   options.views.clear();
   options.cameras.clear();
 }

@@ -101,6 +101,7 @@ void keep_planes(const Problem& whole, const SubdividedLevels& cut, Solution& so
   for (const OutputField& of : output_fields()) {
     if (of.grid != OutputField::Grid::levels) continue;
     std::vector<float>* const field = &(solution.*of.values);
+    if (field->empty()) continue;
     std::vector<float> planes;
     for (const std::size_t plane : kept) {
       const auto from = field->begin() + static_cast<std::ptrdiff_t>(plane * columns);

@@ -112,6 +112,10 @@ def check_xarray(folder, engine):
     with xarray.open_dataset(folder / "column.h5", engine=engine) as column:
         check_coordinates(column, 1, 1, 3)
         assert column.upwelling_flux.shape == (4, 1, 1)
+        assert column.circumsolar_flux.attrs["units"] == "W m-2" and column.circumsolar_flux.attrs["half_angle_deg"] == 2.5
+        np.testing.assert_array_equal(column.circumsolar_flux[:, 0, 0], [field_value(6, k, 0, 0) for k in range(4)])
+        assert column.direct_normal_flux.dims == ("z_edge", "y", "x") and column.direct_normal_flux.attrs["long_name"]
+        np.testing.assert_allclose(column.direct_normal_flux, column.direct_flux / 0.8, rtol=1e-7)
     with xarray.open_dataset(folder / "spectrum.h5", engine=engine) as spectrum:
         check_coordinates(spectrum, 4, 3, 2)
         assert spectrum.upwelling_flux.dims == ("wavelength", "z_edge", "y", "x")

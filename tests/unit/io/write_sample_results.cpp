@@ -43,7 +43,12 @@ int main(int argc, char** argv) try {
     queries << '\n';
   }
 
-  write_result(folder / "column.h5", sample::solution(1, 1, 3), sample::info());
+  Solution column = sample::solution(1, 1, 3);
+  column.sun = Sun{{.6, 0, -.8}, 1};
+  column.circumsolar_flux = sample::field(6, column.flux_level, 1, 1);
+  ResultInfo with_cone = sample::info();
+  with_cone.circumsolar_deg = 2.5;
+  write_result(folder / "column.h5", column, with_cone);
 
   ResultInfo spectrum = sample::info();
   spectrum.wavelengths_um = {0.67, 0.55};

@@ -97,5 +97,22 @@ TEST(SceneSettings, FieldsOfTheOutputAreThoseOfTheList) {
               AllOf(HasSubstr("output.fields"), HasSubstr("found \"actinick\"")));
 }
 
+TEST(SceneSettings, ConeAboutTheSun) {
+  const TemporaryFolder folder;
+  const std::string cone = "[output]\ncircumsolar_deg = ";
+  const Scene scene = read_scene(folder.write("scene.toml", layers_toml + cone + "2.5\n"));
+  EXPECT_NEAR(scene.output.circumsolar_half_angle, 2.5 * std::acos(-1.) / 180, 1e-15);
+  EXPECT_EQ(read_scene(folder.write("scene.toml", layers_toml)).output.circumsolar_half_angle, 0);
+  for (const char* angle : {"0", "-1", "10.5"}) {
+    EXPECT_THAT(message_of(layers_toml + cone + angle + "\n"),
+                AllOf(HasSubstr("output.circumsolar_deg"), HasSubstr("0.05 to 10")));
+  }
+  const auto sun = layers_toml.find("[sun]");
+  ASSERT_NE(sun, std::string::npos);
+  const std::string dark = layers_toml.substr(0, sun) + "[sky]\nradiance_w_m2_sr = 1\n";
+  EXPECT_THAT(message_of(dark + cone + "3\n"),
+              AllOf(HasSubstr("output.circumsolar_deg"), HasSubstr("no sun"), HasSubstr("[sun]")));
+}
+
 }  // namespace
 }  // namespace cloudbow

@@ -20,8 +20,9 @@ TEST(OutputFields, NamesAndArraysAreDistinct) {
     EXPECT_FALSE(std::string(field.units).empty()) << field.name;
     EXPECT_FALSE(std::string(field.long_name).empty()) << field.name;
     const bool at_levels = field.grid == OutputField::Grid::levels;
-    EXPECT_EQ(field.profile != nullptr, at_levels) << field.name << ": fluxes alone have a profile";
-    EXPECT_EQ(field.asked == nullptr, at_levels) << field.name << ": fluxes alone are always there";
+    const bool is_flux = at_levels && field.key != nullptr;
+    EXPECT_EQ(field.profile != nullptr, is_flux) << field.name << ": fluxes alone have a profile";
+    EXPECT_EQ(field.asked == nullptr, at_levels) << field.name << ": no flag asks for a field at levels";
   }
 }
 
@@ -51,10 +52,12 @@ TEST(OutputFields, FieldsOfCellsAreCountedIfAskedFor) {
   options.radiance_field = true;
   options.views.resize(1);
   options.cameras.resize(1);
+  options.circumsolar_half_angle = .05;
   ask_for_fluxes_alone(options);
   EXPECT_EQ(cell_field_count(options), 0);
   EXPECT_FALSE(options.absorption || options.actinic || options.radiance_field);
   EXPECT_TRUE(options.views.empty() && options.cameras.empty());
+  EXPECT_EQ(options.circumsolar_half_angle, 0);
 }
 
 }  // namespace
