@@ -10,6 +10,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "app/commands/mie_command.hpp"
@@ -75,6 +76,17 @@ SweepOutcome sweep_scene(const RunOptions& run, const Lists& lists, int jobs, co
     outcome = solve_sweep(options, plan_sweep(options));
   });
   return outcome;
+}
+
+/// Values of a list as the command line has it, and whether it is a dimension.
+std::pair<std::vector<std::string>, bool> swept_values(const std::string& key, const std::string& list) {
+  try {
+    const SweptKey swept = parse_swept_key(key + "=" + list);
+    return {swept.values, swept.is_list};
+  } catch (const InputError& error) {
+    const std::string message = error.what(), option = "--set ";
+    throw InputError(message.starts_with(option) ? message.substr(option.size()) : message);
+  }
 }
 
 /// Checks of `cloudbow verify`, one by one: (name, statement, unit, tolerance, found, passed, error, seconds).
@@ -153,6 +165,7 @@ PYBIND11_MODULE(_core, module) {
   py::class_<SweepOutcome>(module, "SweepOutcome")
       .def_readonly("exit_code", &SweepOutcome::exit_code)
       .def_readonly("sentences", &SweepOutcome::sentences);
+  module.def("swept_values", &swept_values, py::arg("key"), py::arg("list"));
   module.def(
       "sweep",
       [](const RunOptions& options, const Lists& lists, int jobs, const std::map<std::string, std::string>& shown,

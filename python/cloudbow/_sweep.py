@@ -29,7 +29,7 @@ def _list_of(key: str, values: Any, absolute: bool) -> tuple:
     """(key, values as --set takes them, whether they are a dimension)."""
     is_list = isinstance(values, Sequence) and not isinstance(values, str) or hasattr(values, "ndim") and values.ndim == 1
     if isinstance(values, str) and _RANGE.fullmatch(values):
-        raise refuse(key, "a text in place of a list", repr(values), "a list or an array, as in [0, 30, 60] or numpy.arange(0, 90, 30)")
+        return (key, *_core.swept_values(key, values))
     if hasattr(values, "ndim") and values.ndim > 1:
         raise refuse(key, "no list", f"an array of {values.ndim} dimensions", "a value, a list, or an array of one dimension")
     plain = _toml.plain(list(values) if isinstance(values, Sequence) and is_list else values, key)
@@ -56,7 +56,8 @@ def sweep(scene: Scene, keys: Mapping[str, Any], *, set: Optional[Mapping[str, A
         As for `run`: a path or a dict, in which arrays may stand.
     keys
         Lists by dotted key: ``{"sun.zenith_deg": [0, 30, 60], "surface.albedo": np.linspace(0, 1, 5)}``. A list, tuple, range or array of one dimension
-        is a dimension of the result. A single value holds in all runs.
+        is a dimension of the result. So is a text as on the command line: ``"0:60:20"`` (first, last, step) or ``"0,30,60"``. A single value holds in
+        all runs.
     set
         Values by dotted key that hold in all runs, as for `run`.
     jobs

@@ -81,8 +81,10 @@ def test_what_does_not_converge_is_marked(cloud):
     ({"sun.zenith_deg": [1, 1.0]}, "^sun.zenith_deg: a value twice"),
     ({"sun.zenith_deg": 5}, "^sun.zenith_deg: nothing to sweep"),
     ({}, "^keys: nothing to sweep"),
-    ({"sun.zenith_deg": "0:60:20"}, "^sun.zenith_deg: a text in place of a list"),
-    ({"sun.zenith_deg": "0, 30"}, "^sun.zenith_deg: a text in place of a list"),
+    ({"sun.zenith_deg": "0:60"}, "^sun.zenith_deg=0:60: a range has FIRST:LAST:STEP"),
+    ({"sun.zenith_deg": "0:60:-20"}, "^sun.zenith_deg=0:60:-20: a range without end"),
+    ({"sun.zenith_deg": "0 30"}, "^sun.zenith_deg=0 30: commas separate values"),
+    ({"sun.zenith_deg": "0, 0"}, "^sun.zenith_deg: a value twice"),
     ({"sun.zenith_deg": range(200), "surface.albedo": range(200)}, "^sun.zenith_deg, surface.albedo: too many runs"),
     ({"sun.zenith_deg": np.zeros((2, 2))}, "array of 2 dimensions"),
     ({"sun.zenith_deg": [0, object()]}, "no value of a scene"),
@@ -91,6 +93,12 @@ def test_what_does_not_converge_is_marked(cloud):
 def test_wrong_lists_are_refused(layers, keys, words):
     with pytest.raises(cb.InputError, match=words):
         cb.sweep(layers, keys)
+
+
+def test_texts_are_lists_as_on_the_command_line(layers):
+    ds = cb.sweep(layers, {"sun.zenith_deg": "0:60:20", "surface.albedo": "0.1, 0.3"})
+    assert_same_results(ds, cb.sweep(layers, {"sun.zenith_deg": [0, 20, 40, 60], "surface.albedo": [0.1, 0.3]}))
+    assert list(ds.zenith_deg.values) == [0, 20, 40, 60] and list(ds.albedo.values) == [0.1, 0.3]
 
 
 def test_wrong_arguments_are_refused(layers):
