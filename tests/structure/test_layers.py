@@ -28,6 +28,7 @@ THIRD_PARTY = {
     r"png\.h": {"medium", "io"},
     r"zlib\.h": {"medium", "io"},
     r"cairo[\w-]*\.h|pango/": {"plots"},
+    r"mpi\.h": {"core"},
     r"xxh(ash|3)\.h": {"core"},
     r"toml\+\+/|toml\.hpp": {"app"},
     r"CLI/": {"app"},

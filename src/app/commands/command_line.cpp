@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -31,9 +32,11 @@
 #include "app/process/interrupt.hpp"
 #include "app/process/messages.hpp"
 #include "app/process/version.hpp"
+#include "app/runs/merge.hpp"
 #include "app/runs/run.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/printable.hpp"
+#include "cloudbow/core/ranks.hpp"
 
 namespace cloudbow {
 namespace {
@@ -57,10 +60,12 @@ struct TargetText {
   }
 };
 
-void add_run(CLI::App& app, Action& action, const std::string& command) {
+void add_run(CLI::App& app, Action& action, const std::string& command, Ranks* ranks) {
   auto options = std::make_shared<RunOptions>();
   auto target = std::make_shared<TargetText>();
+  auto part = std::make_shared<std::string>();
   options->command = command;
+  options->ranks = ranks;
   CLI::App* run_app = app.add_subcommand("run", "Solve a scene file and write one HDF5 file");
   run_app->add_option("scene", options->scene, "Scene file (TOML)")->type_name("FILE")->required();
   run_app->add_option("-o,--output", options->output, "Result file (default: the scene's name with .h5, here)")
@@ -118,12 +123,35 @@ void add_run(CLI::App& app, Action& action, const std::string& command) {
   run_app->add_option("--of", target->of, "Fluxes that the error is of: domain, columns")
       ->capture_default_str()
       ->check(CLI::IsMember({"domain", "columns"}));
-  run_app->callback([&action, options, target] {
-    action = [options, target] {
+  run_app
+      ->add_option(
+          "--part", *part,
+          "Solve every Nth wavelength or g-point alone, as a job of a batch system, and write FILE.part-I-of-N; "
+          "cloudbow merge joins the parts")
+      ->type_name("I/N")
+      ->excludes(dry_run);
+  run_app->callback([&action, options, target, part] {
+    action = [options, target, part] {
       options->target = target->target();
+      if (!part->empty()) options->part = parse_job_share("--part", *part);
       return run(*options);
     };
   });
+}
+
+void add_merge(CLI::App& app, Action& action, const std::string& command) {
+  auto options = std::make_shared<MergeOptions>();
+  options->command = command;
+  CLI::App* merge_app = app.add_subcommand("merge", "Join the parts of a run into its result");
+  merge_app->add_option("parts", options->parts, "Files of run --part, all of one run")
+      ->type_name("PART...")
+      ->required();
+  merge_app->add_option("-o,--output", options->output, "Result file (default: as the runs of the parts name it)")
+      ->type_name("FILE");
+  merge_app->add_option("--threads", options->threads, "Threads (default: one per processor)")
+      ->check(whole_number(1, 4096));
+  merge_app->add_flag("--quiet", options->quiet, "Print errors alone");
+  merge_app->callback([&action, options] { action = [options] { return merge(*options); }; });
 }
 
 void add_mie(CLI::App& app, Action& action, const std::string& command) {
@@ -187,7 +215,18 @@ void check_no_empty_words(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) check_no_empty_words(*command);
 }
 
-int parse_and_act(int argc, const char* const* argv) {
+/// Other commands would write their outputs several times.
+void check_takes_ranks(const CLI::App& app, const Ranks& ranks) {
+  const std::string command = app.get_subcommands().front()->get_name();
+  if (command == "run" || command == "sweep") return;
+  throw InputError(
+      fmt::format("mpirun: `cloudbow {}` is a command of one process (found {}, allowed 1; run and sweep "
+                  "take several)",
+                  command, ranks.size()));
+}
+
+/// @param ranks all processes that run this command; null: this one alone
+int parse_and_act(int argc, const char* const* argv, Ranks* ranks) {
   CLI::App app("Sunlight in cloudy air, solved deterministically", "cloudbow");
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
@@ -196,8 +235,9 @@ int parse_and_act(int argc, const char* const* argv) {
       "3: the solve did not converge, missed its target error or time (the result says so), or a check of verify "
       "does not hold");
   Action action;
-  add_run(app, action, command_text(argc, argv));
-  add_sweep(app, action, command_text(argc, argv));
+  add_run(app, action, command_text(argc, argv), ranks);
+  add_merge(app, action, command_text(argc, argv));
+  add_sweep(app, action, command_text(argc, argv), ranks);
   add_cloud(app, action);
   add_mie(app, action, command_text(argc, argv));
   add_gas(app, action, command_text(argc, argv));
@@ -209,11 +249,13 @@ int parse_and_act(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
+    if (ranks != nullptr && !ranks->is_first()) return exit_done;
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("{} (cloudbow --help, cloudbow COMMAND --help)", usage_error(app, error)));
   }
   check_no_empty_words(app);
+  if (ranks != nullptr) check_takes_ranks(app, *ranks);
   const int code = action();
   check_printed();
   return code;
@@ -236,30 +278,72 @@ void settle_process() {
   std::signal(SIGCHLD, SIG_DFL);
 }
 
+/// The end of a command.
+struct CommandEnd {
+  int exit_code = exit_done;
+  std::string message{};  ///< why it failed; empty: it did not
+  bool interrupted = false;
+};
+
+template <class Command>
+CommandEnd end_of(const Command& command) {
+  try {
+    return {command()};
+  } catch (const InputError& error) {
+    return {exit_input_error, printable(error.what())};
+  } catch (const Interrupted& interrupted) {
+    return {128 + interrupted.signal, "interrupted", true};
+  } catch (const std::bad_alloc&) {
+    return {exit_input_error, "out of memory (a smaller domain, a lower solver.accuracy or fewer --threads need less)"};
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::broken_pipe) return {exit_broken_pipe};
+    const bool no_memory = error.code() == std::errc::not_enough_memory;
+    return {no_memory ? exit_input_error : exit_internal_error,
+            fmt::format("{}{}", no_memory ? "" : "internal error: ", printable(error.what()))};
+  } catch (const std::exception& error) {
+    return {exit_internal_error, fmt::format("internal error: {}", printable(error.what()))};
+  }
+}
+
+/// Most errors come to all ranks, and then the first reports them. An error of one rank ends the others.
+void end_ranks(Ranks& ranks, const CommandEnd& end) {
+  constexpr std::chrono::seconds patience{2};
+  if (end.message.empty()) return;
+  const bool all = ranks.all_arrive(patience);
+  if (!all && !ranks.is_first()) {
+    mute_messages(false);
+    tell("cloudbow: {} (process {} of {})\n", end.message, ranks.rank() + 1, ranks.size());
+  } else {
+    tell("cloudbow: {}\n", end.message);
+  }
+  // Messages that an interrupt has cut short would keep MPI from its own end.
+  if (!all || end.interrupted) ranks.abort(end.exit_code);
+}
+
+/// All processes that mpirun has started, of which the first speaks; null: this one alone.
+std::unique_ptr<Ranks> join_ranks() {
+  std::unique_ptr<Ranks> ranks = start_ranks();
+  if (!ranks) return nullptr;
+  ranks->while_waiting = [] { InterruptGuard::check(); };
+  mute_messages(!ranks->is_first());
+  return ranks;
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
   settle_process();
-  try {
-    return parse_and_act(argc, argv);
-  } catch (const InputError& error) {
-    tell("cloudbow: {}\n", printable(error.what()));
-    return exit_input_error;
-  } catch (const Interrupted& interrupted) {
-    tell("cloudbow: interrupted\n");
-    return 128 + interrupted.signal;
-  } catch (const std::bad_alloc&) {
-    tell("cloudbow: out of memory (a smaller domain, a lower solver.accuracy or fewer --threads need less)\n");
-    return exit_input_error;
-  } catch (const std::system_error& error) {
-    if (error.code() == std::errc::broken_pipe) return exit_broken_pipe;
-    const bool no_memory = error.code() == std::errc::not_enough_memory;
-    tell("cloudbow: {}{}\n", no_memory ? "" : "internal error: ", printable(error.what()));
-    return no_memory ? exit_input_error : exit_internal_error;
-  } catch (const std::exception& error) {
-    tell("cloudbow: internal error: {}\n", printable(error.what()));
-    return exit_internal_error;
+  std::unique_ptr<Ranks> ranks;
+  const CommandEnd end = end_of([&] {
+    ranks = join_ranks();
+    return parse_and_act(argc, argv, ranks.get());
+  });
+  if (ranks) {
+    end_ranks(*ranks, end);
+  } else if (!end.message.empty()) {
+    tell("cloudbow: {}\n", end.message);
   }
+  return end.exit_code;
 }
 
 }  // namespace cloudbow

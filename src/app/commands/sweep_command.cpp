@@ -8,7 +8,7 @@
 
 namespace cloudbow {
 
-void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& command) {
+void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& command, Ranks* ranks) {
   struct Options {
     SweepOptions sweep;
     std::vector<std::string> set;
@@ -17,6 +17,7 @@ void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& c
   auto options = std::make_shared<Options>();
   RunOptions& run = options->sweep.run;
   run.command = command;
+  run.ranks = ranks;
   CLI::App* sweep_app = app.add_subcommand("sweep", "Solve a scene for lists of values of its keys, into one file");
   sweep_app->add_option("scene", run.scene, "Scene file (TOML)")->type_name("FILE")->required();
   sweep_app
@@ -49,7 +50,7 @@ void add_sweep(CLI::App& app, std::function<int()>& action, const std::string& c
   sweep_app->callback([&action, options] {
     action = [options] {
       for (const std::string& assignment : options->set) options->sweep.keys.push_back(parse_swept_key(assignment));
-      if (!options->share.empty()) options->sweep.share = parse_sweep_share(options->share);
+      if (!options->share.empty()) options->sweep.share = parse_job_share("--share", options->share);
       return sweep(options->sweep);
     };
   });

@@ -10,6 +10,7 @@
 #include "app/planning/coarse_solves.hpp"
 #include "app/planning/column_answers.hpp"
 #include "app/planning/error_calibration.hpp"
+#include "app/planning/solve_share.hpp"
 #include "app/planning/spectral_choice.hpp"
 #include "app/process/interrupt.hpp"
 #include "app/process/messages.hpp"
@@ -198,6 +199,27 @@ class SummedErrors {
   double power_ = 0, up_ = 0, down_ = 0, between_ = 0;  // of the estimated g-points
 };
 
+/// @param estimates whether its error is estimated too
+SolveResult solve_point(const Scene& scene, const PlannedScene& planned, bool estimates, const RunOptions& options,
+                        RunClock& clock) {
+  ProgressDisplay display(options.quiet, planned.plan.options().tolerance, &clock);
+  SolveResult result{solve(planned.plan, [&display](const SolverProgress& progress) {
+    InterruptGuard::check();
+    display.show(progress);
+  })};
+  if (scene.output.error_estimate && estimates) {
+    // The error of blocks is added for the sum: it differs much between g-points.
+    const double of_air = std::exchange(result.solution.report.air_error, 0.);
+    result.error = estimate_of(scene, planned, result.solution);
+    result.solution.report.air_error = of_air;
+  }
+  if (scene.output.optical_depth) result.cloud_optical_depth = planned.scene->cloud_optical_depth;
+  result.clouds = planned.scene->clouds;
+  result.phase_classes = planned.scene->phase_classes;
+  InterruptGuard::check();
+  return result;
+}
+
 }  // namespace
 
 BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimate& cost, const RunOptions& options,
@@ -221,32 +243,27 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
   SummedErrors errors;
   RunClock clock(points.point.size());
   for (std::size_t n = 0; n < points.point.size(); ++n) {
-    Scene scene = scenes[static_cast<std::size_t>(points.point[n])];
-    if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
-    scene.broadband->largest_air_error = points.largest_air_error;
-    const PlannedScene planned = plan_scene(scene, available, files, cost.levels_m, options.threads);
-    if (!options.quiet) tell("g-point {}: {} of {} to solve\n", points.point[n], n + 1, points.point.size());
-    ProgressDisplay display(options.quiet, planned.plan.options().tolerance, &clock);
-    Solution solution = solve(planned.plan, [&display](const SolverProgress& progress) {
-      InterruptGuard::check();
-      display.show(progress);
+    const auto point = static_cast<std::size_t>(points.point[n]);
+    const bool estimates = std::find(estimated.begin(), estimated.end(), n) != estimated.end();
+    std::optional<SolveResult> result = shared_solve(options.share.get(), n, [&] {
+      Scene scene = scenes[point];
+      if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
+      scene.broadband->largest_air_error = points.largest_air_error;
+      if (!options.quiet) tell("g-point {}: {} of {} to solve\n", point, n + 1, points.point.size());
+      return solve_point(scene, plan_scene(scene, available, files, cost.levels_m, options.threads), estimates, options,
+                         clock);
     });
-    if (scene.output.error_estimate && std::find(estimated.begin(), estimated.end(), n) != estimated.end()) {
-      // The error of blocks is added for the sum: it differs much between g-points.
-      const double of_air = std::exchange(solution.report.air_error, 0.);
-      errors.add(estimate_of(scene, planned, solution), solution, points.weight[n]);
-      solution.report.air_error = of_air;
-    }
-    add_weighted(sum, solution, points.weight[n]);
-    if (!run.bands.empty())
-      add_to_band(solution,
-                  run.bands[static_cast<std::size_t>(bands.of_point[static_cast<std::size_t>(points.point[n])])]);
-    if (scene.output.optical_depth && n == 0)
-      run.solved.cloud_optical_depth.push_back(planned.scene->cloud_optical_depth);
-    if (n == 0) run.solved.clouds.push_back(planned.scene->clouds);
-    if (planned.scene->phase_classes && n == 0) run.solved.phase_classes.push_back(*planned.scene->phase_classes);
-    InterruptGuard::check();
+    if (!result) continue;
+    if (result->error) errors.add(*result->error, result->solution, points.weight[n]);
+    add_weighted(sum, result->solution, points.weight[n]);
+    if (!run.bands.empty()) add_to_band(result->solution, run.bands[static_cast<std::size_t>(bands.of_point[point])]);
+    if (n > 0) continue;
+    if (scenes.front().output.optical_depth)
+      run.solved.cloud_optical_depth.push_back(std::move(result->cloud_optical_depth));
+    run.solved.clouds.push_back(std::move(result->clouds));
+    if (result->phase_classes) run.solved.phase_classes.push_back(*result->phase_classes);
   }
+  if (!collects(options.share.get())) return run;
   add_missing(points.missing, sum);
   if (const auto error = errors.with(error_per_residual * points.residual, sum.report.air_error))
     run.solved.errors.push_back(*error);

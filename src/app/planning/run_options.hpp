@@ -2,13 +2,18 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/planning/job_share.hpp"
 #include "app/planning/planner.hpp"
 
 namespace cloudbow {
+
+class Ranks;
+class SolveShare;
 
 struct RunOptions {
   std::filesystem::path scene;
@@ -25,6 +30,9 @@ struct RunOptions {
   double checkpoint_minutes = 10;    ///< interval, >= 0; also written when a signal ends the run, and at its end
   std::filesystem::path resume;      ///< begins with the state here; empty: from nothing
   std::string command;               ///< as the user typed it, for the result's history
+  std::optional<JobShare> part;      ///< solves of this job, which go to a part of the result; none: all, to the result
+  Ranks* ranks = nullptr;            ///< processes that run the same command; null: this one alone
+  std::shared_ptr<SolveShare> share{};  ///< the solves of this process; null: all
 };
 
 }  // namespace cloudbow

@@ -7,6 +7,7 @@
 #include "app/planning/coarse_solves.hpp"
 #include "app/planning/error_calibration.hpp"
 #include "app/planning/run_checkpoints.hpp"
+#include "app/planning/solve_share.hpp"
 #include "app/process/interrupt.hpp"
 #include "app/process/messages.hpp"
 #include "app/process/progress.hpp"
@@ -23,50 +24,69 @@ ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const
   return error;
 }
 
+namespace {
+
+/// One wavelength of a run.
+SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t number, std::size_t scenes,
+                        const RunOptions& options, RunClock& clock) {
+  const AssembledScene& assembled = *planned.scene;
+  if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
+  const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {
+    ProgressDisplay display(options.quiet, plan.options().tolerance, &clock);
+    // Between sweeps a signal waits for the checkpoint.
+    const bool kept = checkpoints != nullptr && !options.checkpoint.empty();
+    return solve(
+        plan,
+        [&display, kept](const SolverProgress& progress) {
+          if (!kept || progress.phase != "sweep") InterruptGuard::check();
+          display.show(progress);
+        },
+        checkpoints);
+  };
+  std::optional<RunCheckpoints> checkpoints;
+  if (!options.checkpoint.empty() || !options.resume.empty()) checkpoints.emplace(options, number, scenes);
+  SolveResult result{solve_shown(planned.plan, checkpoints ? &*checkpoints : nullptr)};
+  if (checkpoints && !checkpoints->used() && number == 0 && !options.quiet) {
+    tell("cloudbow: {} not used: the columns of this scene are solved without iteration\n",
+         options.checkpoint.empty() ? "--resume is"
+         : options.resume.empty()   ? "--checkpoint is"
+                                    : "--checkpoint and --resume are");
+  }
+  if (scene.output.error_estimate) result.error = estimate_of(scene, planned, result.solution);
+  if (options.compare) {
+    // A single column is its own independent column.
+    const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
+    if (!options.quiet && !alone) tell("independent columns\n");
+    result.independent_columns =
+        alone ? result.solution : solve_shown(planned.plan.with(with_independent_columns(assembled.options)), nullptr);
+  }
+  if (scene.output.optical_depth) result.cloud_optical_depth = assembled.cloud_optical_depth;
+  result.clouds = assembled.clouds;
+  result.phase_classes = assembled.phase_classes;
+  InterruptGuard::check();
+  return result;
+}
+
+}  // namespace
+
 Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files) {
   Solved solved;
   RunClock clock(scenes.size() * (options.compare ? 2 : 1));
-  for (const Scene& scene : scenes) {
-    const PlannedScene planned =
-        cost.only ? std::move(*cost.only) : plan_scene(scene, available, files, cost.levels_m, options.threads);
-    const AssembledScene& assembled = *planned.scene;
-    if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
-    const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {
-      ProgressDisplay display(options.quiet, plan.options().tolerance, &clock);
-      // Between sweeps a signal waits for the checkpoint.
-      const bool kept = checkpoints != nullptr && !options.checkpoint.empty();
-      return solve(
-          plan,
-          [&display, kept](const SolverProgress& progress) {
-            if (!kept || progress.phase != "sweep") InterruptGuard::check();
-            display.show(progress);
-          },
-          checkpoints);
-    };
-    std::optional<RunCheckpoints> checkpoints;
-    if (!options.checkpoint.empty() || !options.resume.empty())
-      checkpoints.emplace(options, solved.solutions.size(), scenes.size());
-    solved.solutions.push_back(solve_shown(planned.plan, checkpoints ? &*checkpoints : nullptr));
-    if (checkpoints && !checkpoints->used() && solved.solutions.size() == 1 && !options.quiet) {
-      tell("cloudbow: {} not used: the columns of this scene are solved without iteration\n",
-           options.checkpoint.empty() ? "--resume is"
-           : options.resume.empty()   ? "--checkpoint is"
-                                      : "--checkpoint and --resume are");
-    }
-    if (scene.output.error_estimate) solved.errors.push_back(estimate_of(scene, planned, solved.solutions.back()));
-    if (options.compare) {
-      // A single column is its own independent column.
-      const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
-      if (!options.quiet && !alone) tell("independent columns\n");
-      solved.independent_columns.push_back(
-          alone ? solved.solutions.back()
-                : solve_shown(planned.plan.with(with_independent_columns(assembled.options)), nullptr));
-    }
-    if (scene.output.optical_depth) solved.cloud_optical_depth.push_back(assembled.cloud_optical_depth);
-    solved.clouds.push_back(assembled.clouds);
-    if (assembled.phase_classes) solved.phase_classes.push_back(*assembled.phase_classes);
-    InterruptGuard::check();
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    const Scene& scene = scenes[n];
+    std::optional<SolveResult> result = shared_solve(options.share.get(), n, [&] {
+      PlannedScene planned =
+          cost.only ? std::move(*cost.only) : plan_scene(scene, available, files, cost.levels_m, options.threads);
+      return solve_scene(scene, std::move(planned), n, scenes.size(), options, clock);
+    });
+    if (!result) continue;
+    solved.solutions.push_back(std::move(result->solution));
+    if (result->error) solved.errors.push_back(std::move(*result->error));
+    if (result->independent_columns) solved.independent_columns.push_back(std::move(*result->independent_columns));
+    if (scene.output.optical_depth) solved.cloud_optical_depth.push_back(std::move(result->cloud_optical_depth));
+    solved.clouds.push_back(std::move(result->clouds));
+    if (result->phase_classes) solved.phase_classes.push_back(*result->phase_classes);
   }
   return solved;
 }

@@ -6,7 +6,16 @@
 
 namespace cloudbow {
 
+namespace {
+
+bool muted = false;
+
+}  // namespace
+
+void mute_messages(bool mute) { muted = mute; }
+
 void tell_text(const std::string& text) {
+  if (muted) return;
   if (const HostCalls* host = HostScope::calls()) {
     host->message(text);
   } else {

@@ -11,6 +11,9 @@ namespace cloudbow {
 
 void tell_text(const std::string& text);
 
+/// From now on messages are dropped, or no longer: of several processes that do the same, one speaks.
+void mute_messages(bool mute);
+
 template <class... Args>
 void tell(fmt::format_string<Args...> text, Args&&... args) {
   tell_text(fmt::format(text, std::forward<Args>(args)...));

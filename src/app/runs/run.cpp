@@ -16,6 +16,7 @@
 #include "app/planning/run_checkpoints.hpp"
 #include "app/planning/run_options.hpp"
 #include "app/planning/solve_scenes.hpp"
+#include "app/planning/solve_share.hpp"
 #include "app/planning/target_run.hpp"
 #include "app/process/cache_directory.hpp"
 #include "app/process/exit_codes.hpp"
@@ -23,6 +24,8 @@
 #include "app/process/interrupt.hpp"
 #include "app/process/messages.hpp"
 #include "app/process/version.hpp"
+#include "app/runs/merge.hpp"
+#include "app/runs/run_part.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/scene.hpp"
 #include "cloudbow/core/atomic_file.hpp"
@@ -30,6 +33,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/core/printable.hpp"
+#include "cloudbow/core/ranks.hpp"
 #include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/io/result_file.hpp"
 #include "cloudbow/medium/cloud_files.hpp"
@@ -333,12 +337,36 @@ void check_files(const RunOptions& options, std::size_t solves, const std::files
     if (!same_file(kept, resumed)) files.push_back(resumed);
   }
   std::vector<std::filesystem::path> all = files;
+  if (options.part) outputs.push_back({part_file(output, *options.part), "the part", OutputKind::any});
   for (const OutputFile& file : outputs) all.push_back(file.path);
   check_not_of_cache(all);
-  if (options.dry_run) {
+  if (options.dry_run || (options.ranks != nullptr && !options.ranks->is_first())) {
     check_distinct(outputs, files);
   } else {
     check_outputs(outputs, files);
+  }
+}
+
+/// A run is shared out by its solves.
+void check_shared(const RunOptions& options, const std::vector<Scene>& scenes) {
+  const Scene& scene = scenes.front();
+  const char* const by = options.part ? "--part" : "mpirun";
+  if (!options.part && options.ranks == nullptr) return;
+  if (options.part && options.ranks != nullptr) {
+    throw InputError(
+        "--part: excludes mpirun (found both, allowed one of the two) mpirun shares the solves out itself");
+  }
+  if (options.target) {
+    throw InputError(
+        fmt::format("{}: excludes --target-error and --budget (found both, allowed one of the two) choose "
+                    "the level by solver.accuracy",
+                    by));
+  }
+  if (options.part && scenes.size() == 1) {
+    throw InputError(
+        fmt::format("{}: --part: nothing to share out (found one solve, allowed several wavelengths or "
+                    "g-points) run it without --part",
+                    scene.path.string()));
   }
 }
 
@@ -396,6 +424,11 @@ std::map<std::string, std::vector<double>> coordinates_of(const std::vector<Scen
 
 }  // namespace
 
+std::uint64_t available_memory(const RunOptions& options) {
+  const int processes = options.ranks != nullptr ? options.ranks->on_this_machine() : 1;
+  return available_memory_bytes() / static_cast<std::uint64_t>(processes);
+}
+
 PreparedRun prepare_run(const RunOptions& options) {
   std::set<std::string> printed;
   return prepare_run(options, printed);
@@ -410,6 +443,7 @@ PreparedRun prepare_run(const RunOptions& options, std::set<std::string>& printe
   if (options.compare) check_comparable(first);
   if (first.broadband) check_broadband_options(options, first);
   if (options.clear_sky) check_clear_sky(first);
+  check_shared(options, prepared.scenes);
   return prepared;
 }
 
@@ -420,7 +454,7 @@ RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& opt
 }
 
 RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files) {
-  const std::uint64_t available = available_memory_bytes();
+  const std::uint64_t available = available_memory(options);
   CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
   check_memory(scenes.front(), expected, available);
   const PlannedScene planned = expected.only
@@ -442,7 +476,7 @@ SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options)
 }
 
 SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files) {
-  const std::uint64_t available = available_memory_bytes();
+  const std::uint64_t available = available_memory(options);
   SolvedRun run{scenes, {}, {}};
   std::optional<TargetReport> target;
   std::optional<SpectralInfo> spectral;
@@ -465,6 +499,7 @@ SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options,
       run.solved = solve_all(scenes, std::move(expected), options, available, files);
     }
   }
+  if (!collects(options.share.get())) return run;
   std::vector<Solution> clear_sky;
   if (options.clear_sky) clear_sky = solve_clear_sky(scenes, options, available, files);
   run.info = result_info(run.scenes, run.solved, options);
@@ -493,14 +528,7 @@ std::vector<std::string> shortcomings(const SolvedRun& run, const std::string& o
   return sentences;
 }
 
-int run(const RunOptions& options) {
-  const PreparedRun prepared = prepare_run(options);
-  if (options.dry_run && !options.target) {
-    fmt::print("{}", estimate_run(prepared.scenes, options).text);
-    return exit_done;
-  }
-  const InterruptGuard guard;
-  const SolvedRun solved = solve_run(prepared.scenes, options);
+int finish_run(const PreparedRun& prepared, const SolvedRun& solved, const RunOptions& options) {
   write_run(prepared.output, solved, options.threads);
   if (!options.quiet) {
     print_summaries(solved.scenes, solved.solved, solved.info);
@@ -509,6 +537,22 @@ int run(const RunOptions& options) {
   const std::vector<std::string> misses = shortcomings(solved, prepared.output.string());
   for (const std::string& sentence : misses) tell("cloudbow: {}\n", sentence);
   return misses.empty() ? exit_done : exit_not_converged;
+}
+
+int run(const RunOptions& given) {
+  const PreparedRun prepared = prepare_run(given);
+  const bool prints = given.ranks == nullptr || given.ranks->is_first();
+  if (given.dry_run && !given.target) {
+    const RunEstimate estimate = estimate_run(prepared.scenes, given);
+    if (prints) fmt::print("{}", estimate.text);
+    return exit_done;
+  }
+  const InterruptGuard guard;
+  if (given.part) return solve_part(prepared, given);
+  RunOptions options = given;
+  if (options.ranks != nullptr) options.share = std::make_shared<SharedByRanks>(*options.ranks);
+  const SolvedRun solved = solve_run(prepared.scenes, options);
+  return prints ? finish_run(prepared, solved, options) : exit_done;
 }
 
 }  // namespace cloudbow

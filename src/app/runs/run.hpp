@@ -43,6 +43,9 @@ struct SolvedRun {
   ResultInfo info;
 };
 
+/// Bytes that a run may take: processes that share a machine share its memory.
+std::uint64_t available_memory(const RunOptions& options);
+
 /// Reads the scenes and checks options and files against them; prints what reading guessed or corrected.
 /// @throws InputError.
 PreparedRun prepare_run(const RunOptions& options);
@@ -64,6 +67,9 @@ void write_run(const std::filesystem::path& output, const SolvedRun& run, int th
 /// A sentence for each solution that did not converge, and for a target that was missed; none if all is well.
 /// @param output name of the result, for the sentences
 std::vector<std::string> shortcomings(const SolvedRun& run, const std::string& output);
+
+/// Writes and prints the result. @returns the exit code as run() does. @throws InputError, Interrupted.
+int finish_run(const PreparedRun& prepared, const SolvedRun& solved, const RunOptions& options);
 
 /// @returns exit_done, or exit_not_converged: the solve did not reach its tolerance, the energy ledger does not close
 /// or the result misses the target. The result is written in all cases.

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -29,10 +28,11 @@
 #include "app/runs/run.hpp"
 #include "app/runs/sweep_parts.hpp"
 #include "app/scene/config_tree.hpp"
-#include "cloudbow/core/available_memory.hpp"
+#include "cloudbow/core/bytes.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/core/printable.hpp"
+#include "cloudbow/core/ranks.hpp"
 
 namespace cloudbow {
 namespace {
@@ -146,8 +146,7 @@ std::size_t done_runs(const SweepPlan& plan) {
       std::count_if(plan.runs.begin(), plan.runs.end(), [](const auto& r) { return r.done; }));
 }
 
-std::string plan_text(const SweepPlan& plan, const std::string& first, int jobs,
-                      const std::optional<SweepShare>& share) {
+std::string plan_text(const SweepPlan& plan, const std::string& first, int jobs, const std::optional<JobShare>& share) {
   std::string text = "runs      ";
   for (const SweepDimension& dimension : plan.dimensions) {
     text +=
@@ -316,18 +315,31 @@ int graver(int a, int b) {
   return std::min(a, b);
 }
 
-}  // namespace
-
-SweepShare parse_sweep_share(const std::string& text) {
-  SweepShare share;
-  const char* const end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), end, share.number);
-  const bool has_slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
-  const auto of = has_slash ? std::from_chars(number.ptr + 1, end, share.of) : number;
-  if (!has_slash || of.ec != std::errc() || of.ptr != end || share.number < 1 || share.number > share.of)
-    throw InputError(fmt::format("--share: found '{}', allowed I/N with I from 1 to N, as in 3/8", text));
-  return share;
+template <class Archive>
+void visit_members(Archive& archive, Finished& end) {
+  archive(end.exit_code, end.message);
 }
+
+/// The ends of the runs that other ranks have solved come to the first.
+void gather_ends(Ranks& ranks, const SweepPlan& plan, std::vector<Finished>& finished) {
+  if (!ranks.is_first()) {
+    ByteWriter writer;
+    for (std::size_t n = 0; n < finished.size(); ++n) {
+      if (plan.runs[n].to_solve) writer(n, finished[n]);
+    }
+    writer(finished.size());
+    send_bytes(ranks, 0, writer.take());
+    return;
+  }
+  for (int rank = 1; rank < ranks.size(); ++rank) {
+    const std::vector<std::byte> bytes = receive_bytes(ranks, rank);
+    ByteReader reader(bytes);
+    std::size_t n = 0;
+    for (reader(n); n < finished.size(); reader(n)) reader(finished[n]);
+  }
+}
+
+}  // namespace
 
 SweepPlan plan_sweep(const SweepOptions& options) {
   const std::vector<SweptKey> lists = lists_of(options);
@@ -380,11 +392,12 @@ SweepPlan plan_sweep(const SweepOptions& options) {
                       input.string()));
     }
   }
-  if (!options.run.dry_run) check_writable(options.run.output);
+  if (!options.run.dry_run && (options.run.ranks == nullptr || options.run.ranks->is_first()))
+    check_writable(options.run.output);
   std::sort(memory.rbegin(), memory.rend());
   memory.resize(std::min(memory.size(), static_cast<std::size_t>(options.jobs)));
   plan.memory_bytes = std::accumulate(memory.begin(), memory.end(), std::uint64_t{0});
-  if (const std::uint64_t available = available_memory_bytes(); plan.memory_bytes > available) {
+  if (const std::uint64_t available = available_memory(options.run); plan.memory_bytes > available) {
     throw InputError(fmt::format(
         "--jobs: the runs need more memory than is available (found {} at a time with {:.0f} MB, allowed {:.0f} MB); "
         "fewer at a time need less",
@@ -399,12 +412,16 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
   parts.make();
   std::vector<Finished> finished = Workers(options, plan, parts).solve();
   SweepOutcome outcome;
+  if (options.run.ranks != nullptr) {
+    gather_ends(*options.run.ranks, plan, finished);
+    if (!options.run.ranks->is_first()) return outcome;
+  }
   const auto note = [&outcome](const PlannedSweepRun& run, const Finished& end) {
     outcome.exit_code = graver(outcome.exit_code, end.exit_code);
     if (!end.message.empty())
       outcome.sentences.push_back(fmt::format("{}: {}", fmt::join(run.settings, ", "), end.message));
   };
-  if (options.share) {
+  if (options.share && options.run.ranks == nullptr) {
     for (std::size_t n = 0; n < plan.runs.size(); ++n) {
       if (plan.runs[n].to_solve) note(plan.runs[n], finished[n]);
     }
@@ -442,11 +459,21 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
   return outcome;
 }
 
-int sweep(const SweepOptions& options) {
+int sweep(const SweepOptions& given) {
   const InterruptGuard guard;
+  SweepOptions options = given;
+  const Ranks* const ranks = options.run.ranks;
+  const bool prints = ranks == nullptr || ranks->is_first();
+  if (ranks != nullptr) {
+    if (options.share) {
+      throw InputError(
+          "--share: excludes mpirun (found both, allowed one of the two) mpirun shares the runs out itself");
+    }
+    options.share = {static_cast<std::size_t>(ranks->rank()) + 1, static_cast<std::size_t>(ranks->size())};
+  }
   const SweepPlan plan = plan_sweep(options);
   if (options.run.dry_run) {
-    fmt::print("{}", plan.text);
+    if (prints) fmt::print("{}", plan.text);
     return exit_done;
   }
   const std::string folder = SweepParts(options.run.output).folder().string();
@@ -455,8 +482,8 @@ int sweep(const SweepOptions& options) {
   try {
     const SweepOutcome outcome = solve_sweep(options, plan);
     for (const std::string& sentence : outcome.sentences) tell("cloudbow: {}\n", printable(sentence));
-    if (options.run.quiet) return outcome.exit_code;
-    if (options.share) {
+    if (options.run.quiet || !prints) return outcome.exit_code;
+    if (options.share && ranks == nullptr) {
       fmt::print(
           "share {} of {}: {} runs solved, kept in {}. Without --share, after all shares, the same command writes {}\n",
           options.share->number, options.share->of, plan.to_solve, folder, options.run.output.string());

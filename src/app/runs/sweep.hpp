@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "app/planning/job_share.hpp"
 #include "app/planning/run_options.hpp"
 #include "app/runs/swept_key.hpp"
 #include "cloudbow/io/sweep_file.hpp"
@@ -17,23 +18,12 @@
 
 namespace cloudbow {
 
-/// One of the shares in which jobs of a batch system solve the runs of a sweep: every `of`th run.
-struct SweepShare {
-  std::size_t number = 1;  ///< from 1
-  std::size_t of = 1;
-
-  bool has(std::size_t run) const { return run % of == number - 1; }
-};
-
-/// "I/N". @throws InputError if it is not, or if I is not from 1 to N.
-SweepShare parse_sweep_share(const std::string& text);
-
 struct SweepOptions {
   RunOptions run;              ///< of every run; its output is that of the sweep, its overrides hold in all runs
   std::vector<SweptKey> keys;  ///< with one value: set in all runs
   int jobs = 1;                ///< runs at a time, which share the threads
   std::function<void(std::string&)> show_scene{};  ///< changes the text of a scene for its result; may be empty
-  std::optional<SweepShare> share{};               ///< its runs alone are solved and kept, and no file is written
+  std::optional<JobShare> share{};                 ///< its runs alone are solved and kept, and no file is written
 };
 
 /// One run of a sweep, before it is solved.

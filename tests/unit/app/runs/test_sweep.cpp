@@ -73,7 +73,7 @@ TEST(Sweep, GoesOnWithTheResultsThatAreThere) {
 TEST(Sweep, FinishedRunsOfAnotherSweepStay) {
   const TemporaryFolder folder;
   SweepOptions interrupted = options_of(folder, {"sun.zenith_deg=40,80"});
-  interrupted.share = parse_sweep_share("2/2");
+  interrupted.share = parse_job_share("--share", "2/2");
   EXPECT_EQ(solve_sweep(interrupted, plan_sweep(interrupted)).kept, 0u);
   const SweepOptions other = options_of(folder, {"sun.zenith_deg=0,40"});
   EXPECT_EQ(solve_sweep(other, plan_sweep(other)).kept, 1u);
@@ -94,12 +94,12 @@ TEST(Sweep, NoMoreRunsAtATimeThanThereAre) {
 TEST(Sweep, SharesAreSolvedApartAndJoined) {
   const TemporaryFolder folder;
   SweepOptions options = options_of(folder, {"sun.zenith_deg=0:80:40"});
-  options.share = parse_sweep_share("2/2");
+  options.share = parse_job_share("--share", "2/2");
   const SweepPlan second = plan_sweep(options);
   EXPECT_EQ(second.to_solve, 1);
   EXPECT_EQ(solve_sweep(options, second).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(options.run.output));
-  options.share = parse_sweep_share("1/2");
+  options.share = parse_job_share("--share", "1/2");
   const SweepPlan first = plan_sweep(options);
   EXPECT_EQ(first.to_solve, 2);
   EXPECT_TRUE(first.runs[1].done);
@@ -110,7 +110,7 @@ TEST(Sweep, SharesAreSolvedApartAndJoined) {
   EXPECT_EQ(solve_sweep(options, joined).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(options.run.output));
   for (const char* wrong : {"", "2", "0/2", "3/2", "1/0", "1/2/3", "a/b", "-1/2", "1/2 "})
-    EXPECT_THROW(parse_sweep_share(wrong), InputError) << wrong;
+    EXPECT_THROW(parse_job_share("--share", wrong), InputError) << wrong;
 }
 
 }  // namespace
