@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "cloudbow/core/ranks.hpp"
 #include "cloudbow/transport/checkpoints.hpp"
 #include "cloudbow/transport/solution.hpp"
 #include "cloudbow/transport/solve_plan.hpp"
@@ -14,7 +15,10 @@ namespace cloudbow {
 /// @throws std::runtime_error if a value of the solution is not finite, or the iteration diverges.
 /// @param checkpoints from which the iteration begins and to which it writes its state, or null; solves without
 /// iteration leave none.
-Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, Checkpoints* checkpoints = nullptr);
+/// @param ranks that share the solve, without checkpoints; all call this with equal plans. The first has the solution,
+/// the others have an empty one. Null: this process alone.
+Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, Checkpoints* checkpoints = nullptr,
+               Ranks* ranks = nullptr);
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
                Checkpoints* checkpoints = nullptr);
 

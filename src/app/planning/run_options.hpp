@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "app/planning/job_share.hpp"
 #include "app/planning/planner.hpp"
+#include "app/process/job_share.hpp"
 
 namespace cloudbow {
 

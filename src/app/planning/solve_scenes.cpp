@@ -30,6 +30,7 @@ namespace {
 SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t number, std::size_t scenes,
                         const RunOptions& options, RunClock& clock) {
   const AssembledScene& assembled = *planned.scene;
+  Ranks* const together = options.share ? options.share->together() : nullptr;
   if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
   const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {
     ProgressDisplay display(options.quiet, plan.options().tolerance, &clock);
@@ -41,11 +42,12 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
           if (!kept || progress.phase != "sweep") InterruptGuard::check();
           display.show(progress);
         },
-        checkpoints);
+        checkpoints, &plan == &planned.plan ? together : nullptr);
   };
   std::optional<RunCheckpoints> checkpoints;
   if (!options.checkpoint.empty() || !options.resume.empty()) checkpoints.emplace(options, number, scenes);
   SolveResult result{solve_shown(planned.plan, checkpoints ? &*checkpoints : nullptr)};
+  if (together != nullptr && !together->is_first()) return result;
   if (checkpoints && !checkpoints->used() && number == 0 && !options.quiet) {
     tell("cloudbow: {} not used: the columns of this scene are solved without iteration\n",
          options.checkpoint.empty() ? "--resume is"

@@ -37,9 +37,11 @@ class SolveShare {
   virtual void give(std::size_t solve, const SolveResult& result) = 0;
   /// The result of a solve made elsewhere. @throws InputError, std::runtime_error as the solve did there.
   virtual SolveResult take(std::size_t solve) = 0;
-  /// Called in the handler of a solve that failed here. Rethrows, or sends the error to the process that collects, which
-  /// then ends the run.
+  /// Called in the handler of a solve that failed here. Rethrows, or sends the error to the process that collects,
+  /// which then ends the run.
   virtual void fail(std::size_t solve) = 0;
+  /// Ranks that make each solve together; null: one process does.
+  virtual Ranks* together() const { return nullptr; }
 };
 
 /// Every size()th solve is made by the same rank; rank 0 collects.
@@ -55,6 +57,21 @@ class SharedByRanks : public SolveShare {
  private:
   int owner(std::size_t solve) const { return static_cast<int>(solve % static_cast<std::size_t>(ranks_.size())); }
 
+  Ranks& ranks_;
+};
+
+/// All ranks make every solve together; rank 0 has its result.
+class SolvedTogether : public SolveShare {
+ public:
+  explicit SolvedTogether(Ranks& ranks) : ranks_(ranks) {}
+  bool has(std::size_t) const override { return true; }
+  bool collects() const override { return ranks_.is_first(); }
+  void give(std::size_t, const SolveResult&) override {}
+  SolveResult take(std::size_t solve) override;
+  void fail(std::size_t) override { throw; }
+  Ranks* together() const override { return &ranks_; }
+
+ private:
   Ranks& ranks_;
 };
 

@@ -25,6 +25,7 @@
 #include "app/process/messages.hpp"
 #include "app/process/version.hpp"
 #include "app/runs/merge.hpp"
+#include "app/runs/rank_figures.hpp"
 #include "app/runs/run_part.hpp"
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/app/scene.hpp"
@@ -362,6 +363,11 @@ void check_shared(const RunOptions& options, const std::vector<Scene>& scenes) {
                     "the level by solver.accuracy",
                     by));
   }
+  if (options.ranks != nullptr && scenes.size() == 1 && !(options.checkpoint.empty() && options.resume.empty())) {
+    throw InputError(
+        "mpirun: excludes --checkpoint and --resume if the run is one solve (found both, allowed one of the "
+        "two)");
+  }
   if (options.part && scenes.size() == 1) {
     throw InputError(
         fmt::format("{}: --part: nothing to share out (found one solve, allowed several wavelengths or "
@@ -528,6 +534,16 @@ std::vector<std::string> shortcomings(const SolvedRun& run, const std::string& o
   return sentences;
 }
 
+namespace {
+
+/// Several solves are made apart. One is made together.
+std::shared_ptr<SolveShare> share_of_ranks(Ranks& ranks, std::size_t solves) {
+  if (solves == 1) return std::make_shared<SolvedTogether>(ranks);
+  return std::make_shared<SharedByRanks>(ranks);
+}
+
+}  // namespace
+
 int finish_run(const PreparedRun& prepared, const SolvedRun& solved, const RunOptions& options) {
   write_run(prepared.output, solved, options.threads);
   if (!options.quiet) {
@@ -550,9 +566,14 @@ int run(const RunOptions& given) {
   const InterruptGuard guard;
   if (given.part) return solve_part(prepared, given);
   RunOptions options = given;
-  if (options.ranks != nullptr) options.share = std::make_shared<SharedByRanks>(*options.ranks);
+  if (options.ranks != nullptr) options.share = share_of_ranks(*options.ranks, prepared.scenes.size());
   const SolvedRun solved = solve_run(prepared.scenes, options);
-  return prints ? finish_run(prepared, solved, options) : exit_done;
+  if (options.ranks == nullptr) return finish_run(prepared, solved, options);
+  const std::vector<RankFigures> figures = rank_figures(*options.ranks);
+  if (!prints) return exit_done;
+  const int code = finish_run(prepared, solved, options);
+  if (!options.quiet) fmt::print("{}", rank_figures_line(figures));
+  return code;
 }
 
 }  // namespace cloudbow

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "app/planning/job_share.hpp"
 #include "app/planning/solve_share.hpp"
+#include "app/process/job_share.hpp"
 #include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/digest.hpp"
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "app/planning/job_share.hpp"
 #include "app/planning/run_options.hpp"
+#include "app/process/job_share.hpp"
 #include "app/runs/swept_key.hpp"
 #include "cloudbow/io/sweep_file.hpp"
 #include "cloudbow/medium/cloud_files.hpp"

@@ -125,7 +125,7 @@ void observe(const ConvergedField<Real>& field, AngularField<Real>& radiance, co
 
 template <class Real>
 Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
-                  Checkpoints* checkpoints) {
+                  Checkpoints* checkpoints, Ranks* ranks) {
   const auto start = Clock::now();
   const double cpu_start = cpu_seconds();
   Solution solution;
@@ -153,12 +153,18 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
                                          : std::vector<std::vector<Real>>{});
   report.seconds_beam = seconds_since(phase_start);
 
+  std::optional<OrdinateShare> share;
+  if (ranks != nullptr) share.emplace(*ranks, system.ordinates, system.cells->size());
   IterationResult<Real> solved = iterate_source<Real>(
       system, options,
       [&](int sweep, double error, double residual) {
         if (progress) progress({"sweep", sweep, error, residual, 0});
       },
-      checkpoints);
+      checkpoints, share ? &*share : nullptr);
+  if (share) {
+    share->to_first(solved.radiance);
+    if (!ranks->is_first()) return {};
+  }
   report_iteration(solved, solution);
 
   phase_start = Clock::now();
@@ -245,7 +251,8 @@ void check_light(const Problem& problem) {
   check_emission(problem);
 }
 
-Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints) {
+Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints,
+                            Ranks* ranks) {
   const SolverOptions& options = plan.options();
   check_cell_thickness(plan.problem());
   const FlushDenormals flush;
@@ -255,21 +262,32 @@ Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progr
     with_all_cells->grid = with_empty_cells(plan.problem().grid);
   }
   const Problem& problem = with_all_cells ? *with_all_cells : plan.problem();
-  return plan.in_double() ? solve_as<double>(problem, options, progress, checkpoints)
-                          : solve_as<float>(problem, options, progress, checkpoints);
+  return plan.in_double() ? solve_as<double>(problem, options, progress, checkpoints, ranks)
+                          : solve_as<float>(problem, options, progress, checkpoints, ranks);
+}
+
+// Light that stays in its column is solved in less time than it takes to send.
+bool can_be_shared(const SolvePlan& plan) {
+  return !plan.by_polar_streams() && !plan.options().independent_columns && !plan.is_one_column();
 }
 
 }  // namespace
 
-Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints) {
+Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints, Ranks* ranks) {
   check_light(plan.whole());
+  const bool is_first = ranks == nullptr || ranks->is_first();
+  if (!can_be_shared(plan)) {
+    if (!is_first) return {};
+    ranks = nullptr;
+  }
   Solution solution;
   {
     const ThreadScope threads(plan.threads());
     check_paths(plan);
     solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
-                                       : solve_by_ordinates(plan, progress, checkpoints);
+                                       : solve_by_ordinates(plan, progress, checkpoints, ranks);
   }
+  if (!is_first) return {};
   if (plan.column_parts().any()) {
     join_columns(plan.with_levels(), plan.column_parts(), solution);
     solution.report.column_parts_x = plan.column_parts().x;

@@ -35,18 +35,21 @@ struct FieldRow {
 };
 
 /// D values per cell, one row per ordinate. Holds source or voxel-mean radiance; each overwrites the other. Plain rows,
-/// value(d, c) at row(d)[c], can be read and written beyond their end: by lane_padding, and to the end of a tile.
+/// value(d, c) at row(d)[c], can be read and written beyond their end: by lane_padding, and to the end of a tile. A
+/// rank holds all rows of a range of cells, or some rows of all cells.
 template <class Real>
 struct AngularField {
   int rows = 0;
-  std::size_t cells = 0;
+  std::size_t cells = 0;                            ///< of each row
+  std::size_t first_cell = 0;                       ///< of them, among all; a multiple of 128
+  std::size_t all_cells = 0;                        ///< number of all
   std::vector<std::vector<Real>> data;              ///< [rows][at least cells + lane_padding], or empty and
   std::vector<std::vector<std::uint16_t>> float16;  ///< [rows][as above], numbers of units; never with Real = double
   Real unit = 1;                                    ///< that of the float16 values, a power of two
 
   AngularField() = default;
   AngularField(int row_count, std::size_t cell_count, std::optional<Real> float16_unit = std::nullopt)
-      : cells(cell_count), unit(float16_unit.value_or(1)) {
+      : cells(cell_count), all_cells(cell_count), unit(float16_unit.value_or(1)) {
     if (float16_unit) float16.resize(1);
     set_rows(row_count);
   }
@@ -61,7 +64,8 @@ struct AngularField {
   /// Stores `from` [n] in row d, from cell `first` on. For packed fields only.
   void store(int d, std::size_t first, std::size_t n, const Real* from) {
     if constexpr (sizeof(Real) == sizeof(float)) {
-      const std::uint32_t place = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(d) * place_step;
+      const std::uint32_t place =
+          static_cast<std::uint32_t>(first_cell + first) + static_cast<std::uint32_t>(d) * place_step;
       store_float16(from, n, unit, place, float16[d].data() + first);
     }
   }

@@ -161,11 +161,13 @@ void check_meaningful(const IterationReport& report, const EnergyLedger& ledger,
 
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
-                                     const IterationCallback& progress, Checkpoints* checkpoints) {
+                                     const IterationCallback& progress, Checkpoints* checkpoints,
+                                     const OrdinateShare* share) {
   const std::size_t n = system.cells->size();
   IterationState<Real> state(anderson_depth);
   IterationResult<Real>& result = state.result;
-  result.radiance = AngularField<Real>(system.ordinates.size(), n, float16_unit(system, options));
+  result.radiance = share != nullptr ? share->own_cells<Real>(float16_unit(system, options))
+                                     : AngularField<Real>(system.ordinates.size(), n, float16_unit(system, options));
   result.moments.assign(low_moments * n, Real(0));
   if (system.slopes) result.slopes = system.slopes->none(n);
   IterationReport& report = result.report;
@@ -207,8 +209,14 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     {
       const Stopwatch watch(report.seconds_sweeps);
       if (result.slopes) result.slopes->frozen = !state.finds_slopes;
-      result.fluxes = sweep(system, result.radiance, record, work, result.slopes ? &*result.slopes : nullptr);
+      LightSlopes<Real>* const slopes = result.slopes ? &*result.slopes : nullptr;
+      if (share != nullptr) share->to_rows(result.radiance);
+      result.fluxes = sweep(system, result.radiance, record, work, slopes, share);
+      if (share != nullptr) share->to_cells(result.radiance);
       system.moments(result.radiance, result.moments);
+      if (share != nullptr) share->gather_cells(std::span(result.moments));
+      if (share != nullptr && state.finds_slopes && slopes != nullptr)
+        finish_slopes(system, *share, result.radiance, *slopes);
     }
     result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n));
 
@@ -275,8 +283,8 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
 }
 
 template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&,
-                                                      const IterationCallback&, Checkpoints*);
+                                                      const IterationCallback&, Checkpoints*, const OrdinateShare*);
 template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&,
-                                                        const IterationCallback&, Checkpoints*);
+                                                        const IterationCallback&, Checkpoints*, const OrdinateShare*);
 
 }  // namespace cloudbow

@@ -26,7 +26,7 @@ struct IterationReport {
 
 template <class Real>
 struct IterationResult {
-  AngularField<Real> radiance;              ///< voxel-mean diffuse radiance at the ordinates
+  AngularField<Real> radiance;              ///< voxel-mean diffuse radiance at the ordinates; shared: of its own cells
   std::vector<Real> moments;                ///< [low_moments][n] of it
   std::optional<LightSlopes<Real>> slopes;  ///< if the system has tables for them
   SweepFluxes<Real> fluxes;
@@ -38,9 +38,11 @@ using IterationCallback = std::function<void(int sweep, double estimated_error, 
 
 /// @param checkpoints the first state is read from them; states are written to them when they are due, and at the end;
 /// or null.
+/// @param share this rank's part of an iteration that ranks share, without checkpoints; null: there is one rank
 /// @throws std::runtime_error if the iteration diverges, even after a restart without mixing and diffusion.
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
-                                     const IterationCallback& progress, Checkpoints* checkpoints = nullptr);
+                                     const IterationCallback& progress, Checkpoints* checkpoints = nullptr,
+                                     const OrdinateShare* share = nullptr);
 
 }  // namespace cloudbow

@@ -226,10 +226,11 @@ void OctantScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
         } else {
           fold(field, first, radiance.data());
         }
-        add_moments(terms.correction, field.cells, first, n, Real(1), radiance.data());
+        const std::size_t first_of_all = field.first_cell + first;
+        add_moments(terms.correction, field.all_cells, first_of_all, n, Real(1), radiance.data());
         bool any = false;
         for (std::size_t p = 0; scatters && p < matrix_.size(); ++p) {
-          const Real* const share = cells.scattered[p].data() + first;
+          const Real* const share = cells.scattered[p].data() + first_of_all;
           if (std::all_of(share, share + n, [](Real x) { return x == 0; })) continue;
           for (int s = 0; s < octants; ++s) {
             multiply(matrix_[p][s], octant_size_, radiance.data() + s * sector_values, n, product.data());
@@ -245,7 +246,7 @@ void OctantScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
           any = true;
         }
         if (!any) std::fill(source.begin(), source.end(), Real(0));
-        add_moments(terms.emission, field.cells, first, n, Real(1) / octants, source.data());
+        add_moments(terms.emission, field.all_cells, first_of_all, n, Real(1) / octants, source.data());
         for (int b = 0; b < octant_size_; ++b) {
           const Real* from[octants];
           Real* to[octants];
@@ -257,7 +258,8 @@ void OctantScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
           transform<false>(from, to);
           for (const BeamSource<Real>& beam : terms.beam) {
             for (int o = 0; o < octants; ++o)
-              add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first, n, to[o]);
+              add_scaled(beam.direction[ordinate_[o * octant_size_ + b]], beam.intensity.data() + first_of_all, n,
+                         to[o]);
           }
           for (int o = 0; field.packed() && o < octants; ++o)
             field.store(ordinate_[o * octant_size_ + b], first, static_cast<std::size_t>(n), to[o]);
@@ -282,11 +284,13 @@ void OctantScattering<Real>::moments_of(const AngularField<Real>& radiance, std:
         const std::size_t first = t * tile;
         const int n = static_cast<int>(std::min<std::size_t>(tile, radiance.cells - first));
         fold(radiance, first, by_octant.data());
-        const std::size_t count = moments.size() / radiance.cells;
-        for (std::size_t m = 0; m < count; ++m) std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
+        const std::size_t all = radiance.all_cells;
+        Real* const of_tile = moments.data() + radiance.first_cell + first;
+        const std::size_t count = moments.size() / all;
+        for (std::size_t m = 0; m < count; ++m) std::fill_n(of_tile + m * all, n, Real(0));
         for (int s = 0; s < octants; ++s) {
           for (const SectorMoment& moment : moments_[s]) {
-            Real* const to = moments.data() + moment.moment * radiance.cells + first;
+            Real* const to = of_tile + moment.moment * all;
             for (int b = 0; b < octant_size_; ++b)
               add_scaled(moment.weight[b], by_octant.data() + (s * octant_size_ + b) * tile, n, to);
           }

@@ -60,8 +60,8 @@ void add_scaled(Real scale, const Real* __restrict from, std::size_t n, Tile<Rea
   for (std::size_t c = 0; c < n; ++c) to[c] += scale * from[c];
 }
 
-// Tile by tile: radiance [from_rows], changed by prepare(first, n, tile), scatters; the source [to_rows], changed by
-// finish(first, n, tile), goes to `to`, which may be the array of the radiance itself.
+// Tile by tile: radiance [from_rows], changed by prepare(first, n, tile), scatters. The source [to_rows], changed by
+// finish(first, n, tile), goes to `to`, which may be the array of the radiance itself. Both count all cells.
 template <class Real, class Prepare, class Finish>
 void scatter_tiles(const AngularField<Real>& from, int from_rows, AngularField<Real>& to, int to_rows,
                    std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells, const Prepare& prepare,
@@ -82,9 +82,9 @@ void scatter_tiles(const AngularField<Real>& from, int from_rows, AngularField<R
         const std::size_t first = tile * tile_cells;
         const std::size_t n = std::min(tile_cells, from.cells - first);
         load(from, first, n, radiance);
-        prepare(first, n, radiance);
-        scatter_tile(matrix, cells, first, n, radiance, product, source);
-        finish(first, n, source);
+        prepare(from.first_cell + first, n, radiance);
+        scatter_tile(matrix, cells, from.first_cell + first, n, radiance, product, source);
+        finish(from.first_cell + first, n, source);
         store(source, first, n, to);
       });
     }
@@ -115,9 +115,9 @@ template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                       const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape) {
   const auto add_moments = [&](std::span<const Real> moments, std::size_t first, std::size_t n, Tile<Real>& tile) {
-    const int count = static_cast<int>(moments.size() / field.cells);
+    const int count = static_cast<int>(moments.size() / field.all_cells);
     for (int d = 0; d < field.rows; ++d) {
-      for (int m = 0; m < count; ++m) add_scaled(shape(d, m), moments.data() + m * field.cells + first, n, tile, d);
+      for (int m = 0; m < count; ++m) add_scaled(shape(d, m), moments.data() + m * field.all_cells + first, n, tile, d);
     }
   };
   const auto correct = [&](std::size_t first, std::size_t n, Tile<Real>& radiance) {
@@ -148,6 +148,8 @@ AngularField<Real> scatter_towards(const AngularField<Real>& radiance, std::span
                                    const Cells<Real>& cells) {
   const int rows = matrix.empty() ? 0 : static_cast<int>(matrix.front().rows());
   AngularField<Real> source(rows, radiance.cells);
+  source.first_cell = radiance.first_cell;
+  source.all_cells = radiance.all_cells;
   scatter_tiles(radiance, radiance.rows, source, rows, matrix, cells, as_it_is<Real>, as_it_is<Real>);
   return source;
 }
@@ -160,13 +162,13 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
   for (std::size_t tile = 0; tile < tiles; ++tile) {
     const std::size_t first = tile * tile_cells;
     const std::size_t n = std::min(tile_cells, radiance.cells - first);
-    for (Eigen::Index m = 0; m < weights.rows(); ++m)
-      std::fill_n(moments.data() + m * radiance.cells + first, n, Real(0));
+    Real* const of_tile = moments.data() + radiance.first_cell + first;
+    for (Eigen::Index m = 0; m < weights.rows(); ++m) std::fill_n(of_tile + m * radiance.all_cells, n, Real(0));
     std::array<Real, tile_cells> room{};
     for (int d = 0; d < radiance.rows; ++d) {
       const Real* __restrict const from = radiance.stored_row(d).read(first, n, room.data());
       for (Eigen::Index m = 0; m < weights.rows(); ++m) {
-        Real* __restrict const to = moments.data() + m * radiance.cells + first;
+        Real* __restrict const to = of_tile + m * radiance.all_cells;
         const Real weight = weights(m, d);
         for (std::size_t c = 0; c < n; ++c) to[c] += weight * from[c];
       }

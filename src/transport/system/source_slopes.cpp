@@ -130,7 +130,7 @@ void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope
 template <class Real>
 void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Real>& radiance,
                                 LightSlopes<Real>& slopes) const {
-  const std::size_t n = cells.size();
+  const std::size_t n = radiance.cells;
   ParallelErrors errors;
 #pragma omp parallel
   {
@@ -147,6 +147,7 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
     for (std::size_t first = 0; first < n; first += block_cells) {
       errors.run([&] {
         const std::size_t count = std::min(block_cells, n - first);
+        const std::size_t first_of_all = radiance.first_cell + first;
         for (Block& octant : mean) std::fill_n(octant.begin(), count, Real(0));
         for (int d = 0; d < ordinates_.size(); ++d) {
           const int octant = octant_of(ordinates_.direction[d]);
@@ -157,14 +158,14 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
         }
         for (Block& block : scattered) std::fill_n(block.begin(), count, Real(0));
         for (std::size_t p = 0; p < between_.size(); ++p) {
-          const Real* __restrict const albedo = cells.scattered[p].data() + first;
+          const Real* __restrict const albedo = cells.scattered[p].data() + first_of_all;
           for (int quantity = 0; quantity < quantities; ++quantity) {
             for (int to = 0; to < octants; ++to) {
               Real* __restrict const sum = scattered[octants * quantity + to].data();
               for (int from = 0; from < octants; ++from) {
                 const Real share = between_[p][to][from];
                 const Real* __restrict const light =
-                    quantity == 0 ? mean[from].data() : slopes.of_radiance[from][quantity - 1].data() + first;
+                    quantity == 0 ? mean[from].data() : slopes.of_radiance[from][quantity - 1].data() + first_of_all;
                 for (std::size_t c = 0; c < count; ++c) sum[c] += share * albedo[c] * light[c];
               }
             }
@@ -175,9 +176,9 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
           const Real* __restrict const x = scattered[octants + q].data();
           const Real* __restrict const y = scattered[2 * octants + q].data();
           const Real* __restrict const z = scattered[3 * octants + q].data();
-          Real* __restrict const to_x = slopes.of_octant[q][0].data() + first;
-          Real* __restrict const to_y = slopes.of_octant[q][1].data() + first;
-          Real* __restrict const to_z = slopes.of_octant[q][2].data() + first;
+          Real* __restrict const to_x = slopes.of_octant[q][0].data() + first_of_all;
+          Real* __restrict const to_y = slopes.of_octant[q][1].data() + first_of_all;
+          Real* __restrict const to_z = slopes.of_octant[q][2].data() + first_of_all;
           for (std::size_t c = 0; c < count; ++c) {
             const Real relative = limited_inverse(x[c], y[c], z[c], here[c]);
             to_x[c] = x[c] * relative;

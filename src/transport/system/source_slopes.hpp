@@ -54,7 +54,7 @@ class SlopeTables {
   /// weights. Called by all threads of a team.
   void team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment, Slope<Real>& slope) const;
 
-  /// Slopes of the source that this radiance makes, from those of the radiance.
+  /// Slopes of the source that this radiance makes in its cells, from those of the radiance.
   void scatter(const Cells<Real>& cells, const AngularField<Real>& radiance, LightSlopes<Real>& slopes) const;
 
  private:

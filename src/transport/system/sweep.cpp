@@ -336,11 +336,65 @@ class OrdinateMarch {
   CellSums<Real> sums_;
 };
 
+// The light that arrives at the ground along the ordinates of all ranks.
+template <class Real>
+void gather_arriving(const OrdinateShare& share, const OrdinateSet& ordinates, std::size_t columns,
+                     std::vector<ArrivingRays<Real>>& arriving) {
+  std::vector<std::span<Real>> radiance(arriving.size());
+  std::vector<std::array<int, 2>> shift(arriving.size());
+  std::vector<std::span<int>> shifts(arriving.size());
+  for (std::size_t d = 0; d < arriving.size(); ++d) {
+    if (ordinates.direction[d].z() > 0) continue;
+    arriving[d].radiance.resize(columns + lane_padding);
+    radiance[d] = std::span(arriving[d].radiance).first(columns);
+    shift[d] = {arriving[d].shift_x, arriving[d].shift_y};
+    shifts[d] = shift[d];
+  }
+  share.gather_ordinates<Real>(radiance);
+  share.gather_ordinates<int>(shifts);
+  for (std::size_t d = 0; d < arriving.size(); ++d) {
+    if (shifts[d].empty()) continue;
+    arriving[d].shift_x = shift[d][0];
+    arriving[d].shift_y = shift[d][1];
+  }
+}
+
+void gather_fluxes(const OrdinateShare& share, std::vector<OrdinateFluxes>& of_ordinate, std::size_t levels) {
+  std::vector<double> numbers;
+  for (OrdinateFluxes& fluxes : of_ordinate) {
+    fluxes.profile.resize(levels);
+    numbers.insert(numbers.end(), {fluxes.out, fluxes.sides.entered_sides, fluxes.sides.left_sides});
+    numbers.insert(numbers.end(), fluxes.profile.begin(), fluxes.profile.end());
+  }
+  const std::size_t each = 3 + levels;
+  std::vector<std::span<double>> spans;
+  for (std::size_t d = 0; d < of_ordinate.size(); ++d) spans.push_back(std::span(numbers).subspan(d * each, each));
+  share.gather_ordinates<double>(spans);
+  for (std::size_t d = 0; d < of_ordinate.size(); ++d) {
+    OrdinateFluxes& fluxes = of_ordinate[d];
+    fluxes.out = spans[d][0];
+    fluxes.sides.entered_sides = spans[d][1];
+    fluxes.sides.left_sides = spans[d][2];
+    std::copy(spans[d].begin() + 3, spans[d].end(), fluxes.profile.begin());
+  }
+}
+
 }  // namespace
 
 template <class Real>
+void finish_slopes(const TransportSystem<Real>& system, const OrdinateShare& share, const AngularField<Real>& radiance,
+                   LightSlopes<Real>& slopes) {
+  share.gather_octants(slopes);
+  system.slopes->scatter(*system.cells, radiance, slopes);
+  for (Slope<Real>& octant : slopes.of_octant) {
+    for (std::vector<Real>& axis : octant) share.gather_cells(std::span(axis).first(radiance.all_cells));
+  }
+  slopes.fitted = true;
+}
+
+template <class Real>
 SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
-                        SweepWorkspace<Real>& work, LightSlopes<Real>* slopes) {
+                        SweepWorkspace<Real>& work, LightSlopes<Real>* slopes, const OrdinateShare* share) {
   const BoxGrid& box = system.box;
   const OrdinateSet& ordinates = system.ordinates;
   const std::size_t columns = box.columns();
@@ -361,7 +415,11 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 
   const auto march_ordinates = [&](bool upward) {
     const bool shared = !mixed && shares_gradients(system);
-    const auto groups = groups_side_by_side(system, slopes != nullptr || shared, upward);
+    auto groups = groups_side_by_side(system, slopes != nullptr || shared, upward);
+    if (share != nullptr) {
+      for (std::vector<int>& group : groups) std::erase_if(group, [share](int d) { return !share->has(d); });
+      std::erase_if(groups, [](const std::vector<int>& group) { return group.empty(); });
+    }
     ParallelErrors errors;
 #pragma omp parallel
     {
@@ -430,6 +488,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 
   SweepFluxes<Real> fluxes;
   march_ordinates(false);
+  if (share != nullptr) gather_arriving(*share, ordinates, columns, arriving);
   ground = system.ground.reflect(arriving, system.beam.surface_flux, ordinates, box);
   fluxes.surface_flux = ground.flux;
   fluxes.surface_absorbed = ground.absorbed;
@@ -438,7 +497,9 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
       fluxes.surface_arriving.push_back(rays.radiance.empty() ? std::vector<Real>() : rays.by_column(box));
   }
   march_ordinates(true);
-  if (new_slopes) {
+  if (share != nullptr) {
+    gather_fluxes(*share, of_ordinate, record ? static_cast<std::size_t>(levels) : 0);
+  } else if (new_slopes) {
     system.slopes->scatter(*system.cells, field, *slopes);
     slopes->fitted = true;
   }
@@ -454,13 +515,13 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   for (int d = 0; d < ordinates.size(); ++d) {
     const bool upward = ordinates.direction[d].z() > 0;
     const double power = ordinates.weight[d] * std::abs(ordinates.direction[d].z());
-    const double share = power / static_cast<double>(columns);
-    if (upward) fluxes.up_top += share * of_ordinate[d].out;
-    fluxes.side_gain += share * of_ordinate[d].sides.entered_sides;
-    fluxes.side_loss += share * of_ordinate[d].sides.left_sides;
+    const double per_column = power / static_cast<double>(columns);
+    if (upward) fluxes.up_top += per_column * of_ordinate[d].out;
+    fluxes.side_gain += per_column * of_ordinate[d].sides.entered_sides;
+    fluxes.side_loss += per_column * of_ordinate[d].sides.left_sides;
     if (record) {
       std::vector<double>& profile = upward ? fluxes.profile_up : fluxes.profile_down;
-      for (int e = 0; e < levels; ++e) profile[e] += share * of_ordinate[d].profile[e];
+      for (int e = 0; e < levels; ++e) profile[e] += per_column * of_ordinate[d].profile[e];
     }
     if (keep_columns) {
       std::vector<double>& column = upward ? fluxes.column_up : fluxes.column_down;
@@ -470,9 +531,13 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   return fluxes;
 }
 
-template SweepFluxes<float> sweep<float>(const TransportSystem<float>&, AngularField<float>&, bool,
-                                         SweepWorkspace<float>&, LightSlopes<float>*);
-template SweepFluxes<double> sweep<double>(const TransportSystem<double>&, AngularField<double>&, bool,
-                                           SweepWorkspace<double>&, LightSlopes<double>*);
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                 \
+  template SweepFluxes<Real> sweep<Real>(const TransportSystem<Real>&, AngularField<Real>&, bool,                  \
+                                         SweepWorkspace<Real>&, LightSlopes<Real>*, const OrdinateShare*);         \
+  template void finish_slopes<Real>(const TransportSystem<Real>&, const OrdinateShare&, const AngularField<Real>&, \
+                                    LightSlopes<Real>&)
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
 
 }  // namespace cloudbow

@@ -10,6 +10,7 @@
 #include "transport/rays/ordinate_path.hpp"
 #include "transport/scattering/ordinate_scattering.hpp"
 #include "transport/system/ground.hpp"
+#include "transport/system/ordinate_share.hpp"
 #include "transport/system/source_slopes.hpp"
 
 namespace cloudbow {
@@ -113,8 +114,16 @@ struct SweepWorkspace {
 /// One sweep: source at the ordinates becomes voxel-mean radiance.
 /// @param slopes of the radiance that was scattered; they become those of the new radiance, unless they are frozen.
 /// Null: slopes from differences between neighbours.
+/// @param share the rows of the field and of other ranks, not of columns that exchange no light. New slopes are then
+/// those of the radiance alone, until finish_slopes(). Null: all rows are here.
 template <class Real>
 SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>& field, bool record,
-                        SweepWorkspace<Real>& work, LightSlopes<Real>* slopes = nullptr);
+                        SweepWorkspace<Real>& work, LightSlopes<Real>* slopes = nullptr,
+                        const OrdinateShare* share = nullptr);
+
+/// The slopes of the source after a shared sweep that found new ones. @param radiance all rows of the rank's cells
+template <class Real>
+void finish_slopes(const TransportSystem<Real>& system, const OrdinateShare& share, const AngularField<Real>& radiance,
+                   LightSlopes<Real>& slopes);
 
 }  // namespace cloudbow

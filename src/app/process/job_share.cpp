@@ -1,4 +1,4 @@
-#include "app/planning/job_share.hpp"
+#include "app/process/job_share.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/planning/job_share.hpp"
+#include "app/process/job_share.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {
