@@ -79,10 +79,10 @@ void visit_members(Archive& archive, SolverReport& report) {
 
 template <class Archive>
 void visit_members(Archive& archive, Solution& solution) {
-  auto& [box, sun, flux_level, up, down, direct, profile_up, profile_down, profile_direct, emits, absorbed, actinic,
-         images, camera_images, radiance_field, ledger, report] = solution;
-  archive(box, sun, flux_level, up, down, direct, profile_up, profile_down, profile_direct, emits, absorbed, actinic,
-          images, camera_images, radiance_field, ledger, report);
+  auto& [box, sun, flux_level, up, down, direct, circumsolar, profile_up, profile_down, profile_direct, emits, absorbed,
+         actinic, images, camera_images, radiance_field, ledger, report] = solution;
+  archive(box, sun, flux_level, up, down, direct, circumsolar, profile_up, profile_down, profile_direct, emits,
+          absorbed, actinic, images, camera_images, radiance_field, ledger, report);
 }
 
 template <class Archive>
