@@ -35,15 +35,21 @@ double error_of(const std::vector<ErrorEstimate>& errors, ErrorOf of) {
   return largest;
 }
 
-double expected_error(const std::vector<ErrorEstimate>& of_draft, ErrorOf of, const ByFlux& ratio) {
+double expected_error(const std::vector<ErrorEstimate>& known, ErrorOf of, const ByFlux& ratio) {
   double largest = 0;
-  for (const ErrorEstimate& error : of_draft) {
+  for (const ErrorEstimate& error : known) {
     largest = std::max(largest, of == ErrorOf::domain
                                     ? ratio.domain * error.domain.total()
                                     : std::max(ratio.up * error.up.total(), ratio.down * error.down.total()));
   }
   return largest;
 }
+
+ByFlux operator/(const ByFlux& a, const ByFlux& b) { return {a.domain / b.domain, a.up / b.up, a.down / b.down}; }
+
+// A draft does not subdivide thick voxels. Of levels that do it expected up to 4.5 times the error that `balanced`
+// expects (docs/accuracy.md). Targets further away are refused at once.
+constexpr double most_doubt = 5;
 
 /// Time that the cost estimate omits, and that a second run does not need either.
 double table_seconds(const Solved& solved) {
@@ -64,10 +70,14 @@ class TargetRunner {
     solve_level(level);
     if (!reached() || !target_.error) {
       extend_costs();
-      level = choose_level(levels_, target_, resources());
-      if (level > 0) {
-        tell_choice(level);
-        solve_level(level);
+      if (refuses_in_doubt()) level = solve_next_level(level);
+      if (level == 0 || !reached()) {
+        const std::size_t chosen = choose_level(levels_, target_, resources());
+        if (chosen > level) {
+          level = chosen;
+          tell_choice(level);
+          solve_level(level);
+        }
       }
     }
     while (!reached()) {
@@ -101,16 +111,42 @@ class TargetRunner {
   }
 
   void extend_costs() {
-    const std::vector<ErrorEstimate>& of_draft = result_.solved.errors;
     const double pace = result_.report.seconds / first_seconds_;
     for (std::size_t n = 1; n < names_.size(); ++n) {
       LevelCost level = cost_of(names_[n]);
       level.seconds *= pace;
-      level.error = expected_error(of_draft, target_.of, error_ratio_to_draft(names_[n], solved_as_));
       levels_.push_back(level);
     }
-    levels_.front().error = error_of(of_draft, target_.of);
     levels_.front().seconds = 0;  // it is there already
+    expect_errors(0);
+  }
+
+  /// From the estimate of the level solved last.
+  void expect_errors(std::size_t solved) {
+    const std::vector<ErrorEstimate>& known = result_.solved.errors;
+    const ByFlux ratio_of_known = error_ratio_to_draft(names_[solved], solved_as_);
+    levels_[solved].error = error_of(known, target_.of);
+    for (std::size_t n = solved + 1; n < names_.size(); ++n) {
+      const ByFlux ratio = error_ratio_to_draft(names_[n], solved_as_) / ratio_of_known;
+      levels_[n].error = expected_error(known, target_.of, ratio);
+    }
+  }
+
+  bool refuses_in_doubt() const {
+    if (!target_.error) return false;
+    double least = levels_.front().error;
+    for (const LevelCost& level : levels_) least = std::min(least, level.error);
+    return least > *target_.error && least <= most_doubt * *target_.error;
+  }
+
+  /// Expects the errors of further levels anew. @returns the level solved last.
+  std::size_t solve_next_level(std::size_t level) {
+    const auto next = next_level(levels_, level, target_, resources());
+    if (!next) return level;
+    tell_choice(*next);
+    solve_level(*next);
+    expect_errors(*next);
+    return *next;
   }
 
   void solve_level(std::size_t level) {
