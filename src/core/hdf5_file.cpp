@@ -128,10 +128,10 @@ void throw_error(const char* what) { throw_failure(take_failure(), what); }
 
 void start_library() {
   static std::once_flag started;
-  std::call_once(started, [] {
-    H5dont_atexit();
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  });
+  std::call_once(started, [] { H5dont_atexit(); });
+  // Each thread has its own error stack, which is printed unless the thread says otherwise.
+  thread_local const bool is_quiet = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+  static_cast<void>(is_quiet);
 }
 
 Handle open_file(const std::filesystem::path& path) {

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <functional>
+#include <thread>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/hdf5_file.hpp"
@@ -175,6 +176,14 @@ TEST_F(Hdf5File, OtherFilesPassTheCheckForOtherLibraries) {
   hdf5::check_file(path_);
   EXPECT_THROW(hdf5::open_file(path_), hdf5::Error);
   EXPECT_THROW(hdf5::check_file(folder_), InputError);
+}
+
+TEST_F(Hdf5File, ErrorsAreNotPrintedInAnyThread) {
+  make_file([](hid_t file) { make_dataset(file, "plain"); });
+  std::filesystem::resize_file(path_, 100);
+  testing::internal::CaptureStderr();
+  for (int n = 0; n < 2; ++n) std::thread([this] { EXPECT_THROW(hdf5::open_file(path_), hdf5::Error); }).join();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST_F(Hdf5File, ADamagedFileIsRefused) {
