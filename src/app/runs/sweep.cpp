@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <new>
 #include <numeric>
@@ -76,14 +77,27 @@ std::string names_of(const std::vector<SweptKey>& lists) {
       key));
 }
 
+/// Refuses a key that is there twice, and one inside a key with a list: the later would overwrite the values of the
+/// other, which the file would name nevertheless.
+void check_contradictions(const std::vector<SweptKey>& keys) {
+  for (auto key = keys.begin(); key != keys.end(); ++key) {
+    if (std::any_of(keys.begin(), key, [&](const SweptKey& other) { return other.key == key->key; }))
+      throw InputError(fmt::format("{}: a key twice (found two lists, allowed one)", key->key));
+    const auto inner = std::find_if(keys.begin(), keys.end(), [&](const SweptKey& other) {
+      return key->is_list && other.key.starts_with(key->key + ".");
+    });
+    if (inner != keys.end()) {
+      throw InputError(
+          fmt::format("{}: inside a key that has a list (found {} too, allowed one of the two)", inner->key, key->key));
+    }
+  }
+}
+
 std::vector<SweptKey> lists_of(const SweepOptions& options) {
   std::vector<SweptKey> lists;
-  std::set<std::string> names;
-  for (const SweptKey& key : options.keys) {
-    if (!names.insert(key.key).second)
-      throw InputError(fmt::format("{}: a key twice (found two lists, allowed one)", key.key));
-    if (key.is_list) lists.push_back(key);
-  }
+  check_contradictions(options.keys);
+  std::copy_if(options.keys.begin(), options.keys.end(), std::back_inserter(lists),
+               [](const SweptKey& key) { return key.is_list; });
   if (lists.empty()) throw_without_lists(options.keys);
   double product = 1;
   for (const SweptKey& list : lists) product *= static_cast<double>(list.values.size());

@@ -22,18 +22,24 @@ namespace {
 constexpr std::size_t most_values = 10000;
 constexpr const char* allowed = "KEY=VALUE,VALUE,... or KEY=FIRST:LAST:STEP";
 
-/// Names of coordinates, variables and attributes of results that are also last parts of keys.
-constexpr std::array<std::string_view, 15> taken{
-    "x",   "y",      "z",         "bound",         "file",          "name",   "mode", "directions", "control_points",
-    "air", "method", "gas_model", "optical_depth", "wavelength_um", "band_um"};
+/// Names of coordinates, variables, groups and attributes of results that are also last parts of keys.
+constexpr std::array<std::string_view, 20> taken{
+    "x",       "y",      "z",       "bound",     "file",          "name",           "mode",
+    "air",     "method", "cloud",   "gas_model", "optical_depth", "control_points", "directions",
+    "thermal", "solver", "band_um", "radiance",  "wavelength_um", "error_estimate"};
 
 [[noreturn]] void fail(const std::string& assignment, const std::string& problem) {
   throw InputError(fmt::format("--set {}: {}", assignment.substr(0, 200), problem));
 }
 
 /// Parts between separators that are neither in quotes nor in brackets.
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
+struct SplitText {
+  std::vector<std::string> parts{std::string()};
+  bool is_balanced = true;  ///< each quote and each bracket has its partner
+};
+
+SplitText split_text(const std::string& text, char separator) {
+  SplitText split;
   char quote = 0;
   int depth = 0;
   bool escaped = false;
@@ -46,15 +52,18 @@ std::vector<std::string> split(const std::string& text, char separator) {
     } else if (c == '[' || c == '{') {
       ++depth;
     } else if (c == ']' || c == '}') {
-      --depth;
+      split.is_balanced = split.is_balanced && --depth >= 0;
     } else if (c == separator && depth == 0) {
-      parts.emplace_back();
+      split.parts.emplace_back();
       continue;
     }
-    parts.back() += c;
+    split.parts.back() += c;
   }
-  return parts;
+  split.is_balanced = split.is_balanced && depth == 0 && quote == 0;
+  return split;
 }
+
+std::vector<std::string> split(const std::string& text, char separator) { return split_text(text, separator).parts; }
 
 std::string trimmed(const std::string& text) {
   const auto begin = text.find_first_not_of(" \t");
@@ -127,7 +136,12 @@ SweptKey parse_swept_key(const std::string& assignment) {
   if (equals == std::string::npos || equals == 0)
     throw InputError(fmt::format("--set: found '{}', allowed {}", assignment.substr(0, 200), allowed));
   SweptKey swept{trimmed(assignment.substr(0, equals)), {}};
-  const std::vector<std::string> items = split(assignment.substr(equals + 1), ',');
+  const std::string list = assignment.substr(equals + 1);
+  const auto& [items, is_balanced] = split_text(list, ',');
+  if (!is_balanced && list.find(',') != std::string::npos)
+    fail(assignment, fmt::format("a quote or bracket without its partner (found {}, allowed pairs; a text with one "
+                                 "stands in quotes of the other kind)",
+                                 trimmed(list).substr(0, 200)));
   swept.is_list = items.size() > 1;
   for (const std::string& untrimmed : items) {
     const std::string item = trimmed(untrimmed);
@@ -154,6 +168,8 @@ void check_values(const SweptKey& swept) {
   const CoordinateValues values = coordinate_values(swept);
   std::set<std::pair<double, std::string>> seen;
   for (std::size_t n = 0; n < swept.values.size(); ++n) {
+    // The scene refuses it. Here it has no order.
+    if (values.texts.empty() && std::isnan(values.numbers[n])) continue;
     const bool repeated =
         values.texts.empty() ? !seen.emplace(values.numbers[n], "").second : !seen.emplace(0, values.texts[n]).second;
     if (repeated) refuse(fmt::format("a value twice (found {}, allowed each once)", swept.values[n]));
@@ -187,10 +203,14 @@ std::vector<std::string> dimension_names(std::span<const SweptKey> keys) {
     std::string name = last_part(key.key);
     const auto alike =
         std::count_if(keys.begin(), keys.end(), [&](const SweptKey& other) { return last_part(other.key) == name; });
-    if (alike > 1 || std::find(taken.begin(), taken.end(), name) != taken.end()) {
-      name = key.key;
-      std::replace(name.begin(), name.end(), '.', '_');
-    }
+    const bool is_taken = std::find(taken.begin(), taken.end(), name) != taken.end();
+    if (alike > 1 || is_taken) name = key.key;
+    // A table or list of the first level ("cloud") has no longer name.
+    if (is_taken && name.find('.') == std::string::npos) name += "_of_scene";
+    // A name that the user chose is part of the key of a phase function; / would separate groups.
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '.' || c == '/'; }, '_');
+    while (std::find(names.begin(), names.end(), name) != names.end()) name += "_2";
     names.push_back(std::move(name));
   }
   return names;

@@ -53,6 +53,11 @@ TEST(Sweep, RefusesBeforeAnythingIsSolved) {
               ThrowsMessage<InputError>(
                   AllOf(HasSubstr("one value that is an array"), HasSubstr("allowed sun.zenith_deg=0,30 or"))));
   EXPECT_THAT(plan({"sun.zenith_deg=0,1", "sun.zenith_deg=2,3"}), ThrowsMessage<InputError>(HasSubstr("twice")));
+  const std::string suns = "sun={zenith_deg=0,azimuth_deg=0},{zenith_deg=60,azimuth_deg=0}";
+  for (const char* inner : {"sun.zenith_deg=10,20", "sun.zenith_deg=10"}) {
+    EXPECT_THAT(plan({inner, suns}), ThrowsMessage<InputError>(HasSubstr("inside a key that has a list"))) << inner;
+    EXPECT_THAT(plan({suns, inner}), ThrowsMessage<InputError>(HasSubstr("inside a key that has a list"))) << inner;
+  }
   EXPECT_THAT(plan({"sun.zenith_deg=0:89:0.1", "surface.albedo=0:1:0.01"}),
               ThrowsMessage<InputError>(HasSubstr("too many runs")));
   EXPECT_THAT(plan({"layer.0.top_m=100,200"}), ThrowsMessage<InputError>(AllOf(HasSubstr("z_edge"), HasSubstr("200"))));
@@ -82,6 +87,24 @@ TEST(Sweep, FinishedRunsOfAnotherSweepStay) {
   EXPECT_EQ(plan.to_solve, 1u);
   EXPECT_EQ(solve_sweep(interrupted, plan).kept, 0u);
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5.parts"));
+}
+
+// The single key of a table and the list of a key in it do not contradict each other.
+TEST(Sweep, ListsInsideATableThatAllRunsHave) {
+  const TemporaryFolder folder;
+  const SweepPlan plan =
+      plan_sweep(options_of(folder, {"surface={type=\"lambertian\",albedo=0}", "surface.albedo=0.1,0.3"}));
+  EXPECT_THAT(plan.runs[1].scene, HasSubstr("albedo = 0.3"));
+}
+
+// A group of results has the name of the key.
+TEST(Sweep, AKeyThatNamesAGroup) {
+  const TemporaryFolder folder;
+  const SweepOptions options = options_of(folder, {"output.error_estimate=true,false"});
+  const SweepPlan plan = plan_sweep(options);
+  EXPECT_EQ(plan.dimensions[0].name, "output_error_estimate");
+  EXPECT_EQ(solve_sweep(options, plan).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(options.run.output));
 }
 
 TEST(Sweep, NoMoreRunsAtATimeThanThereAre) {

@@ -38,6 +38,7 @@ TEST(SweptKey, ReadsRangesWithTheirDecimals) {
 
 TEST(SweptKey, OneValueIsNoList) {
   EXPECT_FALSE(parse_swept_key("solver.accuracy=draft").is_list);
+  EXPECT_FALSE(parse_swept_key("title=it's").is_list);
   EXPECT_FALSE(parse_swept_key("output.fields=[\"fluxes\", \"actinic\"]").is_list);
   EXPECT_TRUE(parse_swept_key("sun.zenith_deg=30:30:1").is_list);
 }
@@ -54,12 +55,22 @@ TEST(SweptKey, RefusesListsWithoutSense) {
                                                         {"0:10:-1", "STEP"},
                                                         {"0:1:1e-9", "too long"},
                                                         {"1,2,1.0", "found 1.0"},
-                                                        {"a,\"a\"", "twice"}}) {
+                                                        {"a,\"a\"", "twice"},
+                                                        {"[0,30", "without its partner"},
+                                                        {"0],30", "without its partner"},
+                                                        {"{0,30", "without its partner"},
+                                                        {"\"0,30", "without its partner"}}) {
     EXPECT_THAT([&list = list] { values(list); }, ThrowsMessage<InputError>(HasSubstr(words))) << list;
   }
   EXPECT_THAT([] { parse_swept_key("zenith"); }, ThrowsMessage<InputError>(HasSubstr("KEY=VALUE")));
   EXPECT_THAT([] { parse_swept_key("=1"); }, ThrowsMessage<InputError>(HasSubstr("KEY=VALUE")));
   EXPECT_THAT([] { check_values({"a", {}, true}); }, ThrowsMessage<InputError>(HasSubstr("empty list")));
+}
+
+// NaN is refused by the scene.
+TEST(SweptKey, NoNumberIsTwiceThereBesideNan) {
+  EXPECT_THAT(values("0,nan,1,nan"), ElementsAre("0", "nan", "1", "nan"));
+  EXPECT_THAT([] { values("nan,1,2,1"); }, ThrowsMessage<InputError>(HasSubstr("found 1")));
 }
 
 TEST(SweptKey, CoordinatesAreNumbersOrTexts) {
@@ -82,6 +93,17 @@ TEST(SweptKey, DimensionsAreNamedAfterTheLastPart) {
               ElementsAre("sun_zenith_deg", "radiance_0_zenith_deg"));
   // A variable of results has this name.
   EXPECT_THAT(names({"layer.0.optical_depth"}), ElementsAre("layer_0_optical_depth"));
+  // Groups of results have these.
+  EXPECT_THAT(names({"output.error_estimate"}), ElementsAre("output_error_estimate"));
+  EXPECT_THAT(names({"cloud", "solver", "thermal"}),
+              ElementsAre("cloud_of_scene", "solver_of_scene", "thermal_of_scene"));
+}
+
+// HDF5 takes / for the way to another group.
+TEST(SweptKey, NamesOfDimensionsDifferAndStayInTheirGroup) {
+  EXPECT_THAT(names({"phase_function.a/b.asymmetry_parameter", "phase_function.c.asymmetry_parameter"}),
+              ElementsAre("phase_function_a_b_asymmetry_parameter", "phase_function_c_asymmetry_parameter"));
+  EXPECT_THAT(names({"p.a/b.g", "p.a_b.g"}), ElementsAre("p_a_b_g", "p_a_b_g_2"));
 }
 
 TEST(SweptKey, UnitsStandInTheName) {
