@@ -105,19 +105,33 @@ bool is_figure(const RenderOptions& options, PictureFormat format, const FluxIma
   return options.width > 0 || options.title || !is_photograph(image);
 }
 
+void exclude(bool both, const char* first, const char* second) {
+  if (both) throw InputError(fmt::format("{}: excludes {} (found both, allowed one of the two)", first, second));
+}
+
+/// Profiles are curves over all levels, and sections contain all levels.
+void check_shape(const RenderOptions& options) {
+  const bool has_level = options.level != RenderOptions().level;
+  exclude(!options.section.empty() && has_level, "section", "level");
+  if (!options.profile) return;
+  exclude(!options.section.empty(), "profile", "section");
+  exclude(has_level, "profile", "level");
+  exclude(options.form == RenderForm::bare, "profile", "bare");
+  exclude(options.scale > 0, "profile", "scale");
+  exclude(options.range || options.min || options.max, "profile", "range, min and max, of colours");
+  exclude(!options.colormap.empty(), "profile", "colormap");
+  exclude(!options.tone.empty() || options.exposure || options.automatic_exposure, "profile", "tone and exposure");
+}
+
 void check_options(const RenderOptions& options) {
   check_outputs({{options.image_file, "the picture", OutputKind::picture}}, std::span(&options.result_file, 1));
-  const auto exclude = [](bool both, const char* first, const char* second) {
-    if (both) throw InputError(fmt::format("{}: excludes {} (found both, allowed one of the two)", first, second));
-  };
+  check_shape(options);
   if (options.scale < 0) throw InputError(fmt::format("scale: {} is not a number of pixels >= 1", options.scale));
   if (options.width != 0 && (options.width < least_width || options.width > largest_width)) {
     throw InputError(
         fmt::format("size: found {}, allowed a width from {} to {} pixels", options.width, least_width, largest_width));
   }
   exclude(options.range && (options.min || options.max), "range", "min and max");
-  exclude(options.profile && !options.section.empty(), "profile", "section");
-  exclude(options.profile && options.form == RenderForm::bare, "profile", "bare");
   const bool pixels = options.form == RenderForm::bare || options.scale > 0;
   exclude(pixels && options.width > 0, options.scale > 0 ? "scale" : "bare", "size, the width of a figure");
   exclude(pixels && options.title, options.scale > 0 ? "scale" : "bare", "title");

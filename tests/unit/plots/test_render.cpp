@@ -360,6 +360,13 @@ TEST_F(Render, OptionsThatExcludeEachOther) {
   expect([](auto& o) { o.scale = 2, o.form = RenderForm::figure; }, HasSubstr("excludes figure"));
   expect([](auto& o) { o.width = 100; }, HasSubstr("found 100, allowed a width from 400 to 10000"));
   expect([](auto& o) { o.profile = true, o.section = "y=0"; }, HasSubstr("profile: excludes section"));
+  expect([](auto& o) { o.section = "y=0", o.level = "bottom"; }, HasSubstr("section: excludes level"));
+  expect([](auto& o) { o.profile = true, o.level = "nonsense"; }, HasSubstr("profile: excludes level"));
+  expect([](auto& o) { o.profile = true, o.form = RenderForm::bare; }, HasSubstr("profile: excludes bare"));
+  expect([](auto& o) { o.profile = true, o.scale = 2; }, HasSubstr("profile: excludes scale"));
+  expect([](auto& o) { o.profile = true, o.max = 2; }, HasSubstr("profile: excludes range"));
+  expect([](auto& o) { o.profile = true, o.colormap = "grey"; }, HasSubstr("profile: excludes colormap"));
+  expect([](auto& o) { o.profile = true, o.exposure = 2; }, HasSubstr("profile: excludes tone"));
   for (const char* section : {"z=3", "y", "x=", "y=12m", "x=nan", "3200"}) {
     expect([section](auto& o) { o.section = section; },
            AllOf(HasSubstr(section), HasSubstr("allowed x=METRES or y=METRES")));
