@@ -201,7 +201,8 @@ def main():
             sweep = ["sweep", "scene.toml", "--set", "sun.zenith_deg=0:80:20"]
             check_ranks(checker, options.ranks, "sweep", sweep, checker.truth_of(*sweep))
             check_messages(checker)
-            check_kills(checker, options.kills, draw, spectrum)
+            for words in (spectrum, single + ["--set", "solver.accuracy=balanced"]):
+                check_kills(checker, options.kills, draw, words)
     if checker.faults:
         sys.exit(f"{len(checker.faults)} faults")
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/planning/error_calibration.hpp"
+#include "cloudbow/core/ranks.hpp"
 #include "cloudbow/results/error_estimate.hpp"
 #include "cloudbow/transport/solution.hpp"
 
@@ -14,9 +15,10 @@ namespace cloudbow {
 /// @param accuracy the level that `options` are of.
 SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
-/// The coarse solves beside the solution of a plan. @param coarse the same with its coarse_options()
+/// The coarse solves beside the solution of a plan. @param coarse the same with its coarse_options().
+/// @param ranks of which all but the first make them, and the first has them; null: they are made here
 CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as,
-                            const ProgressCallback& progress);
+                            const ProgressCallback& progress, Ranks* ranks = nullptr);
 
 /// Wall seconds of them, as predict_seconds().
 double predict_coarse_seconds(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as);

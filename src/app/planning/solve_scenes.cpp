@@ -15,9 +15,10 @@
 
 namespace cloudbow {
 
-ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution) {
-  const CoarseSolves coarse_solves = solve_coarsely(planned.plan, planned.coarse(), planned.as,
-                                                    [](const SolverProgress&) { InterruptGuard::check(); });
+ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution, Ranks* ranks) {
+  const CoarseSolves coarse_solves = solve_coarsely(
+      planned.plan, planned.coarse(), planned.as, [](const SolverProgress&) { InterruptGuard::check(); }, ranks);
+  if (ranks != nullptr && !ranks->is_first()) return {};
   ErrorEstimate error =
       estimate_error(solution, coarse_solves, error_weights(scene.solver.accuracy, planned.as), scene.output.errors);
   error.calibrated_for = scene.solver.accuracy;
@@ -47,14 +48,17 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
   std::optional<RunCheckpoints> checkpoints;
   if (!options.checkpoint.empty() || !options.resume.empty()) checkpoints.emplace(options, number, scenes);
   SolveResult result{solve_shown(planned.plan, checkpoints ? &*checkpoints : nullptr)};
-  if (together != nullptr && !together->is_first()) return result;
+  if (together != nullptr && !together->is_first()) {
+    if (scene.output.error_estimate) estimate_of(scene, planned, result.solution, together);
+    return result;
+  }
   if (checkpoints && !checkpoints->used() && number == 0 && !options.quiet) {
     tell("cloudbow: {} not used: the columns of this scene are solved without iteration\n",
          options.checkpoint.empty() ? "--resume is"
          : options.resume.empty()   ? "--checkpoint is"
                                     : "--checkpoint and --resume are");
   }
-  if (scene.output.error_estimate) result.error = estimate_of(scene, planned, result.solution);
+  if (scene.output.error_estimate) result.error = estimate_of(scene, planned, result.solution, together);
   if (options.compare) {
     // A single column is its own independent column.
     const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;

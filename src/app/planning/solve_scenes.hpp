@@ -20,8 +20,10 @@ struct Solved {
   std::vector<std::vector<float>> cloud_optical_depth;  ///< of each, by column, or none
 };
 
-/// Errors of a solution of the scene, from coarse solves. @throws Interrupted.
-ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution);
+/// Errors of a solution of the scene, from coarse solves. @param ranks that make them; the first has the estimate.
+/// @throws Interrupted.
+ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution,
+                          Ranks* ranks = nullptr);
 
 /// @throws Interrupted.
 Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
