@@ -182,6 +182,7 @@ class AfglReader {
   Atmosphere atmosphere() const {
     Atmosphere result;
     const std::vector<double>* air = nullptr;
+    bool has_number_densities = false;
     for (std::size_t n = 0; n < columns_.size(); ++n) {
       if (columns_[n].quantity == "air") air = &value_[n];
     }
@@ -196,9 +197,28 @@ class AfglReader {
         result.temperature_k = value_[n];
       } else {
         result.mole_fraction[quantity] = columns_[n].is_number_density ? per_air(quantity, value_[n], air) : value_[n];
+        has_number_densities = has_number_densities || columns_[n].is_number_density;
       }
     }
+    if (has_number_densities) check_gas_law(result, *air);
     return result;
+  }
+
+  /// Densities of the air in another unit make fractions wrong by powers of ten.
+  void check_gas_law(const Atmosphere& of, const std::vector<double>& air) const {
+    constexpr double boltzmann = 1.380649e-23;  // J K-1
+    constexpr double largest_factor = 2;        // pressures of 1e-5 hPa with one digit err by 25 %
+    for (std::size_t n = 0; n < air.size(); ++n) {
+      const double pressure = of.pressure_pa[n], temperature = of.temperature_k[n];
+      // Values out of range have messages of their own.
+      if (!(pressure > 0 && pressure <= 120000 && temperature >= 100 && temperature <= 400)) continue;
+      const double expected = pressure / (boltzmann * temperature);
+      if (air[n] <= largest_factor * expected && air[n] * largest_factor >= expected) continue;
+      fail_import(file_,
+                  "column air: contradicts the gas law (found {:.4g} m-3 at {:.6g} m, allowed {:.4g} within a factor "
+                  "of {}); look at the units",
+                  air[n], of.height_m[n], expected, largest_factor);
+    }
   }
 
   std::vector<double> per_air(const std::string& gas, std::vector<double> number,

@@ -1,4 +1,5 @@
 // Profiles of the air from files. Truth: the numbers of the files in their units.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -94,6 +95,11 @@ TEST_F(AtmosphereFile, NamesTheLineThatIsWrong) {
   EXPECT_THAT(message(text("# z p T o3\n0 1013 288 1e11\n1 900 280 1e11\n")),
               HasSubstr("column o3: no density of the air for it"));
   EXPECT_THAT(message(text("0 1013 288 0 1e11\n1 900 280 1e19 1e11\n")), HasSubstr("column air: not positive"));
+  // The gas law gives 2.55e25 m-3.
+  for (const char* air : {"2.5e16", "2.5e25", "inf"}) {
+    EXPECT_THAT(message(text(fmt::format("0 1013 288 {} 1e11\n1 900 280 2.3e19 1e11\n", air))),
+                HasSubstr("column air: contradicts the gas law"));
+  }
   EXPECT_THAT(message(text("0 1013 nan\n1 900 280\n")), HasSubstr("temperature: out of range (found nan K at 0 m"));
   EXPECT_THAT(message(text("0 101300 288\n1 90000 280\n")), HasSubstr("pressure: out of range (found 1.013e+07 Pa"));
   EXPECT_THAT(message(folder_), HasSubstr("a profile of the air as text columns or netCDF"));
