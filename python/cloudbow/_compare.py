@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 Result = Union["xr.Dataset", str, os.PathLike]
 # A coordinate that was computed in two ways may differ by rounding.
 LARGEST_SHIFT = 1e-9
+STATISTICS = ("mean_a", "mean_b", "mean_difference", "rms_difference", "largest_difference", "relative_rms")
 
 
 def _loaded(result: Any, name: str) -> "xr.Dataset":
@@ -34,10 +35,36 @@ def _check_coordinates(a: "xr.Dataset", b: "xr.Dataset", dims: Iterable) -> None
         if one.dtype.kind == "f" and other.dtype.kind == "f":
             scale = max(np.abs(one).max(initial=0), np.abs(other).max(initial=0))
             same = bool((np.abs(one - other) <= LARGEST_SHIFT * scale).all())
-        else:
-            same = bool((one == other).all())
+        else:  # numbers, texts or times: another kind is not equal
+            same = one.tolist() == other.tolist()
         if not same:
             raise InputError(f"{dim}: other coordinates (found {one[:2]}... and {other[:2]}..., allowed results on the same cells)")
+
+
+def _check_values(name: str, a: "xr.DataArray", b: "xr.DataArray") -> None:
+    import numpy as np
+    if a.dims != b.dims:
+        raise InputError(f"{name}: other dimensions (found {a.dims} and {b.dims}, allowed the same)")
+    # Arithmetic of xarray leaves the units out.
+    units = [array.attrs.get("units") for array in (a, b)]
+    if None not in units and str(units[0]) != str(units[1]):
+        raise InputError(f"{name}: other units (found {units[0]} and {units[1]}, allowed the same)")
+    for of, array in (("a", a), ("b", b)):
+        if array.size == 0:
+            raise InputError(f"{of}: no values (found {name} of length 0 along {', '.join(str(d) for d in array.dims if array.sizes[d] == 0)}, allowed one value or more)")
+        infinite = int(np.isinf(array.values).sum())
+        if infinite:
+            raise InputError(f"{of}: infinite values (found {infinite} in {name}, allowed finite numbers, and NaN for missing ones)")
+
+
+def _kept(keep: Any) -> list:
+    if not isinstance(keep, Iterable):
+        raise refuse("keep", "no names of dimensions", repr(keep), "a name or a list of them")
+    kept = [keep] if isinstance(keep, str) else list(keep)
+    for dim in kept:
+        if dim in ("variable", "units", *STATISTICS):
+            raise refuse("keep", "a name of the statistics", repr(dim), "other names; `.rename` gives one")
+    return kept
 
 
 def compare(a: Result, b: Result, *, keep: Union[str, Iterable[str]] = ()) -> "xr.Dataset":
@@ -61,18 +88,18 @@ def compare(a: Result, b: Result, *, keep: Union[str, Iterable[str]] = ()) -> "x
         - ``largest_difference``: largest magnitude of a - b
         - ``relative_rms``: ``rms_difference`` over the magnitude of ``mean_b``, dimensionless; NaN if that is 0
 
-        Values that are missing in one of the two do not count. A variable without a dimension of `keep` has the same numbers all along it. The
+        Values that are missing (NaN) in one of the two do not count. A variable without a dimension of `keep` has the same numbers all along it. The
         attributes ``only_in_a`` and ``only_in_b`` list variables that the other lacks. ``.to_dataframe()`` is a table.
 
     Raises
     ------
     InputError
-        If the results are on different cells, have no variable in common, or lack a dimension of `keep`.
+        If the results are on different cells or in different units. Also if they have infinite values or no variable in common, or lack a dimension of `keep`.
     """
     import numpy as np
     import xarray as xr
     a, b = _loaded(a, "a"), _loaded(b, "b")
-    kept = [keep] if isinstance(keep, str) else list(keep)
+    kept = _kept(keep)
 
     def fields(dataset: "xr.Dataset") -> list:
         bounds = {array.attrs.get("bounds") for array in dataset.coords.values()}
@@ -86,8 +113,7 @@ def compare(a: Result, b: Result, *, keep: Union[str, Iterable[str]] = ()) -> "x
             raise refuse("keep", "no such dimension", repr(dim), ", ".join(sorted({str(d) for name in common for d in a[name].dims})))
     rows = []
     for name in common:
-        if a[name].dims != b[name].dims:
-            raise InputError(f"{name}: other dimensions (found {a[name].dims} and {b[name].dims}, allowed the same)")
+        _check_values(name, a[name], b[name])
         _check_coordinates(a, b, a[name].dims)
         one, other = a[name].variable.astype("float64"), b[name].variable.astype("float64")
         there = np.isfinite(one.values) & np.isfinite(other.values)
@@ -96,9 +122,8 @@ def compare(a: Result, b: Result, *, keep: Union[str, Iterable[str]] = ()) -> "x
         difference = one - other
         mean_b, rms = other.mean(over), np.sqrt((difference**2).mean(over))
         magnitude = abs(mean_b)
-        rows.append(xr.Dataset({
-            "mean_a": one.mean(over), "mean_b": mean_b, "mean_difference": difference.mean(over), "rms_difference": rms,
-            "largest_difference": abs(difference).max(over), "relative_rms": rms / magnitude.where(magnitude > 0, np.nan)}))
+        found = (one.mean(over), mean_b, difference.mean(over), rms, abs(difference).max(over), rms / magnitude.where(magnitude > 0, np.nan))
+        rows.append(xr.Dataset(dict(zip(STATISTICS, found))))
     result = xr.concat(rows, dim=xr.Variable("variable", common), coords="minimal", compat="override")
     result = result.assign_coords({dim: a[dim] for dim in kept if dim in a.coords})
     result = result.assign_coords(units=("variable", [str(a[name].attrs.get("units", "")) for name in common]))

@@ -1,13 +1,12 @@
 """Optics of droplets and phase functions."""
 import os
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _core
 from ._errors import refuse
 from ._run import Progress, threads_of
-from ._scene import explained, notes, workspace
+from ._scene import explained, notes, path_of, workspace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +76,7 @@ def mie(wavelength_um: Numbers, effective_radius_um: Union[float, str], *, distr
     options.command = "cloudbow.mie"
     report = None if progress is None else lambda *state: progress(Progress(*state))
     with workspace() as folder, explained(folder):
-        options.output = folder / "table.h5" if output is None else Path(output)
+        options.output = folder / "table.h5" if output is None else path_of(output, "output")
         _core.mie(options=options, message=notes(folder), progress=report)
         return load(options.output)
 
@@ -123,6 +122,6 @@ def phase(type: str, *, asymmetry_parameter: Optional[float] = None, forward_asy
     options.control_points, options.delta_m_order, options.fits = control_points, delta_m_order, list(fits or [])
     options.command = f"cloudbow.phase({type!r})"
     with workspace() as folder, explained(folder):
-        options.output = folder / "phase.h5" if output is None else Path(output)
+        options.output = folder / "phase.h5" if output is None else path_of(output, "output")
         _core.phase(options=options, message=notes(folder))
         return load(options.output)

@@ -202,12 +202,16 @@ def _register_accessor() -> None:
 def load(path: Union[str, os.PathLike]) -> "xr.Dataset":
     """Reads a result file, with its groups, into memory."""
     _register_accessor()
+    # Of a pipe nothing may ever come.
+    if not os.path.isfile(path):
+        what = "no file of this name" if not os.path.exists(path) else "a folder" if os.path.isdir(path) else "a device, pipe or socket"
+        raise InputError(f"{os.fspath(path)!r}: can't be read as a result (found {what}, allowed a result file of `cloudbow run` or `sweep`)")
     try:
         # Groups take longer than the variables of a small result, and few calls look at them.
         source = Path(path).read_bytes() if os.path.getsize(path) <= LARGEST_KEPT else path
         root = read_groups(source, others=False)["/"]
         root.cloudbow.set(source)
-    except (OSError, RuntimeError) as error:
+    except (OSError, RuntimeError, ValueError) as error:
         raise InputError(f"{os.fspath(path)}: can't be read as a result ({error})") from None
     return root
 

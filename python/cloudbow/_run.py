@@ -2,12 +2,11 @@
 import os
 import warnings
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
 from . import _core
 from ._errors import NotConverged, refuse
-from ._scene import SceneFile, explained, notes, prepare, workspace
+from ._scene import SceneFile, explained, notes, path_of, prepare, workspace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,7 +119,7 @@ def run(scene: Scene, *, set: Optional[Mapping[str, Any]] = None, threads: Optio
     report = None if progress is None else lambda *state: progress(Progress(*state))
     with workspace() as folder, explained(folder):
         file = prepare(scene, set, folder)
-        target = folder / "result.h5" if output is None else Path(output)
+        target = folder / "result.h5" if output is None else path_of(output, "output")
         options = options_of(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("run", scene, set))
         misses = _core.run(options=options, scene_text=file.text, shown=file.shown, message=notes(folder), progress=report)
         result = load(target)

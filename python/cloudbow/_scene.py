@@ -214,10 +214,27 @@ def _flat(tree: dict, path: str = "") -> Iterator[tuple]:
             yield key, value
 
 
+def path_of(path: Any, key: str) -> Path:
+    if not isinstance(path, (str, os.PathLike)) or "\0" in os.fspath(path):
+        raise refuse(key, "no path", repr(path), "a path: text or a pathlib.Path")
+    return Path(path)
+
+
+def check_keys(settings: Mapping, name: str) -> None:
+    """@param name of the argument that holds values by dotted key"""
+    for key in settings:
+        if not isinstance(key, str):
+            raise refuse(name, "a key that is no text", repr(key), 'dotted keys, as in "sun.zenith_deg"')
+
+
 def prepare(scene: Any, settings: Optional[Mapping], folder: Path) -> SceneFile:
     """@param scene a path, or a dict with the keys of a scene file. @param settings values by dotted key."""
+    if settings is not None and not isinstance(settings, Mapping):
+        raise refuse("set", "no dict", type(settings).__name__, "a dict of values by dotted key")
     settings = dict(settings or {})
+    check_keys(settings, "set")
     if isinstance(scene, (str, os.PathLike)):
+        path_of(scene, "scene")
         tree: dict = {}
         for key, value in settings.items():
             set_key(tree, key, _copied(value))

@@ -3,13 +3,12 @@ import os
 import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
 from . import _core, _toml
 from ._errors import InputError, NotConverged, RunFailed, refuse
 from ._run import Scene, call_text, options_of
-from ._scene import FILE_KEYS, explain, explained, notes, prepare, workspace
+from ._scene import FILE_KEYS, check_keys, explain, explained, notes, path_of, prepare, workspace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +26,8 @@ class SweepProgress(NamedTuple):
 
 def _list_of(key: str, values: Any, absolute: bool) -> tuple:
     """(key, values as --set takes them, whether they are a dimension)."""
+    if isinstance(values, (bytes, bytearray)):
+        raise refuse(key, "no value of a scene", type(values).__name__, "a value, a list, or an array of one dimension")
     is_list = isinstance(values, Sequence) and not isinstance(values, str) or hasattr(values, "ndim") and values.ndim == 1
     if isinstance(values, str) and _RANGE.fullmatch(values):
         return (key, *_core.swept_values(key, values))
@@ -101,6 +102,7 @@ def sweep(scene: Scene, keys: Mapping[str, Any], *, set: Optional[Mapping[str, A
         raise refuse("progress", "not a function", type(progress).__name__, "None or a function of a SweepProgress")
     if not isinstance(keys, Mapping):
         raise refuse("keys", "no dict", type(keys).__name__, "a dict of lists by dotted key")
+    check_keys(keys, "keys")
 
     def report(phase: str, done: int, _error: float, _residual: float, fraction: float) -> None:
         if phase == "run" and progress is not None:
@@ -108,10 +110,13 @@ def sweep(scene: Scene, keys: Mapping[str, Any], *, set: Optional[Mapping[str, A
 
     with workspace() as folder, explained(folder):
         file = prepare(scene, set, folder)
+        for key in keys:
+            if set is not None and key in set:
+                raise refuse(key, "a key twice", "it in keys and in set", "one of the two")
         lists = [_list_of(key, values, isinstance(scene, Mapping)) for key, values in keys.items()]
         if not any(is_list for _, _, is_list in lists):
             raise refuse(", ".join(keys) or "keys", "nothing to sweep", "no key with a list", 'a list for one key or more, as in {"sun.zenith_deg": [0, 30]}; `run` solves one scene')
-        target = folder / "result.h5" if output is None else Path(output)
+        target = folder / "result.h5" if output is None else path_of(output, "output")
         options = options_of(file, threads, output=target, compare=bool(compare), clear_sky=bool(clear_sky), command=call_text("sweep", scene, keys))
         outcome = _core.sweep(options=options, lists=lists, jobs=_check_jobs(jobs), shown=file.shown, message=notes(folder),
                               progress=None if progress is None else report)

@@ -2,6 +2,8 @@
 
 Truth: numbers worked out by hand, and numpy.
 """
+import os
+
 import cloudbow as cb
 import numpy as np
 import pytest
@@ -35,11 +37,32 @@ def test_missing_values_do_not_count():
 def test_what_cannot_be_compared_is_refused():
     a = result([[1, 2], [3, 6]])
     for b, words in ((result([[1, 2], [3, 6]], x=(0.0, 1.1)), "x: other coordinates"), (a.isel(x=[0]), "x: another length"), (a.rename(flux="other"), "no variable in common"),
-                     (a.transpose("x", "z"), "other dimensions"), (3, "b: no result")):
+                     (a.transpose("x", "z"), "other dimensions"), (3, "b: no result"), (result([[1, 2], [3, 6]], units="mW m-2"), "flux: other units"),
+                     (result([[1, 2], [3, np.inf]]), "b: infinite values .found 1 in flux"), (a.assign_coords(x=["0", "1"]), "x: other coordinates"),
+                     (a.assign_coords(x=np.array(["2020-01-01", "2020-01-02"], "datetime64[ns]")), "x: other coordinates")):
         with pytest.raises(cb.InputError, match=words):
             cb.compare(a, b)
-    with pytest.raises(cb.InputError, match="keep.*allowed x, z"):
-        cb.compare(a, a, keep="t")
+    for keep, words in (("t", "keep.*allowed x, z"), (3, "keep: no names"), (None, "keep: no names"), ("units", "keep: a name of the statistics")):
+        with pytest.raises(cb.InputError, match=words):
+            cb.compare(a, a, keep=keep)
+    with pytest.raises(cb.InputError, match="a: no values.*along x"):
+        cb.compare(a.isel(x=[]), a.isel(x=[]))
+
+
+def test_units_that_arithmetic_drops():
+    a = result([[1, 2], [3, 6]])
+    assert cb.compare(a, 2 * a).mean_difference.item() == -3
+
+
+def test_paths_that_are_no_results(tmp_path):
+    a = result([[1, 2], [3, 6]])
+    os.mkfifo(tmp_path / "pipe.h5")
+    (tmp_path / "empty.h5").touch()
+    (tmp_path / "text.h5").write_text("no HDF5")
+    for name, words in (("none.h5", "no file of this name"), (".", "a folder"), ("pipe.h5", "pipe"), ("a\0b", "no file of this name"), ("empty.h5", "can't be read"),
+                        ("text.h5", "can't be read")):
+        with pytest.raises(cb.InputError, match=words):
+            cb.compare(a, tmp_path / name)
 
 
 def test_results(layers, cloud, tmp_path):
