@@ -88,6 +88,10 @@ def test_what_does_not_converge_is_marked(cloud):
     ({"sun.zenith_deg": range(200), "surface.albedo": range(200)}, "^sun.zenith_deg, surface.albedo: too many runs"),
     ({"sun.zenith_deg": np.zeros((2, 2))}, "array of 2 dimensions"),
     ({"sun.zenith_deg": [0, object()]}, "no value of a scene"),
+    ({"sun.zenith_deg": b"05"}, "no value of a scene"),
+    ({"sun.zenith_deg": [float("nan"), 1]}, "zenith_deg=nan"),
+    ({"sun.": [0, 5]}, "dotted key"),
+    ({3: [0, 5]}, "^keys: a key that is no text"),
     ([("sun.zenith_deg", [0, 5])], "no dict"),
 ])
 def test_wrong_lists_are_refused(layers, keys, words):
@@ -102,9 +106,11 @@ def test_texts_are_lists_as_on_the_command_line(layers):
 
 
 def test_wrong_arguments_are_refused(layers):
-    for arguments in ({"jobs": 0}, {"jobs": 1.5}, {"threads": 0}, {"progress": 1}):
+    for arguments in ({"jobs": 0}, {"jobs": 1.5}, {"threads": 0}, {"progress": 1}, {"set": 3}, {"set": {3: 1}}, {"output": 3}, {"output": "a\0b.h5"}):
         with pytest.raises(cb.InputError, match=next(iter(arguments))):
             cb.sweep(layers, {"sun.zenith_deg": [0, 5]}, **arguments)
+    with pytest.raises(cb.InputError, match="^sun.zenith_deg: a key twice"):
+        cb.sweep(layers, {"sun.zenith_deg": [0, 5]}, set={"sun.zenith_deg": 3})
 
 
 def test_files_of_a_dict_are_those_of_the_working_directory(cloud, tmp_path, monkeypatch):

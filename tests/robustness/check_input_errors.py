@@ -169,6 +169,28 @@ def broadband_scenes():
     yield "a sky of no spectrum", lit + "[sky]\nradiance_w_m2_sr = 1.0\n", ["scene.toml:28: sky.radiance_w_m2_sr", "no spectrum"]
 
 
+def sweep_commands():
+    """(name, arguments, words of the message) of `cloudbow sweep`."""
+    suns = "sun.zenith_deg=0,30"
+    for name, lists, words in (
+            ("no list", ["sun.zenith_deg=30"], ["sun.zenith_deg", "nothing to sweep", "cloudbow run"]),
+            ("an empty value", ["sun.zenith_deg=0,"], ["sun.zenith_deg", "an empty value"]),
+            ("an empty part of a key", ["sun.zenith_deg.=0,30"], ["sun.zenith_deg.", "dotted key"]),
+            ("an open bracket", ["sun.zenith_deg=[0,30"], ["[0,30", "without its partner"]),
+            ("a range without end", ["sun.zenith_deg=0:30:-1"], ["0:30:-1", "FIRST:LAST:STEP"]),
+            ("NaN", ["sun.zenith_deg=nan,1"], ["sun.zenith_deg=nan"]),
+            ("a value twice", ["sun.zenith_deg=0,0.0"], ["sun.zenith_deg", "a value twice"]),
+            ("a key twice", [suns, suns], ["sun.zenith_deg", "a key twice"]),
+            ("a key inside another", [suns, "sun={zenith_deg=1,azimuth_deg=0},{zenith_deg=2,azimuth_deg=0}"], ["sun.zenith_deg", "inside a key that has a list"]),
+            ("the last value out of range", ["sun.zenith_deg=0,30,91"], ["sun.zenith_deg=91", "out of range"]),
+            ("an unknown key", ["sun.zenit_deg=0,30"], ["sun.zenit_deg", "did you mean zenith_deg?"]),
+            ("too many runs", ["surface.albedo=0:1:0.001", "sun.zenith_deg=0:80:1"], ["too many runs", "10000"])):
+        yield name, [word for one in lists for word in ("--set", one)], words
+    for share in ("0/2", "3/2", "1", "1/99999999999999999999"):
+        yield f"share {share}", ["--set", suns, "--share", share], ["--share", share, "I/N"]
+    yield "no job", ["--set", suns, "--jobs", "0"], ["--jobs", "1 to 4096"]
+
+
 def phase_commands(folder):
     """(name, arguments, words of the message) of `cloudbow phase`; the files are in the folder."""
     for name, text in (("moments.txt", "0 1\n1 0.3\n"), ("factor.txt", "0 1\n1 0\n2 0.5\n"), ("coarse.txt", "0 1.2\n180 1.2\n"), ("gap.txt", "0 1\n2 0.85\n"), ("large.txt", "0 1\n1 1.85\n"), ("words.txt", "0 1\n1 much\n"), ("nothing.txt", ""),
@@ -372,6 +394,11 @@ def main():
         checker.expect_error("gas info: a cloud", ["gas", "info", cloud], ["cloud.vdb", "no gas model", "ecCKD"], output)
         checker.expect_error("gas info: no such file", ["gas", "info", folder / "none.nc"], ["none.nc", "no such file"], output)
         checker.expect_error("gas optics: a scene as atmosphere", ["gas", "optics", scene, "--model", cloud, "-o", output], ["scene.toml"], output)
+        for name, arguments, words in sweep_commands():
+            checker.expect_error(f"sweep: {name}", ["sweep", scene, "--quiet", *arguments, "-o", output], words, output)
+        parts = folder / "other.h5.parts"
+        parts.write_text("a file of this name")
+        checker.expect_error("sweep: a file in place of the folder", ["sweep", scene, "--quiet", "--set", "sun.zenith_deg=0,30", "-o", folder / "other.h5"], [parts.name, "can't be made"], output)
         for name, arguments, words in phase_commands(folder):
             checker.expect_error(f"phase: {name}", ["phase", *arguments, "-o", output], words, output)
         checker.expect_error("phase: file in a missing folder", ["phase", "rayleigh", "-o", folder / "nowhere/output.h5"], ["nowhere"], output)
@@ -393,6 +420,9 @@ def main():
                 ("a section of a map", ["--section", "y=100", "--field", "optical_depth"], ["result.h5", "optical_depth"]),
                 ("a profile of nothing", ["--profile", "--field", "z"], ["result.h5", "no profile", "upwelling_flux"]),
                 ("pixels and a width", ["--bare", "--size", "600"], ["bare", "size"]),
+                ("a section and a level", ["--section", "y=100", "--level", "bottom"], ["section", "level"]),
+                ("a profile and a level", ["--profile", "--level", "nonsense"], ["profile", "level"]),
+                ("a profile and colours", ["--profile", "--colormap", "grey"], ["profile", "colormap"]),
                 ("a tiny figure", ["--size", "20"], ["--size", "20", "400"]),
                 ("min above all", ["--min", "1e9"], ["min", "1e+09"])):
             checker.expect_error(f"render: {name}", ["render", folder / "result.h5", *arguments, "-o", folder / "output.png"], words, folder / "output.png")

@@ -225,16 +225,27 @@ std::string with_whole_decimals(const std::string& value) {
   return whole;
 }
 
+/// All parts between points, empty ones too: one at least.
+std::vector<std::string> parts_of_key(const std::string& key) {
+  std::vector<std::string> parts(1);
+  for (const char c : key) {
+    if (c == '.') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
 void apply_override(ConfigNode& root, const std::string& assignment) {
   const std::string shown = assignment.substr(0, longest_place);
   const bool printable = std::none_of(shown.begin(), shown.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
   const std::string place = fmt::format("--set {}", printable ? shown : quoted(shown));
   const auto equals = assignment.find('=');
-  std::vector<std::string> parts;
-  std::istringstream key(assignment.substr(0, equals));
-  for (std::string part; std::getline(key, part, '.');) parts.push_back(part);
+  const std::vector<std::string> parts = parts_of_key(assignment.substr(0, equals));
   const bool has_empty_part = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part.empty(); });
-  if (equals == std::string::npos || parts.empty() || has_empty_part) {
+  if (equals == std::string::npos || has_empty_part) {
     throw InputError(
         fmt::format("--set: found '{}', allowed KEY=VALUE with a dotted key, as in sun.zenith_deg=30", shown));
   }

@@ -76,6 +76,13 @@ TEST(ConfigTree, OverridesGiveTomlForPeople) {
             "[[layer]]\noptical_depth = [ 1e-05, 0.1 ]\n\n[[layer]]\noptical_depth = 1361.0\n");
 }
 
+TEST(ConfigTree, KeysOfOverridesHaveNoEmptyPart) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.toml", "a = 1\n");
+  for (const std::string assignment : {"b.=3", ".b=3", "b..c=3", "=3", ".=3", "b"})
+    EXPECT_THROW(read_config(file, std::vector{assignment}), InputError) << assignment;
+}
+
 // As numbers of C and Python, which TOML has not.
 TEST(ConfigTree, OverridesAreNumbersWithoutADigitBeforeOrBehindThePoint) {
   const TemporaryFolder folder;
