@@ -10,12 +10,12 @@
 #include <memory>
 
 #include "app/commands/command_checks.hpp"
-#include "app/planning/machine_speed.hpp"
 #include "app/process/cache_directory.hpp"
 #include "app/process/exit_codes.hpp"
 #include "app/process/messages.hpp"
 #include "app/process/version.hpp"
 #include "app/verify/checks.hpp"
+#include "app/verify/machine_speed.hpp"
 #include "app/verify/verify.hpp"
 #include "cloudbow/core/error.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "app/planning/coarse_solves.hpp"
-#include "app/planning/machine_speed.hpp"
+#include "app/verify/machine_speed.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/transport/output_fields.hpp"
 #include "cloudbow/transport/solver.hpp"

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 TEST(CommandLine, WordsThatNobodyKnowsComeWithThoseThatAreKnown) {
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"rn", "scene.toml"},
-            "cloudbow: unknown command (found rn, allowed run, sweep, cloud, mie, gas, render, export, "},
+            "cloudbow: unknown command (found rn, allowed run, merge, sweep, cloud, mie, gas, render, export, "},
            {{"rn", "scene.toml"}, "; did you mean run?)"},
            {{"info", "cloud.vdb"}, "; did you mean cloud info?)"},
            {{"cloud", "mke", "slab"},

@@ -1,4 +1,4 @@
-#include "app/planning/machine_speed.hpp"
+#include "app/verify/machine_speed.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/planning/machine_speed.hpp"
+#include "app/verify/machine_speed.hpp"
 #include "cloudbow/transport/solver.hpp"
 #include "temporary_folder.hpp"
 
