@@ -192,7 +192,7 @@ def percent(value, digits):
 
 
 def over_limits(row, options):
-    # A solve that says that it did not converge is where rounding left it, which depends on how a compiler orders sums: .6 or 1.1 % inside.
+    # Rounding decides how far a solve comes that says that it did not converge: .6 or 1.1 % inside, by compiler options.
     times = 1 if row["converged"] else 2
     return max(row["up"], row["diffuse"], row["direct"]) > times * options.limit or row["profile"] > times * (options.profile_limit or options.limit)
 
