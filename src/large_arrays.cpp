@@ -18,9 +18,10 @@ constexpr std::size_t least_large = 2 * huge_page;
 
 // The pages that lie wholly in [first, last). A system without huge pages refuses.
 void ask_for_huge_pages(void* first, void* last) {
-  const auto begin = (reinterpret_cast<std::uintptr_t>(first) + huge_page - 1) / huge_page * huge_page;
-  const auto end = reinterpret_cast<std::uintptr_t>(last) / huge_page * huge_page;
-  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  const std::size_t before = (huge_page - reinterpret_cast<std::uintptr_t>(first) % huge_page) % huge_page;
+  const auto bytes = static_cast<std::size_t>(static_cast<char*>(last) - static_cast<char*>(first));
+  if (bytes < before + huge_page) return;
+  madvise(static_cast<char*>(first) + before, (bytes - before) / huge_page * huge_page, MADV_HUGEPAGE);
 }
 
 void* allocate(std::size_t bytes) {

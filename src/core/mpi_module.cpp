@@ -41,7 +41,7 @@ class MpiRanks : public Ranks {
   }
   ~MpiRanks() override {
     // Ranks that meet here have ended without an error, or have met after one.
-    if (!arrived_) all_arrive(std::chrono::hours(24 * 365));
+    if (!arrived_) MpiRanks::all_arrive(std::chrono::hours(24 * 365));
     MPI_Comm_free(&arrivals_);
     MPI_Finalize();
   }

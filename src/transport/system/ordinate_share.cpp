@@ -192,17 +192,20 @@ void OrdinateShare::gather_octants(LightSlopes<Real>& slopes) const {
   ranks_->exchange(outgoing, incoming);
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                             \
-  template AngularField<Real> OrdinateShare::own_cells<Real>(std::optional<Real>) const;       \
-  template void OrdinateShare::to_rows<Real>(AngularField<Real>&) const;                       \
-  template void OrdinateShare::to_cells<Real>(AngularField<Real>&) const;                      \
-  template void OrdinateShare::to_first<Real>(AngularField<Real>&) const;                      \
-  template void OrdinateShare::gather_cells<Real>(std::span<Real>) const;                      \
-  template void OrdinateShare::gather_ordinates<Real>(std::span<const std::span<Real>>) const; \
-  template void OrdinateShare::gather_octants<Real>(LightSlopes<Real>&) const
-CLOUDBOW_INSTANTIATE(float);
-CLOUDBOW_INSTANTIATE(double);
-#undef CLOUDBOW_INSTANTIATE
+template AngularField<float> OrdinateShare::own_cells<float>(std::optional<float>) const;
+template void OrdinateShare::to_rows<float>(AngularField<float>&) const;
+template void OrdinateShare::to_cells<float>(AngularField<float>&) const;
+template void OrdinateShare::to_first<float>(AngularField<float>&) const;
+template void OrdinateShare::gather_cells<float>(std::span<float>) const;
+template void OrdinateShare::gather_ordinates<float>(std::span<const std::span<float>>) const;
+template void OrdinateShare::gather_octants<float>(LightSlopes<float>&) const;
+template AngularField<double> OrdinateShare::own_cells<double>(std::optional<double>) const;
+template void OrdinateShare::to_rows<double>(AngularField<double>&) const;
+template void OrdinateShare::to_cells<double>(AngularField<double>&) const;
+template void OrdinateShare::to_first<double>(AngularField<double>&) const;
+template void OrdinateShare::gather_cells<double>(std::span<double>) const;
+template void OrdinateShare::gather_ordinates<double>(std::span<const std::span<double>>) const;
+template void OrdinateShare::gather_octants<double>(LightSlopes<double>&) const;
 template void OrdinateShare::gather_ordinates<int>(std::span<const std::span<int>>) const;
 
 }  // namespace cloudbow
