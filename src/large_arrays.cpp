@@ -36,7 +36,7 @@ bool address_space_is_limited() {
   return getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
 }
 
-// Addresses for arrays below least_large, which take memory only when they are used.
+// Addresses for arrays below least_large. They take memory when arrays use them.
 [[gnu::constructor]] void reserve_addresses() {
   if (address_space_is_limited()) return;
   constexpr int reserve = 512 << 20;

@@ -210,7 +210,7 @@ class AfglReader {
     constexpr double largest_factor = 2;        // pressures of 1e-5 hPa with one digit err by 25 %
     for (std::size_t n = 0; n < air.size(); ++n) {
       const double pressure = of.pressure_pa[n], temperature = of.temperature_k[n];
-      // Values out of range have messages of their own.
+      // A value out of range has another message.
       if (!(pressure > 0 && pressure <= 120000 && temperature >= 100 && temperature <= 400)) continue;
       const double expected = pressure / (boltzmann * temperature);
       if (air[n] <= largest_factor * expected && air[n] * largest_factor >= expected) continue;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """`cloudbow run --target-error` on the scenes of configs/ or on made clouds: whether what was asked for is met or refused, and whether time and
-memory are as foreseen.
+memory are as predicted.
 
 Truth: the result at `reference`, whose own distance from the truth (docs/validation.md) is no part of it. Time and memory are those of the level's own
 solve, against what was predicted before it (`/plan`); seconds of solves under a fifth of a second are not judged.

@@ -193,8 +193,8 @@ def percent(value, digits):
 
 def over_limits(row, options):
     # Rounding decides how far a solve comes that says that it did not converge: .6 or 1.1 % inside, by compiler options.
-    times = 1 if row["converged"] else 2
-    return max(row["up"], row["diffuse"], row["direct"]) > times * options.limit or row["profile"] > times * (options.profile_limit or options.limit)
+    inside = (options.profile_limit or options.limit) * (1 if row["converged"] else 2)
+    return max(row["up"], row["diffuse"], row["direct"]) > options.limit or row["profile"] > inside
 
 
 def report(rows, options):

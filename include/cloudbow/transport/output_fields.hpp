@@ -28,7 +28,7 @@ struct OutputField {
   Grid grid;
   std::vector<float> Solution::*values;
   std::vector<double> Solution::*profile;  ///< [nz+1] domain means; null: none
-  const char* key;                         ///< in `output.fields` of a scene; null: it has a key of its own
+  const char* key;                         ///< in `output.fields` of a scene; null: another key asks for it
   bool OutputOptions::*asked;              ///< null: always there, or its values are empty
   // In scenes that emit; null: as above.
   const char* net_name = nullptr;

@@ -39,8 +39,7 @@ class OrdinateShare {
   template <class Real>
   void to_first(AngularField<Real>& field) const;
 
-  /// Values of which every rank has those of its own cells become known to all. @param sets of all cells, one after the
-  /// other
+  /// Every rank gets the values that the others have in their cells. @param sets of all cells, in sequence
   template <class Real>
   void gather_cells(std::span<Real> sets) const;
   /// Arrays of which every rank has those of its ordinates become known to all. @param of_ordinate [D], each of the

@@ -1,5 +1,5 @@
 // Circumsolar light. Truth: closed forms of single scattering, of an absorber under an even sky and of a shadow.
-// Also adding and doubling, and columns of their own.
+// Other truths: adding and doubling, and independent columns.
 #include <gtest/gtest.h>
 
 #include <cmath>
