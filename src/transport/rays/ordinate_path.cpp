@@ -16,6 +16,25 @@ constexpr double cost_of_a_turned_cell = .15;
 constexpr double cost_of_rays_in_air = .25;
 constexpr double cost_of_moved_rays = 2;
 
+// A march along x or y has one ray per cell, one along z has more the more the light is slanted. Thick voxels need them
+// (docs/design-notes.md).
+constexpr double thick_voxel = 4. / 3;
+
+// Optical depth of a voxel from floor to ceiling, in some levels of one thickness: mean with the extinction as weight.
+template <class Real>
+double voxel_depth(const BoxGrid& box, const Cells<Real>& cells, LevelRange levels) {
+  double sum = 0;
+  double sum_of_squares = 0;
+  for (int k = levels.first; k < levels.last; ++k) {
+    for (std::uint32_t c = cells.rows.level_cell[k]; c < cells.rows.voxels_end(k); ++c) {
+      const double extinction = static_cast<double>(cells.extinction[c]);
+      sum += extinction;
+      sum_of_squares += extinction * extinction;
+    }
+  }
+  return sum > 0 ? sum_of_squares / sum * box.thickness_m(levels.first) : 0;
+}
+
 double runs_crossed(const PathPattern& pattern, const Sheets& sheets, int first_row, int last_row) {
   double runs = 0;
   for (int step = 0; step < pattern.levels(); ++step) {
@@ -67,6 +86,8 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
     const StartFraction start = start_for_centred_exit(box, d, independent_columns, levels);
     return make_path_pattern(box, d, start.x, start.y, independent_columns, levels);
   };
+  const LevelRange even = cells.even_levels;
+  const bool along_z_alone = even.first >= even.last || voxel_depth(box, cells, even) > thick_voxel;
   ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t d = 0; d < travel.size(); ++d) {
@@ -75,8 +96,7 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
       path.upward = travel[d].z() > 0;
       path.along_z.push_back(along_z(travel[d], {0, box.nz()}));
       path.cost = cost_along_z(box, path.along_z.front(), cells.rows);
-      const LevelRange even = cells.even_levels;
-      if (even.first >= even.last) return;
+      if (along_z_alone) return;
       const LevelRange below{0, even.first};
       const LevelRange above{even.last, box.nz()};
       for (int axis = 0; axis < 2; ++axis) {

@@ -1,5 +1,5 @@
 // The path of the ordinates through a box: along z, or along x or y through levels of one thickness if that takes fewer
-// segments (docs/theory.md, "March along the dominant axis"). It is computed once per solve.
+// segments and voxels are thin (docs/theory.md, "March along the dominant axis"). It is computed once per solve.
 #pragma once
 
 #include <optional>

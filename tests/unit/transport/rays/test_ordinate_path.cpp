@@ -47,6 +47,18 @@ TEST_F(OrdinatePathTest, GrazingOrdinatesMarchSidewaysWhereTheyMay) {
   EXPECT_EQ(path_along(travel_along(.1, 80)).sideways->axis, 1);
 }
 
+// One ray per cell does not sample what varies within it. Along z, several rays cross each cell.
+TEST_F(OrdinatePathTest, ThickVoxelsAreMarchedAlongZAlone) {
+  const auto path_in = [&](float depth) {
+    std::vector<float> extinction = random_extinction(box_, .1, 9);  // levels are 1 m thick
+    for (float& e : extinction) e = e > 0 ? depth : 0;
+    const auto cells = make_cells<double>(make_grid(box_, extinction, 1.), untruncated_, false, 1);
+    return make_ordinate_paths<double>(box_, cells, {travel_along(.1, 8)}, false).front();
+  };
+  EXPECT_TRUE(path_in(1.3F).sideways);
+  EXPECT_FALSE(path_in(1.4F).sideways);
+}
+
 TEST_F(OrdinatePathTest, CostGrowsTowardsTheHorizonUntilTheyTurnSideways) {
   EXPECT_LT(path_along(travel_along(.9, 30)).cost, path_along(travel_along(.5, 30)).cost);
 }

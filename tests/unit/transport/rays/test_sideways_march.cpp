@@ -213,7 +213,7 @@ TEST(SidewaysMarch, AgreesWithTheMarchAlongZInTheMean) {
 
 TEST(OrdinatePaths, TakeTheShortestWay) {
   const BoxGrid box = even_box();
-  const auto cells = make_cells<float>(make_grid(box, random_extinction(box, .1, 9), 1.), untruncated, false);
+  const auto cells = make_cells<float>(make_grid(box, random_extinction(box, .05, 9), 1.), untruncated, false);
   const auto paths =
       make_ordinate_paths(box, cells, {travel_along(-1, 0), travel_along(.2, 8), travel_along(-.2, 80)}, false);
   EXPECT_FALSE(paths[0].sideways);
