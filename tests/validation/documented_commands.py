@@ -6,7 +6,7 @@ page gives it, or completed by what PAGES has for it, and must be accepted; `pyt
 and numbers are those printed, numbers with an exponent (rounding, estimates) within a factor of ten. A command with placeholders in it, and one that
 names no file, is held against --help. C++ and CMake of docs/cpp-api.md are built by tests/consumer.
 
-usage: documented_commands.py --cloudbow PROGRAM [--slow] [PAGE...]      (default: all pages, without what is slow)
+usage: documented_commands.py --cloudbow PROGRAM [--slow] [--part I/N] [PAGE...]      (default: all pages, without what is slow)
 """
 import argparse
 import importlib.util
@@ -292,13 +292,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cloudbow", required=True, type=Path)
     parser.add_argument("--slow", action="store_true", help="what takes minutes, too")
+    parser.add_argument("--part", default="1/1", metavar="I/N", help="every Nth page, from the Ith on")
     parser.add_argument("pages", nargs="*", metavar="PAGE", help=", ".join(PAGES))
     options = parser.parse_args()
     if unknown := sorted(set(options.pages) - set(PAGES)):
         parser.error(f"no such page (found {', '.join(unknown)}, allowed {', '.join(PAGES)})")
+    if not (part := re.fullmatch(r"(\d+)/(\d+)", options.part)) or not 1 <= int(part[1]) <= int(part[2]):
+        parser.error(f"--part: not I/N (found {options.part}, allowed 1/4, 2/4 ...)")
+    first, step = int(part[1]) - 1, int(part[2])
     with tempfile.TemporaryDirectory(prefix="cloudbow-documented-") as folder:
         runner = Runner(options.cloudbow.resolve(), Path(folder), options.slow)
-        for page in options.pages or PAGES:
+        for page in list(options.pages or PAGES)[first::step]:
             runner.run(page)
         print("\nnot run:", *runner.left_out, sep="\n  ")
         print("\n" + ("\n".join(runner.faults) or "what the pages show runs"))
