@@ -1,5 +1,5 @@
-// The path of the ordinates through a box: along z, or along x or y through levels of one thickness if that takes fewer
-// segments and voxels are thin (docs/theory.md, "March along the dominant axis"). It is computed once per solve.
+// The path of the ordinates through a box: along z, or along x or y through levels of one thickness. Those are taken if
+// they have fewer segments and voxels are thin (docs/theory.md, "March along the dominant axis"). Once per solve.
 #pragma once
 
 #include <optional>
