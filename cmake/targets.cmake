@@ -33,5 +33,10 @@ function(cloudbow_layer name)
   # functions at load time, so calls within them stay direct.
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  # What most sources read, compiled once per layer: half of a compiler's time is the reading of headers.
+  if(CLOUDBOW_PRECOMPILED_HEADERS AND NOT name STREQUAL core)
+    target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h>
+      <algorithm> <array> <cmath> <filesystem> <functional> <limits> <memory> <numbers> <optional> <span> <string> <utility> <vector>)
+  endif()
   install(TARGETS ${target} EXPORT cloudbow-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cloudbow)
 endfunction()
