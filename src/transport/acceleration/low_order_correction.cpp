@@ -50,22 +50,23 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
   Surface mean_surface;
   mean_surface.albedo = full.ground.mean_albedo();
   const bool same_ground = full.ground.is_lambertian() && !coarse;
-  return {.box = box,
-          .independent_columns = full.independent_columns,
-          .cells = cells,
-          .ordinates = ordinates,
-          .paths = make_ordinate_paths(box, *cells, ordinates.direction, full.independent_columns),
-          // A correction need not be finer if there are many cells.
-          .linear_source = full.linear_source && !full.cells->heterogeneous,
-          .scattering = OrdinateScattering<Real>(ordinates, std::move(matrix)),
-          .truncated_asymmetry = full.truncated_asymmetry,
-          .absorption = coarse ? std::vector<double>(coarse->grid.absorption.begin(), coarse->grid.absorption.end())
-                               : full.absorption,
-          .beam = {},
-          // Corrections are differences of light: they contain no emission.
-          .ground = same_ground ? full.ground.without_emission() : Ground<Real>(mean_surface, ordinates, std::nullopt),
-          .side_radiance = {},
-          .emission = std::vector<Real>(low_moments * cells->size())};
+  return {
+      .box = box,
+      .independent_columns = full.independent_columns,
+      .cells = cells,
+      .ordinates = ordinates,
+      .paths = make_ordinate_paths(box, *cells, ordinates.direction, full.independent_columns, ThickVoxels::cheapest),
+      // A correction need not be finer if there are many cells.
+      .linear_source = full.linear_source && !full.cells->heterogeneous,
+      .scattering = OrdinateScattering<Real>(ordinates, std::move(matrix)),
+      .truncated_asymmetry = full.truncated_asymmetry,
+      .absorption = coarse ? std::vector<double>(coarse->grid.absorption.begin(), coarse->grid.absorption.end())
+                           : full.absorption,
+      .beam = {},
+      // Corrections are differences of light: they contain no emission.
+      .ground = same_ground ? full.ground.without_emission() : Ground<Real>(mean_surface, ordinates, std::nullopt),
+      .side_radiance = {},
+      .emission = std::vector<Real>(low_moments * cells->size())};
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace cloudbow {
 template <bool linear, class Real>
 class AirSource {
  public:
-  /// @param extinction 1/m of the level's air. @param sent source of the level's cells; the first is `first_cell`.
+  /// @param extinction 1/m of the level's air. @param cells, sent of the level and its source; its first cell is
+  /// `first_cell`.
   AirSource(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* sent,
             std::size_t first_cell)
       : g_(geometry),
@@ -26,7 +27,8 @@ class AirSource {
   Real emission(std::size_t cell, bool backwards) const {
     Real emitted = crossing_.phi.phi1;
     if constexpr (linear) {
-      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
+      const std::size_t c = cell - first_cell_;
+      const Real x = cells_.gradient[0][c], y = cells_.gradient[1][c], z = cells_.gradient[2][c];
       const Real from = g_.at_entry(x, y, z), to = g_.at_exit(x, y, z);
       emitted = backwards ? crossing_.emitted(to, from) : crossing_.emitted(from, to);
     }

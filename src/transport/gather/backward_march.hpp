@@ -6,6 +6,7 @@
 
 #include "transport/gather/air_source.hpp"
 #include "transport/gather/gather.hpp"
+#include "transport/gather/source_gradients.hpp"
 
 namespace cloudbow {
 
@@ -33,7 +34,8 @@ struct Gathered {
 
 template <class Real>
 struct GatherWorkspace {
-  std::vector<Real> source, transmitted, ground;
+  SourceByLevel<Real> source;
+  std::vector<Real> transmitted, ground;
   std::vector<Real> at_band;  // transmitted, at the beginning of a band
 };
 
@@ -149,7 +151,7 @@ class AirMeeting {
 };
 
 /// Rays, going back from the plane, meet a uniform level, or one with one block of air.
-/// @param sent source of the level's cells.
+/// @param cells, sent of the level, and their source.
 template <bool linear, class Real>
 void meet_level_in_air(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells,
                        const Real* sent, Real* stored, Real* sum, StoredSight& how) {
@@ -161,14 +163,14 @@ void meet_level_in_air(const PathPattern& pattern, int step, const ActiveRows& r
     const Segment& segment = pattern.segments[s];
     if (segment.fraction <= 0) continue;
     const SegmentGeometry<Real> g(segment, pattern.chord_m[step]);
-    const AirSource<linear, Real> air(g, cells.extinction[block], cells, sent, first_cell);
+    const AirSource<linear, Real> air(g, cells.extinction[block - first_cell], cells, sent, first_cell);
     StoredSight after = how;
     after.cross_air(static_cast<double>(air.absorbed()), static_cast<double>(air.emission(block, true)));
     if (!chunks.empty()) {
       cross_chunks(chunks, wrapped(segment.shift_x, rows.nx), wrapped(segment.shift_y, rows.ny), rows.nx, rows.ny,
                    [&, in = SightInSegment<Real>(how, after)](std::size_t ray, std::size_t cell, int count) {
-                     meet_cells<linear, true>(g, count, cells, cell, sent + (cell - first_cell), stored + ray,
-                                              sum + ray, in);
+                     meet_cells<linear, true>(g, count, cells, cell - first_cell, sent + (cell - first_cell),
+                                              stored + ray, sum + ray, in);
                    });
     }
     how = after;
@@ -177,21 +179,19 @@ void meet_level_in_air(const PathPattern& pattern, int step, const ActiveRows& r
 
 /// Rays leave the plane against the light's travel, along `pattern`; the light on their way, times `weight`, is added
 /// to `gathered`.
-/// @param source along `travel`.
+/// @param work whose source has been started along `travel`.
 template <class Real>
 void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, const std::vector<Band>& bands,
-                const Direction& travel, const SourceAlong<Real>& source, Real weight, const CellView<Real>& cells,
-                GatherWorkspace<Real>& work, Gathered<Real>& gathered) {
+                const Direction& travel, Real weight, GatherWorkspace<Real>& work, Gathered<Real>& gathered) {
   const BoxGrid& box = scene.box;
   const ActiveRows& rows = scene.cells.rows;
   const std::size_t columns = box.columns();
-  work.source.resize(rows.largest_level() + lane_padding);
   work.transmitted.assign(columns + lane_padding, weight);
   const std::vector<double> side =
       !box.periodic && scene.side_radiance ? scene.side_radiance(travel) : std::vector<double>{};
 
   const Real reference = static_cast<Real>(scene.reference);
-  const Real* const sent = work.source.data();
+  const CellView<Real> all_cells(scene.extinction(), {});
   Real* const through = work.transmitted.data();
   StoredSight how;
   for (std::size_t b = 0; b < bands.size(); ++b) {
@@ -204,8 +204,9 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       const int level = pattern.level(step);
       const std::size_t first_cell = rows.level_cell[level];
       if (first_cell == rows.level_cell[level + 1] && box.periodic) continue;
-      source.fill(first_cell, rows.level_cell[level + 1] - first_cell, work.source.data());
-      if (box.periodic && crosses_in_air(pattern, step, rows, cells)) {
+      const CellView<Real> cells = work.source.level(first_cell, rows.level_cell[level + 1] - first_cell);
+      const Real* const sent = work.source.value().data();
+      if (box.periodic && crosses_in_air(pattern, step, rows, all_cells)) {
         constexpr double least_scale = 1e-6;  // far from the range of float, even after the thickest level
         if (how.scale < least_scale) how.write(through, of_band, columns);
         for_source_of(cells, [&](auto linear) {
@@ -229,12 +230,12 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       for_source_of(cells, [&](auto linear) {
         const auto begin = [&](const Segment& segment) {
           return [=, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-            meet_cells<linear, false>(g, count, cells, cell, sent + (cell - first_cell), through + ray, of_band + ray,
-                                      {{}, {}});
+            meet_cells<linear, false>(g, count, cells, cell - first_cell, sent + (cell - first_cell), through + ray,
+                                      of_band + ray, {{}, {}});
           };
         };
         const auto begin_air = [&](const Segment& segment) {
-          const Real extinction = cells.extinction[rows.air[level].first_cell];
+          const Real extinction = all_cells.extinction[rows.air[level].first_cell];
           const AirSource<linear, Real> air({segment, chord}, extinction, cells, sent, first_cell);
           return AirMeeting<linear, Real>(air, through, of_band);
         };

@@ -141,7 +141,6 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
 #pragma omp parallel
     {
       GatherWorkspace<Real> work;
-      LinearSource<Real> own;
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
@@ -149,9 +148,9 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
           for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
             const Direction& travel = sorted[q].travel;
             const LaunchPlace start = launch_place(q, filling);
+            work.source.start(scene, travel);
             march_back(scene, scene.path(make_path_pattern(box, -travel, start.x, start.y, false, levels)), bands,
-                       travel, scene.source->along(travel), static_cast<Real>(power(sorted[q])),
-                       cells_along(scene, travel, own), work, sums[g]);
+                       travel, static_cast<Real>(power(sorted[q])), work, sums[g]);
           }
         });
       }

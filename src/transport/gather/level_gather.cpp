@@ -35,6 +35,7 @@ constexpr std::size_t most_together = 8;
 constexpr double most_march_bytes = 6.4e7;
 
 // Memory of one direction.
+// @param cells whose source and slopes it keeps.
 template <class Real>
 std::size_t march_bytes(std::size_t slots, std::size_t columns, std::size_t cells) {
   constexpr std::size_t values_of_cell = 5;  // of a LinearSource
@@ -51,15 +52,13 @@ std::size_t directions_together(std::size_t slots, std::size_t columns, std::siz
 template <class Real>
 struct DirectionMarch {
   PathPattern pattern{};
-  SourceAlong<Real> source{};
-  CellView<Real> cells{nullptr, {}};
+  SourceByLevel<Real> source{};
   Real weight = 0;
   Real reference = 0;
   bool lit_from_beyond = false;
   std::vector<double> side;
   std::vector<Slot<Real>> slots;
   Slot<Real> dark;  // light of cells that only absorb
-  LinearSource<Real> own;
 
   DirectionMarch(std::size_t count, std::size_t columns)
       : slots(count, Slot<Real>{std::vector<Real>(columns + lane_padding)}), dark(slots.front()) {}
@@ -108,12 +107,11 @@ struct Workspace {
   std::vector<Slot<Real>*> crossing;       // slots whose light crosses a level
   std::vector<CarriedRays<Real>> carried;  // their rays
   std::vector<Booking<Real>> bookings;     // at an interface
-  std::vector<Real> sent, ground;
+  std::vector<Real> ground;
   PlaneSums<Real> sums;
 
-  Workspace(std::size_t slots, std::size_t columns, const ActiveRows& rows, std::size_t planes)
-      : sent(rows.largest_level() + lane_padding), sums(planes) {
-    const std::size_t together = directions_together<Real>(slots, columns, rows.size());
+  Workspace(std::size_t slots, std::size_t columns, std::size_t cells, std::size_t planes) : sums(planes) {
+    const std::size_t together = directions_together<Real>(slots, columns, cells);
     for (std::size_t d = 0; d < together; ++d) marches.emplace_back(slots, columns);
   }
 };
@@ -144,7 +142,7 @@ class LevelGather {
 #pragma omp for schedule(dynamic, 1) ordered
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
-          if (!own) own.emplace(slots, columns_, rows_, planes.size());
+          if (!own) own.emplace(slots, columns_, cells_kept(), planes.size());
           own->sums.clear();
           for (const SpreadClass& alike : classes) march_class(directions, alike, g, groups, planes, *own);
         });
@@ -161,6 +159,10 @@ class LevelGather {
   }
 
  private:
+  // Number of cells whose source and slopes one direction keeps. Slopes from differences are made for all at once.
+  std::size_t cells_kept() const {
+    return scene_.linear_source && scene_.slopes == nullptr ? rows_.size() : rows_.largest_level();
+  }
   static std::vector<bool> emitting_levels(const GatherScene<Real>& scene) {
     std::vector<bool> emits;
     const ActiveRows& rows = scene.cells.rows;
@@ -210,8 +212,7 @@ class LevelGather {
     const int count = static_cast<int>(schedule_.steps.size());
     const LevelRange range = upward_ ? LevelRange{0, count} : LevelRange{box_.nz() - count, box_.nz()};
     rays.pattern = scene_.path(make_path_pattern(box_, travel, at.x, at.y, false, range));
-    rays.source = scene_.source->along(travel, power(direction));
-    rays.cells = cells_along(scene_, travel, rays.own);
+    rays.source.start(scene_, travel);
     rays.weight = static_cast<Real>(power(direction));
     rays.reference = rays.weight * static_cast<Real>(scene_.reference);
     rays.side.clear();
@@ -254,21 +255,22 @@ class LevelGather {
       if (slot != boundary_slot || rays.lit_from_beyond) work.crossing.push_back(&rays.slots[slot]);
     }
     const std::size_t first_cell = rows_.level_cell[level];
+    const CellView<Real> cells = rays.source.level(first_cell, rows_.level_cell[level + 1] - first_cell);
     if (now.fresh >= 0) {
       rays.slots[now.fresh].set(rays.reference);
-      rays.source.fill(first_cell, rows_.level_cell[level + 1] - first_cell, work.sent.data());
+      for (Real& sent : rays.source.value()) sent *= rays.weight;
     } else {  // its cells only absorb: the kernel adds zeros
-      std::fill_n(work.sent.begin(), rows_.level_cell[level + 1] - first_cell + lane_padding, Real(0));
+      std::fill(rays.source.value().begin(), rays.source.value().end(), Real(0));
     }
-    if (box_.periodic && crosses_in_air(rays.pattern, step, rows_, rays.cells)) {
-      for_source_of(rays.cells, [&](auto linear) { cross_in_air<linear>(step, now.fresh, rays, work); });
+    if (box_.periodic && crosses_in_air(rays.pattern, step, rows_, CellView<Real>(scene_.extinction(), {}))) {
+      for_source_of(cells, [&](auto linear) { cross_in_air<linear>(step, now.fresh, cells, rays, work); });
     } else {
       const auto outside = [&](double at) {
         if (rays.side.empty()) return -rays.reference;
         const int below = upward_ ? level : level + 1, above = upward_ ? level + 1 : level;
         return rays.weight * static_cast<Real>((1 - at) * rays.side[below] + at * rays.side[above]) - rays.reference;
       };
-      cross(step, now.fresh, rays, work, outside);
+      cross(step, now.fresh, cells, rays, work, outside);
     }
     if (now.fresh >= 0) rays.slots[now.fresh].how.offset -= static_cast<double>(rays.reference);
     for (const auto& [from, into] : now.merges) rays.slots[into].add(rays.slots[from], columns_);
@@ -300,14 +302,14 @@ class LevelGather {
 
   // All rays cross a uniform level, or one with one block of air.
   template <bool linear>
-  void cross_in_air(int step, int fresh, DirectionMarch<Real>& rays, Workspace<Real>& work) const {
+  void cross_in_air(int step, int fresh, const CellView<Real>& cells, DirectionMarch<Real>& rays,
+                    Workspace<Real>& work) const {
     const PathPattern& pattern = rays.pattern;
-    const CellView<Real>& cells = rays.cells;
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     if (first_cell == rows_.level_cell[level + 1]) return;
     const std::size_t block = rows_.level_cell[level + 1] - 1;
-    const Real* const sent = work.sent.data();
+    const Real* const sent = rays.source.value().data();
     const std::span<const Chunk> chunks = rows_.levels.of(level);
     Slot<Real>& own = fresh_slot(fresh, rays);
     if (!chunks.empty()) {
@@ -320,7 +322,7 @@ class LevelGather {
       const Segment& segment = pattern.segments[s];
       if (segment.fraction <= 0) continue;
       const SegmentGeometry<Real> g(segment, pattern.chord_m[step]);
-      const AirSource<linear, Real> air(g, cells.extinction[block], cells, sent, first_cell);
+      const AirSource<linear, Real> air(g, cells.extinction[block - first_cell], cells, sent, first_cell);
       const double absorbed = static_cast<double>(air.absorbed());
       const auto after_air = [absorbed](const Slot<Real>& slot, double emission) {
         StoredRays after = slot.how;
@@ -333,8 +335,8 @@ class LevelGather {
         for (Slot<Real>* const slot : work.crossing) work.carried.emplace_back(*slot, after_air(*slot, 0));
         cross_chunks(chunks, wrapped(segment.shift_x, box_.nx), wrapped(segment.shift_y, box_.ny), box_.nx, box_.ny,
                      [&, into = CarriedRays<Real>(own, own_after)](std::size_t ray, std::size_t cell, int count) {
-                       cross_sums<linear, true>(g, count, cells, cell, sent + (cell - first_cell), ray, into,
-                                                std::span<const CarriedRays<Real>>(work.carried));
+                       cross_sums<linear, true>(g, count, cells, cell - first_cell, sent + (cell - first_cell), ray,
+                                                into, std::span<const CarriedRays<Real>>(work.carried));
                      });
       }
       own.how = own_after;
@@ -345,13 +347,13 @@ class LevelGather {
   // All rays cross one level: their light is attenuated by exp(-t) = 1 - t phi1. The light of the cells
   // (docs/theory.md, "March along a ray") is added to the slot `fresh`; -1: they send none.
   template <class Outside>
-  void cross(int step, int fresh, DirectionMarch<Real>& rays, Workspace<Real>& work, const Outside& outside) const {
+  void cross(int step, int fresh, const CellView<Real>& cells, DirectionMarch<Real>& rays, Workspace<Real>& work,
+             const Outside& outside) const {
     const PathPattern& pattern = rays.pattern;
-    const CellView<Real>& cells = rays.cells;
     const int level = pattern.level(step);
     const std::size_t first_cell = rows_.level_cell[level];
     const double chord = pattern.chord_m[step];
-    const Real* const sent = work.sent.data();
+    const Real* const sent = rays.source.value().data();
     work.carried.clear();
     for (Slot<Real>* const slot : work.crossing) {
       slot->write(columns_);
@@ -374,12 +376,12 @@ class LevelGather {
     for_source_of(cells, [&](auto linear) {
       const auto begin = [&](const Segment& segment) {
         return [&, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          cross_sums<linear, false>(g, count, cells, cell, sent + (cell - first_cell), ray, CarriedRays<Real>(sum),
-                                    std::span<const CarriedRays<Real>>(work.carried));
+          cross_sums<linear, false>(g, count, cells, cell - first_cell, sent + (cell - first_cell), ray,
+                                    CarriedRays<Real>(sum), std::span<const CarriedRays<Real>>(work.carried));
         };
       };
       const auto begin_air = [&](const Segment& segment) {
-        const Real extinction = cells.extinction[rows_.air[level].first_cell];
+        const Real extinction = cells.extinction[rows_.air[level].first_cell - first_cell];
         const AirSource<linear, Real> air({segment, chord}, extinction, cells, sent, first_cell);
         return AirSums<linear, Real>(air, sum, work.carried);
       };

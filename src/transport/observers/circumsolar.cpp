@@ -122,8 +122,8 @@ typename CircumsolarLight<Real>::Source CircumsolarLight<Real>::source_of(std::s
         slopes_seen<Real>(field_, std::span(&travel, 1), std::span<const Real>(rest.value).first(n), rest.from_beam);
     if (phase_.has_peak()) {
       const std::vector<Real>& value = source.peak.value;
-      mix_slopes<Real>(field_.result.slopes->of_octant[octant_of(travel)], system.slopes->beam(), {}, value.data(),
-                       value.data(), n, source.peak.gradient);
+      mix_slopes<Real>(field_.result.slopes->of_octant[octant_of(travel)], system.slopes->beam(), {}, 0, n,
+                       value.data(), value.data(), source.peak.gradient);
     }
   } else if (system.linear_source) {
     rest.make_gradient(cells, system.thermal_emission());

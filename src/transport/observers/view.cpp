@@ -100,7 +100,8 @@ std::vector<RadianceImage> view_radiances(const ConvergedField<Real>& field, con
           const PathPattern pattern = scene.path(make_path_pattern(
               box, -view.travel, (r % rays + .5) / rays, (part + .5) / rays, system.independent_columns, levels));
           seen.clear(all.size(), box.columns());
-          march_back(scene, pattern, all, view.travel, along, Real(1), linear.view(*system.cells), work, seen);
+          work.source.start(scene, along, linear.view(*system.cells).gradient);
+          march_back(scene, pattern, all, view.travel, Real(1), work, seen);
           of_ray[r].resize(box.columns());
           for (std::size_t c = 0; c < box.columns(); ++c)
             of_ray[r][c] = static_cast<double>(seen.of_band[0][c]) + static_cast<double>(seen.beyond[c]);

@@ -80,14 +80,16 @@ double sideways_cost(const SidewaysPath& path, const TransposedCells<Real>& tran
 
 template <class Real>
 std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Real>& cells,
-                                              const std::vector<Direction>& travel, bool independent_columns) {
+                                              const std::vector<Direction>& travel, bool independent_columns,
+                                              ThickVoxels thick) {
   std::vector<OrdinatePath> paths(travel.size());
   const auto along_z = [&](const Direction& d, LevelRange levels) {
     const StartFraction start = start_for_centred_exit(box, d, independent_columns, levels);
     return make_path_pattern(box, d, start.x, start.y, independent_columns, levels);
   };
   const LevelRange even = cells.even_levels;
-  const bool along_z_alone = even.first >= even.last || voxel_depth(box, cells, even) > thick_voxel;
+  const bool along_z_alone =
+      even.first >= even.last || (thick == ThickVoxels::sampled && voxel_depth(box, cells, even) > thick_voxel);
   ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t d = 0; d < travel.size(); ++d) {
@@ -118,8 +120,8 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
 }
 
 template std::vector<OrdinatePath> make_ordinate_paths<float>(const BoxGrid&, const Cells<float>&,
-                                                              const std::vector<Direction>&, bool);
+                                                              const std::vector<Direction>&, bool, ThickVoxels);
 template std::vector<OrdinatePath> make_ordinate_paths<double>(const BoxGrid&, const Cells<double>&,
-                                                               const std::vector<Direction>&, bool);
+                                                               const std::vector<Direction>&, bool, ThickVoxels);
 
 }  // namespace cloudbow

@@ -18,8 +18,12 @@ struct OrdinatePath {
   double cost = 0;  ///< in runs of cells crossed, about
 };
 
+/// How a field of thick voxels is marched: with the several rays per voxel of marches along z, or the cheapest way.
+enum class ThickVoxels { sampled, cheapest };
+
 template <class Real>
 std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Real>& cells,
-                                              const std::vector<Direction>& travel, bool independent_columns);
+                                              const std::vector<Direction>& travel, bool independent_columns,
+                                              ThickVoxels thick = ThickVoxels::sampled);
 
 }  // namespace cloudbow

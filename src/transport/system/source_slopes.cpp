@@ -211,16 +211,16 @@ void make_relative(const Slope<Real>& beam, const CellEmission<Real>& emission, 
 namespace {
 
 template <bool emits, class Real>
-void mix(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
-         const Real* __restrict source, const Real* __restrict from_beam, std::size_t n, Slope<Real>& slope) {
-  const Real* __restrict const emitted = emission.source;
-  const Real* __restrict const step = emission.step;
-  const Real* __restrict const mx = multiple[0].data();
-  const Real* __restrict const my = multiple[1].data();
-  const Real* __restrict const mz = multiple[2].data();
-  const Real* __restrict const bx = beam[0].data();
-  const Real* __restrict const by = beam[1].data();
-  const Real* __restrict const bz = beam[2].data();
+void mix(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission, std::size_t first,
+         std::size_t n, const Real* __restrict source, const Real* __restrict from_beam, Slope<Real>& slope) {
+  const Real* __restrict const emitted = emits ? emission.source + first : nullptr;
+  const Real* __restrict const step = emits ? emission.step + first : nullptr;
+  const Real* __restrict const mx = multiple[0].data() + first;
+  const Real* __restrict const my = multiple[1].data() + first;
+  const Real* __restrict const mz = multiple[2].data() + first;
+  const Real* __restrict const bx = beam[0].data() + first;
+  const Real* __restrict const by = beam[1].data() + first;
+  const Real* __restrict const bz = beam[2].data() + first;
   Real* __restrict const to_x = slope[0].data();
   Real* __restrict const to_y = slope[1].data();
   Real* __restrict const to_z = slope[2].data();
@@ -246,12 +246,12 @@ void mix(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmissio
 
 template <class Real>
 void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
-                const Real* source, const Real* from_beam, std::size_t n, Slope<Real>& slope) {
+                std::size_t first, std::size_t n, const Real* source, const Real* from_beam, Slope<Real>& slope) {
   for (auto& axis : slope) axis.resize(n + lane_padding);
   if (emission.source != nullptr) {
-    mix<true>(multiple, beam, emission, source, from_beam, n, slope);
+    mix<true>(multiple, beam, emission, first, n, source, from_beam, slope);
   } else {
-    mix<false>(multiple, beam, emission, source, from_beam, n, slope);
+    mix<false>(multiple, beam, emission, first, n, source, from_beam, slope);
   }
 }
 
@@ -259,8 +259,8 @@ void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const Cell
   template class SlopeTables<Real>;                                                                              \
   template void make_relative<Real>(const Slope<Real>&, const CellEmission<Real>&, std::span<const Real>,        \
                                     std::span<const Real>, Slope<Real>&);                                        \
-  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const CellEmission<Real>&, const Real*, \
-                                 const Real*, std::size_t, Slope<Real>&)
+  template void mix_slopes<Real>(const Slope<Real>&, const Slope<Real>&, const CellEmission<Real>&, std::size_t, \
+                                 std::size_t, const Real*, const Real*, Slope<Real>&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);
 #undef CLOUDBOW_INSTANTIATE

@@ -82,9 +82,11 @@ void make_relative(const Slope<Real>& beam, const CellEmission<Real>& emission, 
 /// Slopes of a source of `n` cells, relative to it. Its multiply scattered part has the slopes `multiple`, its part
 /// from the beam alone those of the beam. Its emission has the slope of the Planck radiance. Limited so that the linear
 /// source stays positive in every cell.
-/// @param emission that it contains; @param from_beam [n] that part; @param slope [3][n]
+/// @param multiple, beam, emission of all cells; `emission` is part of the source. @param first the cells' first.
+/// @param source, from_beam [n] of the cells [first, first + n): the source, and its part from the beam.
+/// @param slope [3][n + lane_padding] of these cells
 template <class Real>
 void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
-                const Real* source, const Real* from_beam, std::size_t n, Slope<Real>& slope);
+                std::size_t first, std::size_t n, const Real* source, const Real* from_beam, Slope<Real>& slope);
 
 }  // namespace cloudbow

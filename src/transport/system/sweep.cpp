@@ -148,7 +148,7 @@ void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlop
     for (std::size_t c = 0; c < n; ++c) to[c] += phase * intensity[c];
   }
   mix_slopes(slopes.of_octant[octant_of(system.ordinates.direction[d])], system.slopes->beam(),
-             system.thermal_emission(), source, work.from_beam.data(), n, work.gradient.axis);
+             system.thermal_emission(), 0, n, source, work.from_beam.data(), work.gradient.axis);
   const bool along_x = system.paths[d].sideways && system.paths[d].sideways->axis == 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     work.gradient.transposed[axis].resize(along_x ? n + lane_padding : 0);

@@ -113,13 +113,16 @@ TEST(SourceSlopes, MixWeighsPartsAndStaysPositive) {
   std::fill_n(beam[0].begin(), n, -1.5);
   std::fill_n(beam[2].begin(), n, 9.);
   const std::vector<double> source{4, 4, 0, -4}, from_beam{0, 1, 0, 0};
-  mix_slopes(multiple, beam, {}, source.data(), from_beam.data(), n, slope);
+  mix_slopes(multiple, beam, {}, 0, n, source.data(), from_beam.data(), slope);
   EXPECT_DOUBLE_EQ(slope[0][0], .5);
   // (.5 * 3 - 1.5)/4 and 9/4: the source would be negative at a corner, so both are scaled to a change of 1 to it.
   EXPECT_DOUBLE_EQ(slope[0][1], 0);
   EXPECT_DOUBLE_EQ(slope[2][1], 2);
   EXPECT_EQ(slope[0][2], 0) << "no source has no slope";
   EXPECT_DOUBLE_EQ(slope[0][3], .5) << "relative to a source that truncation makes negative";
+  Slope<double> of_last;
+  mix_slopes(multiple, beam, {}, 1, n - 1, source.data() + 1, from_beam.data() + 1, of_last);
+  for (std::size_t c = 1; c < n; ++c) EXPECT_EQ(of_last[2][c - 1], slope[2][c]) << "some of the cells: as all of them";
 }
 
 // Two clouds beside each other, some of whose cells are thick.
