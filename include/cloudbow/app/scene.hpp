@@ -136,6 +136,7 @@ struct SceneSolver {
   std::optional<int> column_streams;
   std::optional<double> max_level_optical_depth;
   std::optional<double> max_column_optical_depth;
+  std::optional<int> max_column_parts;
   AirCells air = AirCells::automatic;
   std::optional<double> tolerance;
   std::optional<double> class_tolerance;

@@ -46,6 +46,8 @@ struct SpatialOptions {
   /// Columns of thick voxels are subdivided into parts of this optical depth from side to side (SubdividedColumns); 0:
   /// as they are.
   double max_column_optical_depth = 0;
+  /// But into no more parts along an axis, 1 to 16.
+  int max_column_parts = 3;
 };
 
 /// Convergence criteria of the iteration, and its storage.

@@ -166,6 +166,7 @@ SolverOptions solver_options(const Scene& scene, HorizontalExtent extent) {
   options.beam_rays = solver.beam_rays.value_or(options.beam_rays);
   options.max_level_optical_depth = solver.max_level_optical_depth.value_or(options.max_level_optical_depth);
   options.max_column_optical_depth = solver.max_column_optical_depth.value_or(options.max_column_optical_depth);
+  options.max_column_parts = solver.max_column_parts.value_or(options.max_column_parts);
   options.tolerance = solver.tolerance.value_or(options.tolerance);
   options.max_sweeps = solver.max_sweeps;
   options.half_precision_radiance = solver.half_precision_radiance;

@@ -21,21 +21,22 @@ struct Level {
   int column_streams;
   double max_level_optical_depth;
   double max_column_optical_depth;
+  int max_column_parts;
   double tolerance;
   double class_tolerance;
 };
 
 constexpr std::array<Level, 4> ladder{{
-    {"draft", 42, "double-gauss-6x8", 6, 8, 2, 2, true, 128, 4, 4, 0, 0, 1e-3, 3e-3},
-    {"balanced", 162, "double-gauss-8x16", 8, 12, 3, 3, true, 512, 16, 8, 2, 2, 1e-4, 1e-3},
-    {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 64, 12, 1, 1.5, 1e-5, 2e-4},
-    {"reference", 642, "double-gauss-18x36", 16, 20, 5, 3, false, 4096, 64, 16, .5, 1, 1e-6, 2e-5},
+    {"draft", 42, "double-gauss-6x8", 6, 8, 2, 2, true, 128, 4, 4, 0, 0, 1, 1e-3, 3e-3},
+    {"balanced", 162, "double-gauss-8x16", 8, 12, 3, 3, true, 512, 16, 8, 2, 2, 3, 1e-4, 1e-3},
+    {"fine", 162, "double-gauss-12x24", 10, 14, 3, 3, true, 2048, 64, 12, 1, 1.5, 4, 1e-5, 2e-4},
+    {"reference", 642, "double-gauss-18x36", 16, 20, 5, 3, false, 4096, 64, 16, .5, 1, 4, 1e-6, 2e-5},
 }};
 // A single column costs next to nothing, so it gets more directions. Fewer azimuths near the pole serve vertical fluxes
 // well, horizontal ones worse: for columns only.
 constexpr std::array<Level, 2> column_ladder{{
-    {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 12, 1, 0, 1e-4, 1e-3},
-    {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 14, .5, 0, 1e-5, 2e-4},
+    {"balanced", 162, "reduced-double-gauss-12x20", 12, 16, 3, 3, true, 512, 16, 12, 1, 0, 1, 1e-4, 1e-3},
+    {"fine", 642, "double-gauss-16x24", 14, 18, 3, 3, true, 2048, 16, 14, .5, 0, 1, 1e-5, 2e-4},
 }};
 // A slice costs little, so it gets more polar angles: walls of clouds under a low sun need them.
 struct SliceOrdinates {
@@ -88,6 +89,7 @@ SolverOptions accuracy_options(const std::string& name, HorizontalExtent extent,
   options.column_streams = level.column_streams;
   options.max_level_optical_depth = level.max_level_optical_depth;
   options.max_column_optical_depth = level.max_column_optical_depth;
+  options.max_column_parts = level.max_column_parts;
   options.tolerance = level.tolerance;
   options.double_precision = one_column;
   return options;

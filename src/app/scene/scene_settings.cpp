@@ -156,8 +156,8 @@ void SceneReader::read_camera(const ConfigReader& reader) {
 void SceneReader::read_solver(const ConfigReader& reader) {
   reader.check_keys({"mode", "accuracy", "control_points", "directions", "delta_m_order", "fit", "gather_directions",
                      "beam_rays", "column_streams", "largest_level_depth", "max_level_optical_depth",
-                     "max_column_optical_depth", "air", "tolerance", "class_tolerance", "max_sweeps",
-                     "radiance_storage"});
+                     "max_column_optical_depth", "max_column_parts", "air", "tolerance", "class_tolerance",
+                     "max_sweeps", "radiance_storage"});
   SceneSolver& solver = scene_.solver;
   const std::string mode =
       reader.find_choice("mode", {"auto", "3d", "independent-columns", "independent-diffuse"}).value_or("auto");
@@ -188,6 +188,7 @@ void SceneReader::read_solver(const ConfigReader& reader) {
   solver.column_streams = reader.find_integer("column_streams", 2, 16);
   solver.max_level_optical_depth = read_max_level_optical_depth(reader);
   solver.max_column_optical_depth = reader.find_number("max_column_optical_depth", {">= 0", 0, 1e9});
+  solver.max_column_parts = reader.find_integer("max_column_parts", 1, 16);
   const std::string air = reader.find_choice("air", {"auto", "levels", "cells"}).value_or("auto");
   if (air == "levels") solver.air = AirCells::in_blocks;
   if (air == "cells") solver.air = AirCells::of_voxels;

@@ -19,6 +19,7 @@ bool subdivided_alike(const SolvePlan& plan, const SolverOptions& options, bool 
   const SolverOptions& other = plan.whole_options();
   return options.max_level_optical_depth == other.max_level_optical_depth &&
          options.max_column_optical_depth == other.max_column_optical_depth &&
+         options.max_column_parts == other.max_column_parts &&
          options.independent_columns == other.independent_columns &&
          options.fit.delta_m_order == other.fit.delta_m_order && by_polar_streams == plan.by_polar_streams();
 }

@@ -12,7 +12,6 @@
 namespace cloudbow {
 namespace {
 
-constexpr int most_parts = 3;
 constexpr double across_the_sun = 2;  // times the depth that parts may have along the sun's azimuth
 
 // Delta-M scaled extinction, 1/m, mean over the cells by the power that the beam loses in them.
@@ -25,8 +24,8 @@ double lit_extinction(const Problem& problem, const SolverOptions& options) {
   return power > 0 ? sum / power : 0;
 }
 
-int parts_for(double depth, double largest) {
-  return static_cast<int>(std::clamp(std::ceil(depth / largest - 1e-9), 1., static_cast<double>(most_parts)));
+int parts_for(double depth, double largest, int most) {
+  return static_cast<int>(std::clamp(std::ceil(depth / largest - 1e-9), 1., static_cast<double>(most)));
 }
 
 // Means over blocks of columns of [..][ny][nx] values of the parts.
@@ -84,7 +83,7 @@ SubdividedColumns subdivide_thick_columns(const Problem& problem, const SolverOp
   const auto parts_along = [&](int count, double width_m, double along_sun) {
     if (box.periodic && count == 1) return 1;  // nothing varies along it
     const double limit = largest * (1 + (across_the_sun - 1) * (1 - along_sun));
-    return parts_for(extinction * width_m, limit);
+    return parts_for(extinction * width_m, limit, options.max_column_parts);
   };
   const Direction sun = problem.sun ? problem.sun->travel : -Direction::UnitZ();
   const double across = std::hypot(sun.x(), sun.y());

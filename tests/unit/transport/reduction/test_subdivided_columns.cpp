@@ -35,9 +35,10 @@ Problem slab(double depth, int nx, int ny, double azimuth_deg) {
   return problem;
 }
 
-SubdividedColumns parts_of(const Problem& problem, double largest) {
+SubdividedColumns parts_of(const Problem& problem, double largest, int most = 3) {
   SolverOptions options = coarse_options();
   options.max_column_optical_depth = largest;
+  options.max_column_parts = most;
   return subdivide_thick_columns(problem, options);
 }
 
@@ -48,6 +49,8 @@ TEST(SubdividedColumns, AsManyPartsAsTheDepthAsksFor) {
   EXPECT_EQ(parts_of(slab(2.9, 4, 4, 180), 1), (SubdividedColumns{3, 2}));
   EXPECT_EQ(parts_of(slab(2.9, 4, 4, 45), 1), (SubdividedColumns{2, 2}));
   EXPECT_EQ(parts_of(slab(99, 4, 4, 0), 1), (SubdividedColumns{3, 3})) << "no more";
+  EXPECT_EQ(parts_of(slab(4.5, 4, 4, 0), 1, 16), (SubdividedColumns{5, 3}));
+  EXPECT_EQ(parts_of(slab(4.5, 4, 4, 0), 1, 4), (SubdividedColumns{4, 3}));
   EXPECT_EQ(parts_of(slab(2.9, 4, 1, 0), 1), (SubdividedColumns{3, 1})) << "nothing varies along one column";
   EXPECT_EQ(parts_of(slab(2.9, 4, 4, 0), 0), (SubdividedColumns{1, 1}));
   Problem dark = slab(2.9, 4, 4, 0);
