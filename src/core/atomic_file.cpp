@@ -94,23 +94,6 @@ void take_over_access(const fs::path& file, const struct stat& older) {
   chmod(file.c_str(), older.st_mode & 0777);
 }
 
-void check_target(const fs::path& target) {
-  if (target.filename().empty()) throw_unwritable(target, "the name of a file is missing");
-  std::error_code error;
-  const fs::file_status folder = fs::status(folder_of(target), error);
-  if (!fs::exists(folder)) throw_unwritable(target, fmt::format("there is no folder {}", folder_of(target).string()));
-  if (!fs::is_directory(folder))
-    throw_unwritable(target, fmt::format("{} is not a folder", folder_of(target).string()));
-
-  const fs::file_status status = fs::status(target, error);
-  if (error == std::errc::filename_too_long) throw_unwritable(target, system_message(ENAMETOOLONG));
-  if (fs::is_directory(status)) throw_unwritable(target, "it is a directory, name a file");
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    throw_unwritable(target, "it is a device, pipe or socket, name a file");
-  // rename() would replace a write-protected file without asking.
-  if (fs::exists(status) && access(target.c_str(), W_OK) != 0) throw_unwritable(target, system_message(errno));
-}
-
 /// fsync of a file or folder by name; returns errno.
 int sync_to_disk(const fs::path& path, int flags) {
   const int descriptor = open(path.c_str(), flags | O_CLOEXEC);
@@ -160,6 +143,26 @@ bool is_temporary_of(const fs::path& file, const fs::path& target) {
   if (file.extension() != ".tmp") return false;
   const fs::path a = written_file(file), b = written_file(target);
   return a.parent_path() == b.parent_path() && maker_of(a.filename().string(), temporary_prefix(b)).has_value();
+}
+
+void check_target(const fs::path& target) {
+  if (target.filename().empty()) throw_unwritable(target, "the name of a file is missing");
+  std::error_code error;
+  const fs::file_status folder = fs::status(folder_of(target), error);
+  if (!fs::exists(folder)) throw_unwritable(target, fmt::format("there is no folder {}", folder_of(target).string()));
+  if (!fs::is_directory(folder))
+    throw_unwritable(target, fmt::format("{} is not a folder", folder_of(target).string()));
+
+  const fs::file_status status = fs::status(target, error);
+  // A name that leads nowhere, as that of links in a circle, is not free.
+  if (status.type() == fs::file_type::none) throw_unwritable(target, error.message());
+  if (fs::is_directory(status)) throw_unwritable(target, "it is a directory, name a file");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw_unwritable(target, "it is a device, pipe or socket, name a file");
+  // rename() would replace a write-protected file without asking.
+  if (fs::exists(status) && access(target.c_str(), W_OK) != 0) throw_unwritable(target, system_message(errno));
+  if (access(folder_of(written_file(target)).c_str(), W_OK | X_OK) != 0)
+    throw_unwritable(target, system_message(errno));
 }
 
 AtomicFile::AtomicFile(const fs::path& target) : name_(target) {

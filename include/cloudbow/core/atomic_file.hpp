@@ -18,6 +18,11 @@ std::filesystem::path written_file(const std::filesystem::path& path);
 /// Whether a name is that of a temporary file that AtomicFile makes for this target.
 bool is_temporary_of(const std::filesystem::path& file, const std::filesystem::path& target);
 
+/// Reports whether a file could be written, without making one: for dry runs.
+/// @throws InputError naming the file: there is no such folder, it may not be written, or links lead nowhere. Also if
+/// the target is a directory or another kind of special file.
+void check_target(const std::filesystem::path& target);
+
 /// An empty temporary file beside the target from construction on; removed by the destructor unless committed. Those
 /// that killed processes have left behind for the same target are removed first.
 class AtomicFile {

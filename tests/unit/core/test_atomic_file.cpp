@@ -19,7 +19,10 @@ namespace cloudbow {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 class AtomicFileTest : public TemporaryFolder {
  protected:
@@ -90,6 +93,30 @@ TEST_F(AtomicFileTest, ThroughALinkItsTargetIsWritten) {
     EXPECT_FALSE(fs::is_symlink(folder_ / "data" / name));
     EXPECT_EQ(content(folder_ / "data" / name), "new");
   }
+}
+
+TEST_F(AtomicFileTest, LinksThatLeadNowhereAreRefused) {
+  fs::create_symlink("b", folder_ / "a");
+  fs::create_symlink("a", folder_ / "b");
+  fs::create_symlink("self", folder_ / "self");
+  fs::create_symlink("a/file", folder_ / "below");
+  fs::create_symlink("missing/file", folder_ / "dangling");
+  for (const char* name : {"a", "b", "self", "below", "dangling"}) {
+    EXPECT_THAT([&] { write_file_atomically(folder_ / name, "new"); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("can't be written ("))))
+        << name;
+    EXPECT_THROW(check_target(folder_ / name), InputError) << name;
+    EXPECT_TRUE(fs::is_symlink(folder_ / name)) << name;
+  }
+}
+
+TEST_F(AtomicFileTest, ATargetIsCheckedWithoutAFile) {
+  leave_behind(folder_ / "file", false);
+  const auto before = names();
+  check_target(folder_ / "file");
+  EXPECT_EQ(names(), before);
+  EXPECT_THROW(check_target(folder_), InputError);
+  EXPECT_THROW(check_target(folder_ / "missing" / "file"), InputError);
 }
 
 TEST_F(AtomicFileTest, TheRemainsOfADeadProcessAreRemoved) {
