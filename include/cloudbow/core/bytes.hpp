@@ -68,7 +68,8 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what a ByteWriter has written, in the same order. @throws InputError if the bytes end too early.
+/// Reads what a ByteWriter has written, in the same order. @throws InputError if the bytes end too early, or if a truth
+/// value is neither 0 nor 1.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -86,6 +87,13 @@ class ByteReader {
     } else {
       visit_members(*this, value);
     }
+  }
+  /// Another byte than 0 and 1 in a bool is undefined behaviour.
+  void get(bool& value) {
+    std::uint8_t byte = 0;
+    get_bytes(&byte, sizeof byte);
+    if (byte > 1) throw InputError("its bytes are damaged");
+    value = byte != 0;
   }
   void get(std::string& text) {
     text.resize(count(1));

@@ -10,6 +10,7 @@
 #include "app/runs/run_part.hpp"
 #include "app/runs/sweep_parts.hpp"
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/core/output_files.hpp"
 
 namespace cloudbow {
 namespace {
@@ -62,6 +63,7 @@ int merge(const MergeOptions& given) {
                     "allowed the same); solve the parts anew",
                     header.scene));
   }
+  check_distinct(std::vector<OutputFile>{{prepared.output, "the result", OutputKind::hdf5}}, given.parts);
   const InterruptGuard guard;
   return finish_run(prepared, solve_run(prepared.scenes, options), options);
 }

@@ -67,6 +67,7 @@ class PartFile {
       read(room.data(), room.size());
     }
   }
+  bool is_at_end() const { return left_ == 0; }
   std::uint64_t offset() { return static_cast<std::uint64_t>(stream_.tellg()); }
   std::uint64_t digest() const { return digest_.value(); }
 
@@ -96,6 +97,7 @@ PartBegin read_begin(PartFile& part, const std::filesystem::path& file) {
   } catch (const InputError& error) {
     refuse(file, error.what());
   }
+  if (begin.number < 1 || begin.number > begin.header.parts) refuse(file, "its bytes are damaged");
   return begin;
 }
 
@@ -188,6 +190,7 @@ std::uint64_t PartsReader::add(const std::filesystem::path& file, bool first) {
   }
   const std::uint64_t digest = part.digest();
   if (part.read_number() != digest) refuse(file, "its bytes are damaged");
+  if (!part.is_at_end()) refuse(file, "it goes on after its end");
   return begin.number;
 }
 

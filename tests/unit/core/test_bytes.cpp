@@ -40,6 +40,16 @@ TEST(Bytes, ValuesComeBack) {
   EXPECT_THROW(reader(number), InputError);
 }
 
+TEST(Bytes, ATruthValueIsOneOfTwo) {
+  bool value = false;
+  const std::array<std::byte, 3> bytes{std::byte{0}, std::byte{1}, std::byte{2}};
+  for (const bool truth : {false, true}) {
+    ByteReader(std::span(bytes).subspan(truth ? 1 : 0, 1))(value);
+    EXPECT_EQ(value, truth);
+  }
+  EXPECT_THROW(ByteReader{std::span(bytes).last(1)}(value), InputError);
+}
+
 TEST(Bytes, AnEarlyEndIsRefusedBeforeMemoryIsTaken) {
   ByteWriter writer;
   writer(std::numeric_limits<std::size_t>::max() / 16);

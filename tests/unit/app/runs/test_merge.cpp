@@ -37,6 +37,23 @@ TEST(Merge, PartsPrintWhatOneRunPrints) {
   EXPECT_EQ(lines_of(merged.output, "reflectance"), lines_of(whole.output, "reflectance"));
 }
 
+TEST(Merge, APartIsNotOverwritten) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write(
+      "scene.toml",
+      "[spectrum]\nwavelengths_um = [0.67, 0.55]\n[[layer]]\nbottom_m = 0\ntop_m = 100\noptical_depth = [1, 2]\n"
+      "single_scattering_albedo = 0.9\nphase_function = \"isotropic\"\n[sun]\nzenith_deg = 30\nazimuth_deg = 0\n"
+      "[solver]\naccuracy = \"draft\"\n");
+  EXPECT_EQ(cloudbow({"run", scene, "-o", folder / "r.h5", "--part", "1/1", "--quiet"}).exit_code, 0);
+  const std::filesystem::path part = folder / "part.h5";
+  std::filesystem::rename(folder / "r.h5.part-1-of-1", part);
+  const auto bytes = std::filesystem::file_size(part);
+  const Outcome outcome = cloudbow({"merge", part, "-o", part});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("would overwrite an input"));
+  EXPECT_EQ(std::filesystem::file_size(part), bytes);
+}
+
 TEST(Merge, OtherFilesAreNoParts) {
   const TemporaryFolder folder;
   const Outcome outcome = cloudbow({"merge", folder.write("x.part", std::string(100, 'x'))});

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "app/process/version.hpp"
 #include "app/runs/run_part.hpp"
 #include "cloudbow/core/error.hpp"
@@ -67,6 +69,15 @@ TEST(RunPart, PartsOfTwoRunsAreNotJoined) {
   EXPECT_THAT(refusal({first, first}), HasSubstr("found it twice"));
   EXPECT_THAT(refusal({first, written(folder / "b.h5", {2, 2}, header_of(6))}), HasSubstr("other inputs or options"));
   EXPECT_THAT(refusal({first, written(folder / "c.h5", {2, 3}, header_of(5))}), HasSubstr("found 3 parts"));
+}
+
+TEST(RunPart, DamagedPartsAreRefused) {
+  const TemporaryFolder folder;
+  const auto longer = written(folder / "a.h5", {1, 1}, header_of(5));
+  std::ofstream(longer, std::ios::binary | std::ios::app) << 'x';
+  EXPECT_THAT(refusal({longer}), HasSubstr("it goes on after its end"));
+  EXPECT_THAT(refusal({written(folder / "b.h5", {3, 2}, header_of(5))}), HasSubstr("its bytes are damaged"))
+      << "part 3 of 2";
 }
 
 }  // namespace
