@@ -256,7 +256,12 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
                     "z_edge or z_flux)",
                     where, variable));
   }
-  if (choice.section || (has_levels && (axes.x.size() == 1 || axes.y.size() == 1)))
+  const bool is_section = choice.section || (has_levels && (axes.x.size() == 1 || axes.y.size() == 1));
+  if ((is_section || !kind.levels) && choice.level != ImageChoice().level) {
+    throw InputError(fmt::format("{}: level {} has no effect (found {}, {}; leave the level out)", where, choice.level,
+                                 variable, is_section ? "a section of all levels" : "which has no levels"));
+  }
+  if (is_section)
     return read_section(file, where, dataset, std::move(image), std::move(selection), vertical, axes, choice);
   if (kind.levels) {
     const auto height = read_axis(file, where, dimension_name(dataset, vertical), size[vertical]);

@@ -44,11 +44,11 @@ std::optional<std::string> find_reflectance_factor(const RenderOptions& options)
   return std::nullopt;
 }
 
+}  // namespace
+
 bool uses_colormap(const RenderOptions& options) {
   return options.range || options.min || options.max || !options.colormap.empty();
 }
-
-}  // namespace
 
 std::optional<Channels> find_channels(const RenderOptions& options) {
   const bool toned = !options.tone.empty() || options.exposure || options.automatic_exposure;

@@ -17,6 +17,9 @@ struct Channels {
   std::string name;
 };
 
+/// Whether an option asks for a colormap or its ends.
+bool uses_colormap(const RenderOptions& options);
+
 /// Reflectance factors for a tone curve; none if the options or the file require a colormap.
 /// @throws InputError for options that exclude each other or that the file has no image for
 std::optional<Channels> find_channels(const RenderOptions& options);

@@ -109,6 +109,11 @@ void exclude(bool both, const char* first, const char* second) {
   if (both) throw InputError(fmt::format("{}: excludes {} (found both, allowed one of the two)", first, second));
 }
 
+/// Whether an option says how values become colours.
+bool has_colours(const RenderOptions& options) {
+  return uses_colormap(options) || !options.tone.empty() || options.exposure || options.automatic_exposure;
+}
+
 /// Profiles are curves over all levels, and sections contain all levels.
 void check_shape(const RenderOptions& options) {
   const bool has_level = options.level != RenderOptions().level;
@@ -148,6 +153,14 @@ void check_options(const RenderOptions& options) {
                     ".svg, .pdf)",
                     options.image_file.string()));
   }
+  if (format == PictureFormat::exr && has_colours(options)) {
+    throw InputError(fmt::format(
+        "{}: OpenEXR holds numbers and excludes range, min, max, colormap, tone and exposure (found .exr, allowed "
+        ".png, .svg, .pdf)",
+        options.image_file.string()));
+  }
+  exclude(options.width > 0 && (format == PictureFormat::svg || format == PictureFormat::pdf),
+          "size, the width of a PNG figure", "SVG and PDF");
 }
 
 void write_figure(RenderReport& report, const RenderOptions& options, const Drawing& drawing) {
@@ -195,6 +208,8 @@ RenderReport render_image(const RenderOptions& options) {
                                             {options.level, options.wavelength_um, section_of(options.section)});
   set_range(report, options);
   const bool figure = is_figure(options, format, report.image);
+  exclude(figure && report.image.place == "column" && uses_colormap(options), "a curve (a result of one column)",
+          "range, min, max and colormap");
   if (!figure) set_size(report, format == PictureFormat::exr && options.scale == 0 ? 1 : options.scale);
   const std::string title = options.title.value_or(report.image.scene_title);
   const std::string range = fmt::format("colours from {:.4g} to {:.4g}", report.min, report.max);

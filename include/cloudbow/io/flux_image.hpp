@@ -39,7 +39,7 @@ struct SectionPlane {
 /// Indices of an image in a variable of more dimensions.
 struct ImageChoice {
   std::string level = "top";  ///< "top", "bottom" or a height in metres between them, of which the nearest level is
-                              ///< taken; sections and images ignore it
+                              ///< taken; sections and images refuse another than the default
   std::optional<double> wavelength_um;  ///< of which the nearest is taken; default: the first
   std::optional<SectionPlane> section{};
 };

@@ -373,7 +373,22 @@ TEST_F(Render, OptionsThatExcludeEachOther) {
   }
   expect([](auto& o) { o.section = "y=200"; }, HasSubstr("found y = 200 m, allowed -50 to 150 m"));
   expect([](auto& o) { o.image_file.replace_extension(".svg"), o.scale = 1; }, HasSubstr("found .svg"));
+  expect([](auto& o) { o.image_file.replace_extension(".svg"), o.width = 600; },
+         HasSubstr("width of a PNG figure: excludes SVG"));
   expect([](auto& o) { o.image_file.replace_extension(".exr"), o.title = "T"; }, HasSubstr("found .exr"));
+  // The numbers of OpenEXR have no colours.
+  for (const auto change : std::initializer_list<void (*)(RenderOptions&)>{
+           [](RenderOptions& o) {
+             o.range = {0, 1};
+           },
+           [](RenderOptions& o) { o.min = 0; }, [](RenderOptions& o) { o.max = 1; },
+           [](RenderOptions& o) { o.colormap = "grey"; }, [](RenderOptions& o) { o.tone = "filmic"; },
+           [](RenderOptions& o) { o.exposure = 2; }, [](RenderOptions& o) { o.automatic_exposure = true; }}) {
+    expect([change](auto& o) { o.image_file.replace_extension(".exr"), change(o); },
+           HasSubstr("OpenEXR holds numbers and excludes range"));
+  }
+  write(sample::solution(1, 1, 6));
+  expect([](auto& o) { o.range = {0, 1}; }, HasSubstr("a curve (a result of one column): excludes range"));
 }
 
 }  // namespace
