@@ -164,6 +164,7 @@ PYBIND11_MODULE(_core, module) {
       py::arg("options"), py::arg("scene_text"), py::arg("shown"), py::arg("message"), py::arg("progress"));
   py::class_<SweepOutcome>(module, "SweepOutcome")
       .def_readonly("exit_code", &SweepOutcome::exit_code)
+      .def_readonly("written", &SweepOutcome::written)
       .def_readonly("sentences", &SweepOutcome::sentences);
   module.def("swept_values", &swept_values, py::arg("key"), py::arg("list"));
   module.def(

@@ -121,7 +121,7 @@ def sweep(scene: Scene, keys: Mapping[str, Any], *, set: Optional[Mapping[str, A
         outcome = _core.sweep(options=options, lists=lists, jobs=_check_jobs(jobs), shown=file.shown, message=notes(folder),
                               progress=None if progress is None else report)
         sentences = [explain(sentence, folder) for sentence in outcome.sentences]
-        if not target.exists():
+        if not outcome.written:  # the file may be there from an older sweep
             raise InputError("; ".join(sentences))
         result = load(target)
     for sentence in sentences:

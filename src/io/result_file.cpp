@@ -124,6 +124,7 @@ class ResultWriter : private SolutionWriter {
                                      {"source", info_.source},
                                      {"history", info_.history},
                                      {"scene", info_.scene}});
+    if (!info_.run_key.empty()) netcdf4::write_attribute(file, {"run_key", info_.run_key});
     write_fields(file);
     write_profile(file);
     write_summary(file, *this);

@@ -72,6 +72,18 @@ std::optional<std::size_t> length_of(const AttributeValue& value) {
       value);
 }
 
+/// Whether two variables of one name can be joined: coordinates have the same values, others the same shape. Attributes
+/// of one name hold values of one kind.
+bool are_alike(const Stored& a, const Stored& b) {
+  if (a.is_coordinate != b.is_coordinate || a.is_length != b.is_length || a.shape != b.shape || a.type != b.type ||
+      a.dimensions != b.dimensions || (a.is_coordinate && a.contents != b.contents))
+    return false;
+  return std::all_of(a.attributes.begin(), a.attributes.end(), [&b](const Attribute& attribute) {
+    const AttributeValue* other = find(b.attributes, attribute.name);
+    return other == nullptr || other->index() == attribute.value.index();
+  });
+}
+
 std::string with_spaces(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
@@ -135,24 +147,27 @@ class SweepWriter {
           const Stored* other = find(*known, variable.name);
           if (other == nullptr) {
             known->variables.push_back(variable);
-          } else if (variable.is_coordinate ? variable.contents != other->contents
-                                            : variable.dimensions != other->dimensions) {
-            fail_different(group, variable);
+          } else if (!are_alike(variable, *other)) {
+            fail_different(group, variable.name);
           }
         }
         for (const Attribute& attribute : group.attributes) {
-          if (find(known->attributes, attribute.name) == nullptr) known->attributes.push_back(attribute);
+          const AttributeValue* other = find(known->attributes, attribute.name);
+          if (other == nullptr) {
+            known->attributes.push_back(attribute);
+          } else if (other->index() != attribute.value.index()) {
+            fail_different(group, attribute.name);
+          }
         }
       }
     }
   }
 
-  [[noreturn]] void fail_different(const StoredGroup& group, const Stored& variable) const {
+  [[noreturn]] void fail_different(const StoredGroup& group, const std::string& name) const {
     throw InputError(fmt::format(
         "{}: runs of the sweep do not have the same {}/{} (found two of them, allowed one, which is stored once); the "
         "results of the single runs are in {}",
-        target_.string(), group.name.empty() ? "" : "/" + group.name, variable.name,
-        first_result().parent_path().string()));
+        target_.string(), group.name.empty() ? "" : "/" + group.name, name, first_result().parent_path().string()));
   }
 
   const std::filesystem::path& first_result() const {
@@ -207,7 +222,7 @@ class SweepWriter {
       const Attribute& attribute = group.attributes[n];
       if (is_text(attribute.value) && all_same(of_attribute[n])) continue;
       write_attribute_of_runs(into, group, attribute.name, of_attribute[n],
-                              units == nullptr ? "1" : std::get<std::string>(*units));
+                              units != nullptr && is_text(*units) ? std::get<std::string>(*units) : "1");
     }
   }
 
@@ -463,6 +478,13 @@ class SweepWriter {
   std::vector<Open> open_;
 };
 
+/// One number or more.
+std::vector<double> numbers_of_solves(hid_t group, const char* name) {
+  std::vector<double> numbers = hdf5::attribute_numbers(group, name);
+  if (numbers.empty()) throw hdf5::Error(fmt::format("attribute {} has no numbers", name));
+  return numbers;
+}
+
 }  // namespace
 
 void write_sweep(const std::filesystem::path& file, std::span<const SweepDimension> dimensions,
@@ -478,11 +500,12 @@ void write_sweep(const std::filesystem::path& file, std::span<const SweepDimensi
   target.commit();
 }
 
-bool is_whole_result(const std::filesystem::path& file) {
+bool is_whole_result(const std::filesystem::path& file, const std::string& run_key) {
   try {
     const FileLibraryLock lock;
-    read_in_sandbox(file, {.library = "HDF5"}, [&file] {
+    read_in_sandbox(file, {.library = "HDF5"}, [&file, &run_key] {
       const Handle open = hdf5::open_file(file);
+      if (hdf5::attribute_text(open, "run_key") != run_key) throw hdf5::Error("it is the result of another run");
       for (const StoredGroup& group : read_groups(open)) {
         for (const Stored& variable : group.variables) {
           if (!variable.is_length)
@@ -505,10 +528,10 @@ std::string shortcoming_of_result(const std::filesystem::path& file) {
     for (const char* name : {"solver", "independent_columns"}) {
       if (!hdf5::exists(open, name)) continue;
       const Handle group = hdf5::open_group(open, name);
-      const std::vector<double> converged = hdf5::attribute_numbers(group, "converged");
+      const std::vector<double> converged = numbers_of_solves(group, "converged");
       if (std::all_of(converged.begin(), converged.end(), [](double one) { return one > 0; })) continue;
-      const std::vector<double> errors = hdf5::attribute_numbers(group, "estimated_error");
-      const std::vector<double> sweeps = hdf5::attribute_numbers(group, "sweeps");
+      const std::vector<double> errors = numbers_of_solves(group, "estimated_error");
+      const std::vector<double> sweeps = numbers_of_solves(group, "sweeps");
       sentence +=
           fmt::format("{}not converged{}: estimated error {:.2e} after {} sweeps", sentence.empty() ? "" : "; ",
                       std::string_view(name) == "solver" ? "" : " as independent columns",

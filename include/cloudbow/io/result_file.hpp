@@ -91,6 +91,7 @@ struct ResultInfo {
   std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
   std::optional<double> circumsolar_deg{};  ///< half angle of the cone of circumsolar light, if that was requested
   std::optional<SunPosition> sun{};         ///< scalar coordinates, if there is a sun
+  std::string run_key{};  ///< identifies the run among those of a sweep; empty: it belongs to no sweep
 };
 
 /// Writes beside the target under a temporary name, flushes, closes, fsyncs, renames: no incomplete file has the name,

@@ -37,12 +37,13 @@ struct SweepInfo {
 /// attributes of groups become variables. Values of failed runs are missing. The values are those of the results, bit
 /// by bit. The file appears when it is complete, as that of write_result().
 /// @param runs in the order of the product, the last dimension fastest; at least one has a result.
-/// @throws InputError if the file can't be written, or the results have different coordinates.
+/// @throws InputError if the file can't be written, or the results have different coordinates. Also if they have
+/// attributes or variables of one name and different kinds.
 void write_sweep(const std::filesystem::path& file, std::span<const SweepDimension> dimensions,
                  std::span<const SweptRun> runs, const SweepInfo& info);
 
-/// Whether a file can be read as a result, to its last value; reads it in a child process.
-bool is_whole_result(const std::filesystem::path& file);
+/// Whether a file has this ResultInfo::run_key and can be read to its last value. Reads it in a child process.
+bool is_whole_result(const std::filesystem::path& file, const std::string& run_key);
 
 /// A sentence on solutions in a result that did not converge; empty if all did. @throws InputError if the file can't be
 /// read.

@@ -341,10 +341,15 @@ void check_files(const RunOptions& options, std::size_t solves, const std::files
   if (options.part) outputs.push_back({part_file(output, *options.part), "the part", OutputKind::any});
   for (const OutputFile& file : outputs) all.push_back(file.path);
   check_not_of_cache(all);
-  if (options.dry_run || (options.ranks != nullptr && !options.ranks->is_first())) {
-    check_distinct(outputs, files);
-  } else {
-    check_outputs(outputs, files);
+  check_distinct(outputs, files);
+  if (options.ranks != nullptr && !options.ranks->is_first()) return;
+  for (const OutputFile& file : outputs) {
+    if (file.path.empty()) continue;
+    if (options.dry_run) {
+      check_target(file.path);
+    } else {
+      check_writable(file.path);
+    }
   }
 }
 

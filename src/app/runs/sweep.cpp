@@ -29,6 +29,7 @@
 #include "app/runs/run.hpp"
 #include "app/runs/sweep_parts.hpp"
 #include "app/scene/config_tree.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/bytes.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/output_files.hpp"
@@ -93,9 +94,26 @@ void check_contradictions(const std::vector<SweptKey>& keys) {
   }
 }
 
+/// The name of a result has no effect in a sweep.
+void check_no_output_file(const std::vector<SweptKey>& keys) {
+  for (const SweptKey& key : keys) {
+    const bool is_there =
+        key.key == "output.file" ||
+        (key.key == "output" && std::any_of(key.values.begin(), key.values.end(), [](const std::string& table) {
+           return config_value(table, "--set output").find("file") != nullptr;
+         }));
+    if (!is_there) continue;
+    throw InputError(fmt::format(
+        "output.file: has no effect in a sweep, which writes all runs to one file (found {}, allowed any other key; "
+        "name the file by -o, in Python by output)",
+        key.values.front()));
+  }
+}
+
 std::vector<SweptKey> lists_of(const SweepOptions& options) {
   std::vector<SweptKey> lists;
   check_contradictions(options.keys);
+  check_no_output_file(options.keys);
   std::copy_if(options.keys.begin(), options.keys.end(), std::back_inserter(lists),
                [](const SweptKey& key) { return key.is_list; });
   if (lists.empty()) throw_without_lists(options.keys);
@@ -295,6 +313,7 @@ class Workers {
       options.dry_run = false;
       SolvedRun solved = solve_run(prepared.scenes, options, *plan_.files);
       solved.info.scene = run.scene;
+      solved.info.run_key = run_key_text(run.key);
       const std::filesystem::path part = parts_.file(run.key);
       write_run(part, solved, options.threads);
       return end_of(part);
@@ -406,8 +425,12 @@ SweepPlan plan_sweep(const SweepOptions& options) {
                       input.string()));
     }
   }
-  if (!options.run.dry_run && (options.run.ranks == nullptr || options.run.ranks->is_first()))
+  parts.check();
+  if (options.run.dry_run) {
+    check_target(options.run.output);
+  } else if (options.run.ranks == nullptr || options.run.ranks->is_first()) {
     check_writable(options.run.output);
+  }
   std::sort(memory.rbegin(), memory.rend());
   memory.resize(std::min(memory.size(), static_cast<std::size_t>(options.jobs)));
   plan.memory_bytes = std::accumulate(memory.begin(), memory.end(), std::uint64_t{0});
@@ -456,6 +479,7 @@ SweepOutcome solve_sweep(const SweepOptions& options, const SweepPlan& plan) {
   if (any) {
     write_sweep(options.run.output, plan.dimensions, runs,
                 {fmt::format("cloudbow {}", version()), history_line(options.run.command), plan.scene});
+    outcome.written = true;
   } else {
     outcome.sentences.push_back(fmt::format("no run has a result: {} is not written", options.run.output.string()));
   }
@@ -502,7 +526,7 @@ int sweep(const SweepOptions& given) {
           "share {} of {}: {} runs solved, kept in {}. Without --share, after all shares, the same command writes {}\n",
           options.share->number, options.share->of, plan.to_solve, folder, options.run.output.string());
     } else {
-      fmt::print("{} runs written to {}\n", plan.runs.size(), options.run.output.string());
+      if (outcome.written) fmt::print("{} runs written to {}\n", plan.runs.size(), options.run.output.string());
       if (outcome.kept > 0)
         tell("cloudbow: {} finished runs of other sweeps stay in {}: remove the folder if none goes on\n", outcome.kept,
              folder);

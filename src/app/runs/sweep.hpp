@@ -54,6 +54,7 @@ SweepPlan plan_sweep(const SweepOptions& options);
 struct SweepOutcome {
   int exit_code = 0;                   ///< the gravest of the runs: 1 before 2 before 3 before 0
   std::vector<std::string> sentences;  ///< on runs that failed or did not converge
+  bool written = false;                ///< the file is that of this sweep: at least one run has a result
   std::size_t kept = 0;                ///< finished runs of other sweeps that stay in the folder
 };
 

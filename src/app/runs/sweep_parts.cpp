@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/process/version.hpp"
+#include "cloudbow/core/atomic_file.hpp"
 #include "cloudbow/core/digest.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
@@ -26,13 +27,15 @@ constexpr std::size_t vdb_identifier_begin = 21, vdb_identifier_end = 57;
 
 bool is_part(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
-  constexpr std::size_t digits = 16;
+  constexpr std::size_t digits = 16;  // of run_key_text()
   // Temporary files of AtomicFile begin with a point.
   const std::string_view bare = std::string_view(name).substr(name.starts_with('.') ? 1 : 0);
   return bare.starts_with("run-") && bare.size() >= 4 + digits + 3 && bare.substr(4 + digits).starts_with(".h5");
 }
 
 }  // namespace
+
+std::string run_key_text(std::uint64_t key) { return fmt::format("{:016x}", key); }
 
 std::uint64_t RunKeys::of(const Scene& scene, const std::string& text, const RunOptions& options) {
   Digest digest;
@@ -66,24 +69,33 @@ std::uint64_t RunKeys::contents_of(const std::filesystem::path& file) {
 
 SweepParts::SweepParts(const std::filesystem::path& output) : folder_(output.string() + ".parts") {}
 
-std::filesystem::path SweepParts::file(std::uint64_t key) const { return folder_ / fmt::format("run-{:016x}.h5", key); }
+std::filesystem::path SweepParts::file(std::uint64_t key) const {
+  return folder_ / fmt::format("run-{}.h5", run_key_text(key));
+}
 
 bool SweepParts::has(std::uint64_t key) const {
   const std::filesystem::path part = file(key);
   std::error_code error;
-  if (!std::filesystem::exists(part, error)) return false;
-  if (is_whole_result(part)) return true;
-  std::filesystem::remove(part, error);
-  return false;
+  return std::filesystem::exists(part, error) && is_whole_result(part, run_key_text(key));
+}
+
+void SweepParts::check() const {
+  const auto refuse = [this](const std::string& reason) {
+    throw InputError(
+        fmt::format("{}: can't be made, a folder for the results of finished runs ({})", folder_.string(), reason));
+  };
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(folder_, error);
+  if (status.type() == std::filesystem::file_type::none) refuse(error.message());
+  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) refuse("a file has this name");
+  if (std::filesystem::exists(status)) check_target(file(0));
 }
 
 void SweepParts::make() const {
+  check();
   std::error_code error;
   std::filesystem::create_directory(folder_, error);
-  if (!std::filesystem::is_directory(folder_)) {
-    throw InputError(fmt::format("{}: can't be made, a folder for the results of finished runs ({})", folder_.string(),
-                                 error ? error.message() : "a file has this name"));
-  }
+  check_target(file(0));
 }
 
 std::size_t SweepParts::remove(std::span<const std::uint64_t> keys) const {

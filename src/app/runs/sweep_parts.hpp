@@ -26,6 +26,9 @@ class RunKeys {
   std::map<std::filesystem::path, std::uint64_t> contents_;
 };
 
+/// ResultInfo::run_key of a run.
+std::string run_key_text(std::uint64_t key);
+
 /// The folder FILE.parts beside the output. The name of each result contains the key of its run, so that results of
 /// other scenes are not used.
 class SweepParts {
@@ -34,8 +37,11 @@ class SweepParts {
 
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path file(std::uint64_t key) const;
-  /// Whether the result of a run is there and can be read to its end. A damaged one is removed.
+  /// Whether the result of a run is there and can be read to its end. A result without the key of the run is another.
   bool has(std::uint64_t key) const;
+  /// Reports before a long computation whether the folder cannot be made or written to. Makes nothing.
+  /// @throws InputError.
+  void check() const;
   /// Makes the folder. @throws InputError if that fails.
   void make() const;
   /// Removes the results of these runs and their temporary files. The folder goes too if nothing else is in it.

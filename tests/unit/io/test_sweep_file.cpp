@@ -40,6 +40,7 @@ class SweepFile : public testing::Test {
     solution.report.mode = factor > 1 ? "3d" : "2d";
     ResultInfo info = sample::info();
     info.sun = SunPosition{zenith_deg, 90};
+    info.run_key = "0123456789abcdef";
     const fs::path file = folder_ / ("run-" + std::to_string(count_++) + ".h5");
     write_result(file, solution, info);
     return {file, 0, "", "scene of " + std::to_string(static_cast<int>(factor))};
@@ -160,12 +161,67 @@ TEST_F(SweepFile, RefusesResultsOnDifferentCells) {
 
 TEST_F(SweepFile, KnowsWholeResults) {
   const SweptRun whole = run(1, 0, 3000);
-  EXPECT_TRUE(is_whole_result(whole.result));
+  const std::string key = "0123456789abcdef";
+  EXPECT_TRUE(is_whole_result(whole.result, key));
   EXPECT_EQ(shortcoming_of_result(whole.result), "");
+  EXPECT_FALSE(is_whole_result(whole.result, "0123456789abcdee")) << "the result of another run";
   fs::resize_file(whole.result, fs::file_size(whole.result) / 2);
-  EXPECT_FALSE(is_whole_result(whole.result));
+  EXPECT_FALSE(is_whole_result(whole.result, key));
   std::ofstream(folder_ / "text.h5") << "no result";
-  EXPECT_FALSE(is_whole_result(folder_ / "text.h5"));
+  EXPECT_FALSE(is_whole_result(folder_ / "text.h5", key));
+  write_result(folder_ / "single.h5", sample::solution(2, 2, 2), sample::info());
+  EXPECT_FALSE(is_whole_result(folder_ / "single.h5", "")) << "of no sweep";
+}
+
+/// Replaces an attribute of a group or variable.
+void set_attribute(const fs::path& file, const char* object, const char* name, hid_t type, hid_t space,
+                   const void* value) {
+  const hid_t open = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t at = H5Oopen(open, object, H5P_DEFAULT);
+  H5Adelete(at, name);
+  const hid_t attribute = H5Acreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  EXPECT_GE(attribute, 0) << name;
+  if (value != nullptr) {
+    EXPECT_GE(H5Awrite(attribute, type, value), 0) << name;
+  }
+  H5Aclose(attribute);
+  H5Oclose(at);
+  H5Fclose(open);
+}
+
+TEST_F(SweepFile, RefusesAttributesOfDifferentKinds) {
+  const hid_t one = H5Screate(H5S_SCALAR), none = H5Screate(H5S_NULL);
+  const double number = 1;
+  struct Case {
+    const char* object;
+    const char* name;
+  };
+  for (const Case& wrong : {Case{"solver", "mode"},
+                            {"solver", "directions"},
+                            {"ledger", "units"},
+                            {"upwelling_flux", "units"},
+                            {"z", "units"}}) {
+    const std::vector<SweptRun> runs{run(1, 0), run(2, 30), run(3, 60)};
+    set_attribute(runs[1].result, wrong.object, wrong.name, H5T_NATIVE_DOUBLE, one, &number);
+    EXPECT_THAT([&] { write_sweep(folder_ / "sweep.h5", std::vector{zenith}, runs, {}); },
+                ThrowsMessage<InputError>(HasSubstr("do not have the same")))
+        << wrong.object << ' ' << wrong.name;
+    EXPECT_FALSE(fs::exists(folder_ / "sweep.h5"));
+  }
+  // In all of them.
+  std::vector<SweptRun> runs{run(1, 0), run(2, 30), run(3, 60)};
+  for (const SweptRun& other : runs) set_attribute(other.result, "ledger", "units", H5T_NATIVE_DOUBLE, one, &number);
+  write_sweep(folder_ / "sweep.h5", std::vector{zenith}, runs, {});
+  for (const char* name : {"converged", "estimated_error", "sweeps"}) {
+    const SweptRun empty = run(1, 0);
+    const std::int32_t no = 0;
+    set_attribute(empty.result, "solver", "converged", H5T_NATIVE_INT32, one, &no);
+    set_attribute(empty.result, "solver", name, H5T_NATIVE_DOUBLE, none, nullptr);
+    EXPECT_THAT([&] { shortcoming_of_result(empty.result); },
+                ThrowsMessage<InputError>(testing::AllOf(HasSubstr(name), HasSubstr("has no numbers"))));
+  }
+  H5Sclose(one);
+  H5Sclose(none);
 }
 
 TEST_F(SweepFile, SaysWhatDidNotConverge) {

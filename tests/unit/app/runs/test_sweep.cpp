@@ -5,6 +5,7 @@
 #include "../commands/call_cloudbow.hpp"
 #include "../temporary_folder.hpp"
 #include "app/runs/sweep.hpp"
+#include "app/runs/sweep_parts.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {
@@ -60,6 +61,12 @@ TEST(Sweep, RefusesBeforeAnythingIsSolved) {
   }
   EXPECT_THAT(plan({"sun.zenith_deg=0:89:0.1", "surface.albedo=0:1:0.01"}),
               ThrowsMessage<InputError>(HasSubstr("too many runs")));
+  for (const std::vector<std::string>& lists :
+       std::vector<std::vector<std::string>>{{"output.file=a.h5,b.h5"},
+                                             {"output.file=a.h5", "sun.zenith_deg=0,40"},
+                                             {"output={file=\"a.h5\"},{file=\"b.h5\"}"},
+                                             {"output={flux_levels=\"all\"},{file=\"b.h5\"}"}})
+    EXPECT_THAT(plan(lists), ThrowsMessage<InputError>(HasSubstr("output.file: has no effect in a sweep")));
   EXPECT_THAT(plan({"layer.0.top_m=100,200"}), ThrowsMessage<InputError>(AllOf(HasSubstr("z_edge"), HasSubstr("200"))));
 }
 
@@ -73,6 +80,46 @@ TEST(Sweep, GoesOnWithTheResultsThatAreThere) {
   EXPECT_NE(plan_sweep(other).runs[1].key, plan.runs[1].key);
   EXPECT_EQ(solve_sweep(few, plan).exit_code, 0);
   EXPECT_EQ(plan_sweep(other).to_solve, 2) << "a complete sweep leaves nothing";
+}
+
+// The name of a finished run is no proof of what is in the file.
+TEST(Sweep, ResultsOfOtherRunsUnderTheNameOfOneAreNotUsed) {
+  const TemporaryFolder folder;
+  SweepOptions options = options_of(folder, {"sun.zenith_deg=0:80:40"});
+  options.share = parse_job_share("--share", "2/2");
+  const SweepPlan second = plan_sweep(options);
+  solve_sweep(options, second);
+  const auto part = [&folder](std::uint64_t key) { return folder / ("out.h5.parts/run-" + run_key_text(key) + ".h5"); };
+  std::filesystem::copy_file(part(second.runs[1].key), part(second.runs[0].key));
+  options.share.reset();
+  const SweepPlan plan = plan_sweep(options);
+  EXPECT_FALSE(plan.runs[0].done);
+  EXPECT_TRUE(plan.runs[1].done);
+  EXPECT_EQ(plan.to_solve, 2);
+}
+
+TEST(Sweep, AFileThatIsThereIsNotThatOfASweepWithoutResults) {
+  const TemporaryFolder folder;
+  SweepOptions options = options_of(folder, {"sun.zenith_deg=0,40"});
+  EXPECT_TRUE(solve_sweep(options, plan_sweep(options)).written);
+  const SweepPlan plan = plan_sweep(options);
+  // The scene is gone before a run reads it.
+  std::filesystem::remove(options.run.scene);
+  const SweepOutcome outcome = solve_sweep(options, plan);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_FALSE(outcome.written);
+  EXPECT_TRUE(std::filesystem::exists(options.run.output));
+}
+
+TEST(Sweep, ADryRunRefusesOutputsThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  SweepOptions options = options_of(folder, {"sun.zenith_deg=0,40"});
+  options.run.dry_run = true;
+  EXPECT_NO_THROW(plan_sweep(options));
+  folder.write("out.h5.parts", "a file");
+  EXPECT_THAT([&] { plan_sweep(options); }, ThrowsMessage<InputError>(HasSubstr("out.h5.parts: can't be made")));
+  options.run.output = folder / "missing/out.h5";
+  EXPECT_THAT([&] { plan_sweep(options); }, ThrowsMessage<InputError>(HasSubstr("there is no folder")));
 }
 
 TEST(Sweep, FinishedRunsOfAnotherSweepStay) {

@@ -56,7 +56,6 @@ TEST(SweepParts, AreRemovedAndNothingElse) {
   EXPECT_FALSE(parts.has(7));
   folder.write("out.h5.parts/run-0000000000000007.h5", "damaged");
   EXPECT_FALSE(parts.has(7));
-  EXPECT_FALSE(std::filesystem::exists(parts.file(7)));
   folder.write("out.h5.parts/run-00000000000000ff.h5", "of another scene");
   folder.write("out.h5.parts/.run-00000000000000ff.h5.host.12-1.tmp", "of a killed run");
   folder.write("out.h5.parts/notes.txt", "of the user");
@@ -69,7 +68,13 @@ TEST(SweepParts, AreRemovedAndNothingElse) {
   std::filesystem::remove(folder / "out.h5.parts/notes.txt");
   EXPECT_EQ(parts.remove({}), 0u);
   EXPECT_FALSE(std::filesystem::exists(parts.folder()));
+  EXPECT_NO_THROW(parts.check());
   folder.write("out.h5.parts", "a file");
+  EXPECT_THROW(parts.check(), InputError);
+  EXPECT_THROW(parts.make(), InputError);
+  std::filesystem::remove(parts.folder());
+  std::filesystem::create_symlink(parts.folder().filename(), parts.folder());
+  EXPECT_THROW(parts.check(), InputError) << "a link to itself";
   EXPECT_THROW(parts.make(), InputError);
 }
 
