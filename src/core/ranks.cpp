@@ -44,7 +44,15 @@ std::unique_ptr<Ranks> start_ranks() {
   // Measured: 60 MB of libraries and their buffers. Open MPI starts a thread for its messages.
   const void* const symbol = load_module("cloudbow_mpi.so", "cloudbow_mpi_module",
                                          {"Open MPI", "joins the processes of mpirun", 100'000'000, 2});
-  return static_cast<const MpiModule*>(symbol)->start();
+  std::unique_ptr<Ranks> ranks = static_cast<const MpiModule*>(symbol)->start();
+  // Each process alone would solve the whole run and write the same file.
+  if (ranks->size() != processes) {
+    throw InputError(fmt::format(
+        "mpirun: the processes do not find each other (found {} of {}, allowed all); start them by the mpirun of Open "
+        "MPI. In a program that mpirun has started, remove OMPI_COMM_WORLD_SIZE and PMI_SIZE from the environment",
+        ranks->size(), processes));
+  }
+  return ranks;
 #else
   throw InputError(fmt::format(
       "mpirun: this build has no MPI (found {} processes, allowed 1) build with -DCLOUDBOW_MPI=ON, or use --part and "

@@ -119,6 +119,12 @@ def check_messages(checker):
     checker.expect_refused("a target", ["run", "scene.toml", "--target-error", "1%"], "excludes --target-error", ranks=2)
     checker.expect_refused("a part", ["run", "spectrum.toml", "--part", "1/2"], "excludes mpirun", ranks=2)
     checker.expect_refused("a share of a sweep", ["sweep", "scene.toml", "--set", "sun.zenith_deg=0,40", "-o", "s.h5", "--share", "1/2"], "excludes mpirun", ranks=2)
+    # As mpiexec of another MPI starts them: each is alone.
+    for scene in ("scene.toml", "spectrum.toml"):
+        done = subprocess.run([checker.program, "run", scene, "-o", "alone.h5"], env={**os.environ, "PMI_SIZE": "3"}, capture_output=True, text=True, timeout=60,
+                              cwd=checker.folder)
+        checker.expect(f"processes that do not find each other, {scene}", done.returncode == 2 and "found 1 of 3" in done.stderr and
+                       len(done.stderr.splitlines()) == 1 and not (checker.folder / "alone.h5").exists(), done.stderr.strip())
     # The scene is sound, and its second wavelength fails while it is solved.
     failing = ["run", "spectrum.toml", "--set", "solver.max_sweeps=1", "-o", "failing.h5"]
     done = checker.call(*failing, "--quiet", ranks=2)

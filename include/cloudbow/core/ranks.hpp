@@ -51,7 +51,7 @@ class Ranks {
 int launched_processes();
 
 /// All launched processes; null if this is the only one. To be called once, before threads are started.
-/// @throws InputError if there are several and this build has no MPI.
+/// @throws InputError if there are several and this build has no MPI, or they were started for another MPI.
 std::unique_ptr<Ranks> start_ranks();
 
 /// Sends bytes of any number; the other rank receives them by receive_bytes.

@@ -120,7 +120,7 @@ std::vector<SweptKey> lists_of(const SweepOptions& options) {
   double product = 1;
   for (const SweptKey& list : lists) product *= static_cast<double>(list.values.size());
   if (product > static_cast<double>(most_runs))
-    throw InputError(fmt::format("{}: too many runs (found {:.0f}, allowed {})", names_of(lists), product, most_runs));
+    throw InputError(fmt::format("{}: too many runs (found {:.10g}, allowed {})", names_of(lists), product, most_runs));
   return lists;
 }
 

@@ -104,7 +104,7 @@ std::optional<std::vector<std::string>> range_of(const std::string& assignment, 
   // A last step that falls short by rounding alone is a step.
   const double steps = std::floor((last - first) / step * (1 + 1e-12) + 1e-9);
   if (steps >= static_cast<double>(most_values))
-    fail(assignment, fmt::format("a range too long (found {:.0f} values, allowed {})", steps + 1, most_values));
+    fail(assignment, fmt::format("a range too long (found {:.10g} values, allowed {})", steps + 1, most_values));
   const std::optional<int> of_first = decimals(trimmed(parts[0])), of_step = decimals(trimmed(parts[2]));
   std::vector<std::string> values;
   for (int n = 0; n <= static_cast<int>(steps); ++n) {

@@ -61,6 +61,9 @@ TEST(Sweep, RefusesBeforeAnythingIsSolved) {
   }
   EXPECT_THAT(plan({"sun.zenith_deg=0:89:0.1", "surface.albedo=0:1:0.01"}),
               ThrowsMessage<InputError>(HasSubstr("too many runs")));
+  const std::string many = "=0:1:0.0002";
+  EXPECT_THAT(plan({"a" + many, "b" + many, "c" + many, "d" + many, "e" + many}),
+              ThrowsMessage<InputError>(HasSubstr("(found 3.12812625e+18, allowed")));
   for (const std::vector<std::string>& lists :
        std::vector<std::vector<std::string>>{{"output.file=a.h5,b.h5"},
                                              {"output.file=a.h5", "sun.zenith_deg=0,40"},

@@ -54,6 +54,7 @@ TEST(SweptKey, RefusesListsWithoutSense) {
                                                         {"0:10:0", "STEP"},
                                                         {"0:10:-1", "STEP"},
                                                         {"0:1:1e-9", "too long"},
+                                                        {"0:1:1e-300", "found 1e+300 values"},
                                                         {"1,2,1.0", "found 1.0"},
                                                         {"a,\"a\"", "twice"},
                                                         {"[0,30", "without its partner"},
