@@ -56,6 +56,18 @@ def _tidy(value: float, of: float) -> float:
     return round(value / of, 9) * of if abs(value) < 1e6 * of else value
 
 
+def _real(values: Any, key: str) -> Any:
+    """Numbers of float64. The imaginary part of complex ones would be lost, and dates would be nanoseconds."""
+    import numpy as np
+    numbers = np.asarray(values)
+    try:
+        if numbers.dtype.kind in "fiuO":
+            return numbers.astype(float)
+    except (TypeError, ValueError):
+        pass
+    raise refuse(key, "not numbers", str(numbers.dtype), "real numbers")
+
+
 def _axis(array: Any, axis: str, key: str) -> Optional[tuple]:
     """(cell size, lower edge, descends) in metres, or None for an axis without coordinates."""
     import numpy as np
@@ -65,7 +77,7 @@ def _axis(array: Any, axis: str, key: str) -> Optional[tuple]:
     units = str(coordinate.attrs.get("units", ""))
     if units not in LENGTHS:
         raise refuse(key, f"units of the coordinate {axis}", repr(units), f'"m" or "km", as in array.{axis}.attrs["units"] = "m"')
-    centre = np.asarray(coordinate.values, dtype=float) * LENGTHS[units]
+    centre = _real(coordinate.values, f"{key}: coordinate {axis}") * LENGTHS[units]
     if not np.isfinite(centre).all():
         raise refuse(key, f"coordinate {axis}", "a number that is not finite", "centres of cells")
     descends = len(centre) > 1 and centre[-1] < centre[0]
@@ -74,7 +86,11 @@ def _axis(array: Any, axis: str, key: str) -> Optional[tuple]:
     if len(centre) == 1:
         if "cell_size_m" not in coordinate.attrs:
             raise refuse(key, f"one cell along {axis}", "no size of it", f'array.{axis}.attrs["cell_size_m"]')
-        size = float(coordinate.attrs["cell_size_m"])
+        name = f'{key}: coordinate {axis}: attrs["cell_size_m"]'
+        size = _real(coordinate.attrs["cell_size_m"], name)
+        if size.size != 1 or not 0 < size.item() < math.inf:
+            raise refuse(name, "no size of a cell", repr(coordinate.attrs["cell_size_m"]), "one number > 0 [m]")
+        size = size.item()
     else:
         size = (centre[-1] - centre[0]) / (len(centre) - 1)
         steps = np.diff(centre)
@@ -222,7 +238,7 @@ def write_map(path: Path, array: Any, name: str, key: str) -> None:
             raise refuse(key, "dimensions", ", ".join(map(str, array.dims)), "y, x (array.rename)")
         array = array.transpose("y", "x")
         units = str(array.attrs.get("units", ""))
-        coordinates = {axis: (axis, np.asarray(array.coords[axis].values, dtype=float), {"units": array.coords[axis].attrs.get("units", "")})
+        coordinates = {axis: (axis, _real(array.coords[axis].values, f"{key}: coordinate {axis}"), {"units": array.coords[axis].attrs.get("units", "")})
                        for axis in ("y", "x") if axis in array.coords}
         values = array.values
     else:

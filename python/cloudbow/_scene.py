@@ -85,12 +85,13 @@ def set_key(tree: dict, key: str, value: Any) -> None:
         node[last] = value
 
 
-def _copied(value: Any) -> Any:
+def _copied(value: Any, key: str = "", level: int = 0) -> Any:
     """Tables and lists anew, all else as it is."""
+    _toml.check_levels(level, key)
     if isinstance(value, Mapping) and not _arrays.is_dataset(value):
-        return {name: _copied(item) for name, item in value.items()}
+        return {name: _copied(item, key or str(name), level + 1) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_copied(item) for item in value]
+        return [_copied(item, key, level + 1) for item in value]
     return value
 
 
@@ -217,6 +218,10 @@ def _flat(tree: dict, path: str = "") -> Iterator[tuple]:
 def path_of(path: Any, key: str) -> Path:
     if not isinstance(path, (str, os.PathLike)) or "\0" in os.fspath(path):
         raise refuse(key, "no path", repr(path), "a path: text or a pathlib.Path")
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError:
+        raise refuse(key, "no path", ascii(os.fspath(path)), "characters that a name of a file can have") from None
     return Path(path)
 
 
@@ -225,6 +230,7 @@ def check_keys(settings: Mapping, name: str) -> None:
     for key in settings:
         if not isinstance(key, str):
             raise refuse(name, "a key that is no text", repr(key), 'dotted keys, as in "sun.zenith_deg"')
+        _toml.check_text(key, name)
 
 
 def prepare(scene: Any, settings: Optional[Mapping], folder: Path) -> SceneFile:
@@ -237,7 +243,7 @@ def prepare(scene: Any, settings: Optional[Mapping], folder: Path) -> SceneFile:
         path_of(scene, "scene")
         tree: dict = {}
         for key, value in settings.items():
-            set_key(tree, key, _copied(value))
+            set_key(tree, key, _copied(value, key))
         arrays = _Arrays(tree, folder)
         arrays.replace()
         return SceneFile(Path(scene), [f"{key}={_toml.value_of(_toml.plain(value, key))}" for key, value in _flat(tree)], "", arrays.shown)
@@ -245,7 +251,7 @@ def prepare(scene: Any, settings: Optional[Mapping], folder: Path) -> SceneFile:
         raise refuse("scene", "no scene", type(scene).__name__, "a path, or a dict with the keys of a scene file")
     tree = _copied(scene)
     for key, value in settings.items():
-        set_key(tree, key, value)
+        set_key(tree, key, _copied(value, key))
     arrays = _Arrays(tree, folder)
     arrays.replace()
     tree = _toml.plain(tree, "")

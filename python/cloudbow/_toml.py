@@ -8,6 +8,7 @@ from typing import Any
 from ._errors import refuse
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+MOST_LEVELS = 32  #: as scene files may have
 _ESCAPES = {"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': '\\"', "\\": "\\\\"}
 
 
@@ -20,23 +21,41 @@ def key_of(key: str) -> str:
     return key if _BARE_KEY.fullmatch(key) else text_of(key)
 
 
-def plain(value: Any, key: str) -> Any:
+def check_text(text: str, key: str) -> None:
+    """Half of a surrogate pair is a character of Python and of no file."""
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        raise refuse(key, "no text", ascii(text[:80]), "characters of Unicode") from None
+
+
+def check_levels(level: int, key: str) -> None:
+    """A dict that contains itself has no end."""
+    if level > MOST_LEVELS:
+        raise refuse(key.partition(".")[0] or "scene", "nested too deeply", f"more than {MOST_LEVELS} levels of keys, lists and tables", str(MOST_LEVELS))
+
+
+def plain(value: Any, key: str, level: int = 0) -> Any:
     """The value with numbers of numpy as those of Python, arrays of one dimension as lists, paths as text."""
+    check_levels(level, key)
     if isinstance(value, Mapping):
         for name in value:
             if not isinstance(name, str):
                 raise refuse(key or "scene", "a key that is no text", repr(name), "text")
-        return {name: plain(item, f"{key}.{name}" if key else name) for name, item in value.items()}
+            check_text(name, key or "scene")
+        return {name: plain(item, f"{key}.{name}" if key else name, level + 1) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(item, f"{key}.{n}") for n, item in enumerate(value)]
+        return [plain(item, f"{key}.{n}", level + 1) for n, item in enumerate(value)]
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return plain(os.fspath(value), key, level + 1)
     if isinstance(value, (bool, int, float, str)) and type(value).__module__ == "builtins":
+        if isinstance(value, str):
+            check_text(value, key)
         return value
-    if hasattr(value, "tolist") and hasattr(value, "ndim"):
+    if hasattr(value, "ndim") and (hasattr(value, "tolist") or hasattr(value, "values")):
         if value.ndim > 1:
             raise refuse(key, "an array", f"{value.ndim} dimensions", "a number, a list, or an array where a grid or a map may stand")
-        return plain(value.tolist() if not hasattr(value, "values") else value.values.tolist(), key)
+        return plain(value.tolist() if not hasattr(value, "values") else value.values.tolist(), key, level + 1)
     if isinstance(value, (datetime.date, datetime.time)):
         raise refuse(key, "a date or time", repr(value), "a number, text, true or false, a list or a dict")
     raise refuse(key, "no value of a scene", type(value).__name__, "a number, text, true or false, a list or a dict")

@@ -160,11 +160,20 @@ def no_units(array, axis="x"):
     return array
 
 
+def one_cell_along_x(size):
+    array = extinction().isel(x=[3])
+    array["x"].attrs["cell_size_m"] = size
+    return array
+
+
 @pytest.mark.parametrize("array, problem", [
     (changed(np.nan), "not finite at z, y, x = 2, 2, 2"), (changed(-1), "negative"), (changed(np.inf), "not finite"), (extinction() * 0, "no cloud"),
     (extinction().isel(z=0), "2 dimensions"), (extinction().rename(z="lev"), "lev"), (no_units(extinction()), "coordinate x"),
     (extinction().assign_coords(z=("z", [0, 1, 2, 3, 9.0], {"units": "m"})), "not evenly spaced"), (extinction().assign_attrs(units="g"), "units of extinction"),
     (extinction().values, "without coordinates"), (extinction().drop_vars(["x", "y"]), "coordinates"), (extinction().isel(x=[3]), "one cell along x"),
+    (extinction().assign_coords(z=("z", list("abcde")[:extinction().z.size], {"units": "m"})), "coordinate z: not numbers"),
+    (extinction().assign_coords(z=("z", extinction().z.values + 1j, {"units": "m"})), "coordinate z: not numbers"),
+    (one_cell_along_x("wide"), "cell_size_m.*not numbers"), (one_cell_along_x(float("nan")), "cell_size_m.*no size"), (one_cell_along_x([1, 2]), "cell_size_m.*no size"),
     (np.ma.masked_equal(extinction().values, 0), "masked"), (extinction().astype(str), "not numbers"), (np.zeros((0, 2, 2)), "empty")])
 def test_wrong_arrays_name_the_key(cloud, array, problem):
     cloud["cloud"]["file"] = array

@@ -80,3 +80,24 @@ def test_every_key_of_a_file_is_known():
 def test_settings_without_a_place(key, value, problem):
     with pytest.raises(cb.InputError, match=problem):
         _scene.set_key({"a": [], "b": {"c": 1}}, key, value)
+
+
+def test_tables_without_end_are_refused(layers):
+    table, array = {}, []
+    table["a"], array[:] = table, [array]
+    for wrong in (dict(layers, title=table), dict(layers, title=array), table):
+        with pytest.raises(cb.InputError, match="nested too deeply"):
+            cb.check(wrong)
+    with pytest.raises(cb.InputError, match="^title: nested too deeply"):
+        cb.check(layers, set={"title": table})
+
+
+def test_characters_of_no_file_are_refused(layers):
+    half = "\ud800"
+    for wrong, key in ((dict(layers, title=half), "^title"), ({**layers, half: 1}, "^scene"), (half, "^scene: no path")):
+        with pytest.raises(cb.InputError, match=key):
+            cb.check(wrong)
+    with pytest.raises(cb.InputError, match="^set: no text"):
+        cb.check(layers, set={half: 1})
+    with pytest.raises(cb.InputError, match="^output: no path"):
+        cb.run(layers, output=half + ".h5")

@@ -3,6 +3,7 @@
 Truth: the program, and single runs.
 """
 import warnings
+from types import SimpleNamespace
 
 import cloudbow as cb
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import xarray as xr
 from conftest import assert_same, assert_same_results
 
-from cloudbow import _toml
+from cloudbow import _core, _toml
 
 
 def test_result_is_the_file_of_the_program(layers, program, tmp_path):
@@ -93,6 +94,8 @@ def test_what_does_not_converge_is_marked(cloud):
     ({"sun.": [0, 5]}, "dotted key"),
     ({3: [0, 5]}, "^keys: a key that is no text"),
     ([("sun.zenith_deg", [0, 5])], "no dict"),
+    ({"output.file": ["a.h5", "b.h5"]}, "^output.file: has no effect in a sweep"),
+    ({"title": ["\ud800", "b"]}, "^title.0: no text"),
 ])
 def test_wrong_lists_are_refused(layers, keys, words):
     with pytest.raises(cb.InputError, match=words):
@@ -103,6 +106,18 @@ def test_texts_are_lists_as_on_the_command_line(layers):
     ds = cb.sweep(layers, {"sun.zenith_deg": "0:60:20", "surface.albedo": "0.1, 0.3"})
     assert_same_results(ds, cb.sweep(layers, {"sun.zenith_deg": [0, 20, 40, 60], "surface.albedo": [0.1, 0.3]}))
     assert list(ds.zenith_deg.values) == [0, 20, 40, 60] and list(ds.albedo.values) == [0.1, 0.3]
+
+
+def test_labelled_arrays_are_lists(layers):
+    assert list(cb.sweep(layers, {"sun.zenith_deg": xr.DataArray([0.0, 20], dims="time")}).zenith_deg.values) == [0, 20]
+
+
+def test_an_older_file_is_not_the_result_of_a_sweep_without_results(layers, tmp_path, monkeypatch):
+    output = tmp_path / "out.h5"
+    cb.sweep(layers, {"sun.zenith_deg": [0, 5]}, output=output)
+    monkeypatch.setattr(_core, "sweep", lambda **_: SimpleNamespace(exit_code=1, written=False, sentences=["no run has a result"]))
+    with pytest.raises(cb.InputError, match="no run has a result"):
+        cb.sweep(layers, {"sun.zenith_deg": [0, 5]}, output=output)
 
 
 def test_wrong_arguments_are_refused(layers):
