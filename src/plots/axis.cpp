@@ -80,7 +80,9 @@ std::vector<double> axis_ticks(const PlotAxis& axis, std::pair<double, double> r
   if (minor) return ticks;
   const double spacing = axis.tick_spacing.value_or(nice_spacing(axis, largest - least));
   const double first = std::ceil(least / spacing - 1e-6);
-  for (int n = 0; (first + n) * spacing <= largest + 1e-6 * spacing; ++n) ticks.push_back((first + n) * spacing);
+  constexpr int most_ticks = 1000;  // a spacing below that of doubles would never reach the end
+  for (int n = 0; n < most_ticks && (first + n) * spacing <= largest + 1e-6 * spacing; ++n)
+    ticks.push_back((first + n) * spacing);
   return ticks;
 }
 

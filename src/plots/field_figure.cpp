@@ -69,12 +69,19 @@ MapPlot map_of(const FluxImage& image, const std::string& title) {
   return plot;
 }
 
+/// Whether doubles lie between the two, and their difference is finite.
+bool are_apart(double first, double last) {
+  constexpr double least_extent = 1e-12;  // the spacing of doubles is 1e-16 of their value
+  const double extent = std::abs(last - first);
+  return std::isfinite(extent) && extent > least_extent * std::max(std::abs(first), std::abs(last));
+}
+
 }  // namespace
 
 std::pair<double, double> value_range(const std::vector<float>& values, const ColourChoice& choice) {
   if (choice.range) {
     const auto& [first, last] = *choice.range;
-    if (std::isfinite(first) && std::isfinite(last) && first != last) return *choice.range;
+    if (are_apart(first, last)) return *choice.range;
     throw InputError(fmt::format(
         "range: {} to {} is not a range (two different numbers; the larger one first turns the colours round)", first,
         last));
@@ -86,7 +93,7 @@ std::pair<double, double> value_range(const std::vector<float>& values, const Co
     largest = std::max(largest, static_cast<double>(value));
   }
   const std::pair range{choice.min.value_or(least), choice.max.value_or(largest)};
-  if ((choice.min || choice.max) && !(range.first < range.second)) {
+  if ((choice.min || choice.max) && !(range.first < range.second && are_apart(range.first, range.second))) {
     throw InputError(
         fmt::format("min, max: {:g} to {:g} is not a range (found values from {:g} to {:g}, allowed min < "
                     "max)",

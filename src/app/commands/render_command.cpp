@@ -75,7 +75,7 @@ void add_render(CLI::App& app, std::function<int()>& action) {
                        " (default: natural colours if possible; figures: viridis, or blue-red about 0; pixels: grey)")
       ->type_name("NAME");
   render_app->add_option("--wavelength-um", options->wavelength_um, "Of a spectrum: draw the nearest alone")
-      ->check(finite_number(0, "a wavelength > 0"));
+      ->check(finite_number(std::numeric_limits<double>::min(), "a wavelength > 0"));
   render_app->add_option("--tone", options->tone, "Tone curve of natural colours: " + joined(tone_names()))
       ->type_name("NAME");
   render_app

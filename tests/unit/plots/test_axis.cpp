@@ -23,6 +23,7 @@ TEST(PlotAxis, TicksAreRoundNumbersInsideTheRange) {
   EXPECT_EQ(axis_ticks(linear, {1, 0}), ticks) << "an axis may run backwards";
   EXPECT_EQ(axis_ticks(logarithmic, {0.05, 200}), (std::vector<double>{0.1, 1, 10, 100}));
   EXPECT_EQ(axis_ticks(logarithmic, {1, 10}, true).size(), 8u);
+  EXPECT_LE(axis_ticks(linear, {0.43, 0.43 * (1 + 1e-15)}).size(), 1000u) << "spaced closer than doubles";
 }
 
 TEST(PlotAxis, RangeHoldsWhatCanBeShown) {

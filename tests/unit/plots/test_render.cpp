@@ -355,6 +355,12 @@ TEST_F(Render, OptionsThatExcludeEachOther) {
   };
   expect([](auto& o) { o.range = {0, 1}, o.min = 0; }, HasSubstr("range: excludes min and max"));
   expect([](auto& o) { o.min = 1e9; }, HasSubstr("min, max: 1e+09 to"));
+  // Ticks that no double separates, and a difference that is infinite.
+  for (const auto& [first, last] : std::vector<std::pair<double, double>>{
+           {0, 0}, {1, 1 + 1e-15}, {0.43, 0.43 * (1 + 1e-14)}, {1e16, 1e16 + 2}, {-1e308, 1e308}, {1e308, -1e308}}) {
+    expect([&](auto& o) { o.range = {first, last}; }, HasSubstr("is not a range"));
+    expect([&](auto& o) { o.min = first, o.max = last; }, HasSubstr("is not a range"));
+  }
   expect([](auto& o) { o.form = RenderForm::bare, o.width = 600; }, HasSubstr("bare: excludes size"));
   expect([](auto& o) { o.scale = 2, o.title = "T"; }, HasSubstr("scale: excludes title"));
   expect([](auto& o) { o.scale = 2, o.form = RenderForm::figure; }, HasSubstr("excludes figure"));
