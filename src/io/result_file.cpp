@@ -209,7 +209,7 @@ class ResultWriter : private SolutionWriter {
     }
     write_direct_normal_flux(file);
     write_heating_rate(file, {"z", "y", "x"}, "area: mean z: mean", &HeatingRate::cell);
-    write_optical_depth(file);
+    write_cloud_fields(file);
   }
 
   /// Writes nothing unless circumsolar light was requested.
@@ -227,19 +227,32 @@ class ResultWriter : private SolutionWriter {
                {"cell_methods", "area: mean"}});
   }
 
-  /// Writes nothing if it was not requested.
-  void write_optical_depth(hid_t file) const {
-    if (info_.cloud_optical_depth.empty()) return;
+  /// Writes what was requested of optical depth and extinction.
+  void write_cloud_fields(hid_t file) const {
     const std::optional<double>& wavelength_um = info_.cloud_optical_depth_um;
-    Attributes attributes{{"units", "1"},
-                          {"long_name", fmt::format("vertical optical depth of the cloud alone{}",
-                                                    wavelength_um ? fmt::format(" at {} um", *wavelength_um) : "")},
-                          {"standard_name", "atmosphere_optical_thickness_due_to_cloud"},
-                          {"cell_methods", "area: mean"}};
-    if (wavelength_um) attributes.push_back({"wavelength_um", *wavelength_um});
-    write_variable(
-        file, "optical_depth",
-        {"y", "x"}, [this](const Solution& s) -> auto& { return info_.cloud_optical_depth[index_of(s)]; }, attributes);
+    const std::string at = wavelength_um ? fmt::format(" at {} um", *wavelength_um) : "";
+    Attributes of_depth{{"units", "1"},
+                        {"long_name", "vertical optical depth of the cloud alone" + at},
+                        {"standard_name", "atmosphere_optical_thickness_due_to_cloud"},
+                        {"cell_methods", "area: mean"}};
+    Attributes of_extinction{{"units", "m-1"},
+                             {"long_name", "extinction coefficient of the cloud alone" + at},
+                             {"cell_methods", "area: mean z: mean"}};
+    if (wavelength_um) {
+      of_depth.push_back({"wavelength_um", *wavelength_um});
+      of_extinction.push_back({"wavelength_um", *wavelength_um});
+    }
+    if (!info_.cloud_optical_depth.empty()) {
+      write_variable(
+          file, "optical_depth",
+          {"y", "x"}, [this](const Solution& s) -> auto& { return info_.cloud_optical_depth[index_of(s)]; }, of_depth);
+    }
+    if (!info_.cloud_extinction.empty()) {
+      write_variable(
+          file, "extinction",
+          {"z", "y", "x"}, [this](const Solution& s) -> auto& { return info_.cloud_extinction[index_of(s)]; },
+          of_extinction);
+    }
   }
 
   /// Writes nothing without heating rates.
@@ -568,6 +581,7 @@ void write_result(const std::filesystem::path& file, std::span<const Solution> s
   assert(info.thermal.empty() || info.thermal.size() == solutions.size());
   assert(info.heating_rates.empty() || info.heating_rates.size() == solutions.size());
   assert(info.cloud_optical_depth.empty() || info.cloud_optical_depth.size() == solutions.size());
+  assert(info.cloud_extinction.empty() || info.cloud_extinction.size() == solutions.size());
   assert(info.brightness_temperatures.empty() || !info.thermal.empty());
   const FileLibraryLock lock;
   AtomicFile target(file);

@@ -49,7 +49,7 @@ width = 2
 height = 2
 [output]
 flux_levels = "boundaries"
-fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors", "optical_depth"]
+fields = ["fluxes", "absorption", "actinic", "radiance_field", "errors", "optical_depth", "extinction"]
 circumsolar_deg = 2.5
 """
 THERMAL = """\

@@ -25,9 +25,10 @@ DIMENSIONS = {
     "absorbed_power": ("z", "y", "x"),
     "actinic_flux": ("z", "y", "x"),
     "optical_depth": ("y", "x"),
+    "extinction": ("z", "y", "x"),
 }
 UNITS = {"x": "m", "y": "m", "z": "m", "z_edge": "m", "upwelling_flux": "W m-2", "downwelling_diffuse_flux": "W m-2", "direct_flux": "W m-2",
-         "absorbed_power": "W m-3", "actinic_flux": "W m-2", "optical_depth": "1"}
+         "absorbed_power": "W m-3", "actinic_flux": "W m-2", "optical_depth": "1", "extinction": "m-1"}
 PROFILES = ("upwelling_flux", "downwelling_diffuse_flux", "direct_flux")
 ROOT_ATTRIBUTES = ("Conventions", "title", "source", "history", "scene")
 SUMMARY = ("reflectance", "transmittance", "transmittance_direct", "absorptance", "surface_absorptance", "side_gain", "side_loss", "energy_residual")
@@ -44,7 +45,7 @@ SCENE = [
     ("surface", {"type": "lambertian", "albedo": 0.2}),
     ("solver", {"accuracy": "draft", "mode": "3d"}),
     ("[camera]", {"name": "eye", "position_m": [150.0, 0.0, 900.0], "look_at_m": [150.0, 200.0, 100.0], "width": 4, "height": 3}),
-    ("output", {"fields": ["fluxes", "absorption", "actinic", "optical_depth"]}),
+    ("output", {"fields": ["fluxes", "absorption", "actinic", "optical_depth", "extinction"]}),
 ]
 
 
@@ -80,6 +81,8 @@ def check_optical_depth(path, complain):
     """The slab alone, without the layer beside it."""
     with xarray.open_dataset(path) as data:
         complain(bool(np.allclose(data.optical_depth, DEPTH, rtol=1e-6)), f"optical_depth is not that of the slab, {DEPTH}")
+        height = data.z_bounds.diff("bound").squeeze("bound")
+        complain(bool(np.allclose((data.extinction * height).sum("z"), DEPTH, rtol=1e-6)), f"extinction does not sum to the depth of the slab, {DEPTH}")
 
 
 def check_upright(path, complain):

@@ -39,6 +39,7 @@ struct AssembledScene {
   std::optional<PhaseClassReport> phase_classes;  ///< if droplets vary from voxel to voxel
   std::vector<CloudFigures> clouds;               ///< of each constituent
   std::vector<float> cloud_optical_depth;  ///< [y][x] of the problem's columns, without layers; empty: not asked for
+  std::vector<float> cloud_extinction;     ///< [z][y][x] 1/m, mean of the cell, without layers; empty: not asked for
 };
 
 /// @param memory_limit_bytes of the optical grid; checked before it is allocated. @throws InputError if the cloud

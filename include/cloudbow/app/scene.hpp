@@ -50,8 +50,8 @@ struct SceneCloud {
   static constexpr double visible_um = .55;
   /// A mie table whose effective radius varies from voxel to voxel (effective_radius_grid).
   std::shared_ptr<const DropletTable> droplets;
-  /// By bulk optics: extinction of 1 g/m3 at visible_um, for each radius of `droplets`. Only output.optical_depth needs
-  /// it; else it is empty.
+  /// By bulk optics: extinction of 1 g/m3 at visible_um, for each radius of `droplets`. Only output.optical_depth
+  /// and output.extinction need it; else it is empty.
   std::vector<double> visible_m2_per_g;
   std::shared_ptr<const ScenePhaseSet> phase_set;  ///< in place of phase_function and droplets
 };
@@ -152,6 +152,7 @@ struct SceneOutput : OutputOptions {
   bool errors = false;            ///< of single columns too
   bool heating_rate = false;      ///< of the air
   bool optical_depth = false;     ///< of the clouds, by column
+  bool extinction = false;        ///< of the clouds, by cell
   bool bands = false;             ///< domain means by band of the gas model
 };
 

@@ -88,7 +88,8 @@ struct ResultInfo {
   std::vector<HeatingRate> heating_rates{};            ///< of each solution, or none
   std::vector<ConstituentInfo> constituents{};
   std::vector<std::vector<float>> cloud_optical_depth{};  ///< [y][x] of each solution, or none
-  std::optional<double> cloud_optical_depth_um{};         ///< its wavelength, if it is none of the solution's
+  std::vector<std::vector<float>> cloud_extinction{};     ///< [z][y][x] 1/m of each solution, or none
+  std::optional<double> cloud_optical_depth_um{};         ///< wavelength of both, if it is none of the solution's
   std::optional<double> circumsolar_deg{};  ///< half angle of the cone of circumsolar light, if that was requested
   std::optional<SunPosition> sun{};         ///< scalar coordinates, if there is a sun
   std::string run_key{};  ///< identifies the run among those of a sweep; empty: it belongs to no sweep

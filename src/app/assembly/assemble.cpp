@@ -252,6 +252,33 @@ std::vector<float> optical_depth_of_columns(const OpenedClouds& clouds, const Bo
   return {sum.begin(), sum.end()};
 }
 
+/// Extinction of the box's cells, whose levels may be parts of planes of voxels: 0 beside the clouds.
+std::vector<float> extinction_of_cells(const OpenedClouds& clouds, const BoxGrid& box) {
+  std::vector<float> sum(box.columns() * static_cast<std::size_t>(box.nz()), 0.F);
+  for (const OpenedCloud& cloud : clouds.constituents) {
+    const CloudField& field = cloud.field;
+    const auto first_i = std::lround((field.min_m[0] - box.x_min_m) / box.dx_m);
+    const auto first_j = std::lround((field.min_m[1] - box.y_min_m) / box.dy_m);
+    for (int level = 0; level < box.nz(); ++level) {
+      const double middle = (box.z_edge_m[level] + box.z_edge_m[level + 1]) / 2;
+      const double plane = std::floor((middle - field.min_m[2]) / field.cell_size_m[2]);
+      if (plane < 0 || plane >= field.cells[2]) continue;
+      for (long j = std::max(0L, first_j); j < std::min<long>(box.ny, first_j + field.cells[1]); ++j) {
+        const auto row = static_cast<std::size_t>(plane) * field.cells[1] + static_cast<std::size_t>(j - first_j);
+        float* const to = sum.data() + box.columns() * level + static_cast<std::size_t>(j) * box.nx;
+        for (std::uint32_t s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
+          const RowSpan& span = field.spans[s];
+          for (int n = 0; n < span.n; ++n) {
+            const long i = first_i + span.i + n;
+            if (i >= 0 && i < box.nx) to[i] += cloud.extinction[span.offset + n];
+          }
+        }
+      }
+    }
+  }
+  return sum;
+}
+
 }  // namespace
 
 AssembledScene assemble(const Scene& scene, std::uint64_t memory_limit_bytes) {
@@ -331,6 +358,7 @@ AssembledScene assemble(const Scene& given, std::uint64_t memory_limit_bytes, Cl
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
   if (scene.output.optical_depth) assembled.cloud_optical_depth = optical_depth_of_columns(clouds, problem.grid.box);
+  if (scene.output.extinction) assembled.cloud_extinction = extinction_of_cells(clouds, problem.grid.box);
   if (!scene.albedo_map.empty()) {
     problem.surface.albedo_map = albedo_of_columns(scene, problem.grid.box, domain);
   }

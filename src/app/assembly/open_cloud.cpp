@@ -41,9 +41,8 @@ void take_droplets(const DropletTable& table, const std::vector<float>& radius_u
   take_classes(droplets.phase, tolerance, cloud);
 }
 
-/// Optical depths of columns of liquid water at SceneCloud::visible_um.
-std::vector<double> visible_column_depths(const SceneCloud& cloud, const CloudField& water,
-                                          const std::vector<float>& radius_um) {
+/// Extinction of liquid water at SceneCloud::visible_um.
+CloudField visible_extinction(const SceneCloud& cloud, const CloudField& water, const std::vector<float>& radius_um) {
   std::vector<double> extinction_m2_per_g;
   extinction_m2_per_g.reserve(radius_um.size());
   for (const float radius : radius_um) {
@@ -54,7 +53,7 @@ std::vector<double> visible_column_depths(const SceneCloud& cloud, const CloudFi
   }
   CloudField visible = water;
   water_to_extinction(visible, extinction_m2_per_g);
-  return column_integrals(visible);
+  return visible;
 }
 
 /// @param number of its phase function for each voxel, from 1
@@ -200,7 +199,7 @@ double onto_face(const CloudField& field, int axis, double value_m) {
 OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t first_varying, CloudFiles& files) {
   VdbReadOptions read = cloud.read;
   read.domain_m = given_domain(scene.domain);
-  OpenedCloud opened{read_field(scene, cloud, read, files), {}, {}, {}, {}, {}, {}};
+  OpenedCloud opened{read_field(scene, cloud, read, files), {}, {}, {}, {}, {}, {}, {}};
   opened.figures.name = cloud.name;
   VdbCloud& field = opened.field;
   VdbReadOptions auxiliary = read;
@@ -233,6 +232,7 @@ OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t 
   } else if (cloud.effective_radius_um) {
     opened.figures.effective_radius_um = {*cloud.effective_radius_um, *cloud.effective_radius_um};
   }
+  std::optional<CloudField> visible;  // if it is not the field times a number
   if (scene.broadband && !is_water && cloud.droplets != nullptr) {
     throw InputError(fmt::format(
         "{}: extinction has no spectrum (found radii by voxel beside it, allowed a water content, or one radius)",
@@ -243,8 +243,7 @@ OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t 
                            SceneCloud::visible_um));
     opened.optics.extinction_per_value = *cloud.relative_extinction;
   } else if (cloud.droplets != nullptr) {
-    if (!cloud.visible_m2_per_g.empty())
-      opened.column_optical_depth.value = visible_column_depths(cloud, field, radius);
+    if (!cloud.visible_m2_per_g.empty()) visible = visible_extinction(cloud, field, radius);
     take_droplets(*cloud.droplets, radius, is_water, class_error, opened);
   } else if (is_water && cloud.extinction_m2_per_g) {
     opened.optics.extinction_per_value = *cloud.extinction_m2_per_g;
@@ -261,18 +260,22 @@ OpenedCloud open_cloud(const Scene& scene, const SceneCloud& cloud, std::size_t 
   }
   const double per_value = opened.optics.extinction_per_value;
   ColumnDepths& depths = opened.column_optical_depth;
-  if (cloud.relative_extinction || !depths.value.empty()) opened.figures.optical_depth_um = SceneCloud::visible_um;
+  if (cloud.relative_extinction || visible) opened.figures.optical_depth_um = SceneCloud::visible_um;
   depths.min_m = {field.min_m[0], field.min_m[1]};
   depths.columns = {field.cells[0], field.cells[1]};
-  if (depths.value.empty()) {
-    depths.value = column_integrals(field);
-    for (double& depth : depths.value) depth *= per_value / cloud.relative_extinction.value_or(1);
-  }
+  const CloudField& shown = visible ? *visible : field;
+  const double shown_per_value = visible ? 1 : per_value / cloud.relative_extinction.value_or(1);
+  depths.value = column_integrals(shown);
+  for (double& depth : depths.value) depth *= shown_per_value;
   for (const double depth : depths.value) {
     opened.figures.optical_depth.sum += depth;
     opened.figures.optical_depth.largest = std::max(opened.figures.optical_depth.largest, depth);
   }
   if (!scene.output.optical_depth) depths.value.clear();
+  if (scene.output.extinction) {
+    opened.extinction.reserve(shown.value.size());
+    for (const float value : shown.value) opened.extinction.push_back(static_cast<float>(value * shown_per_value));
+  }
   doubt(doubt_optical_depth(largest_value(field) * per_value * field.cell_size_m[2]));
 
   opened.optics.phase_function =

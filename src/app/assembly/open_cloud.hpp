@@ -28,6 +28,7 @@ struct OpenedCloud {
   CloudFigures figures;
   /// If the scene asks for it. With a gas model and bulk optics it is that at SceneCloud::visible_um.
   ColumnDepths column_optical_depth;
+  std::vector<float> extinction;    ///< [voxel of field] 1/m, at the wavelength of the depths; empty: not asked for
   VoxelTemperatures temperature_k;  ///< empty: that of the air
 };
 

@@ -213,7 +213,8 @@ SolveResult solve_point(const Scene& scene, const PlannedScene& planned, bool es
     result.error = estimate_of(scene, planned, result.solution);
     result.solution.report.air_error = of_air;
   }
-  if (scene.output.optical_depth) result.cloud_optical_depth = planned.scene->cloud_optical_depth;
+  result.cloud_optical_depth = planned.scene->cloud_optical_depth;
+  result.cloud_extinction = planned.scene->cloud_extinction;
   result.clouds = planned.scene->clouds;
   result.phase_classes = planned.scene->phase_classes;
   InterruptGuard::check();
@@ -260,6 +261,7 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
     if (n > 0) continue;
     if (scenes.front().output.optical_depth)
       run.solved.cloud_optical_depth.push_back(std::move(result->cloud_optical_depth));
+    if (scenes.front().output.extinction) run.solved.cloud_extinction.push_back(std::move(result->cloud_extinction));
     run.solved.clouds.push_back(std::move(result->clouds));
     if (result->phase_classes) run.solved.phase_classes.push_back(*result->phase_classes);
   }

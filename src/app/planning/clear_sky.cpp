@@ -22,7 +22,7 @@ Scene without_cloud(Scene scene) {
   scene.output.heights_m.clear();
   scene.output.flux_levels = FluxLevels::all;
   ask_for_fluxes_alone(scene.output);
-  scene.output.heating_rate = scene.output.optical_depth = false;
+  scene.output.heating_rate = scene.output.optical_depth = scene.output.extinction = false;
   scene.solver.mode = SolveMode::automatic;
   return scene;
 }

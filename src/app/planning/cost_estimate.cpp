@@ -26,12 +26,12 @@ std::size_t solution_bytes(const Scene& read, const AssembledScene& scene) {
   for (const Camera& camera : options.cameras) floats += 1UL * camera.width * camera.height;
   if (options.radiance_field)
     floats += scene.problem.grid.active_cells() * static_cast<std::size_t>(options.control_points + 3);
-  return floats * sizeof(float);
+  return (floats + scene.cloud_extinction.size()) * sizeof(float);
 }
 
-std::size_t foreseen(const Scene& scene, const SolvePlan& plan) {
+std::size_t foreseen(const Scene& scene, const AssembledScene& assembled, const SolvePlan& plan) {
   try {
-    return predict_memory(plan);
+    return predict_memory(plan) + assembled.cloud_extinction.size() * sizeof(float);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
@@ -85,12 +85,13 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
   for (const Scene& scene : scenes) {
     PlannedScene planned = plan_scene(scene, available, files, {}, threads);
     const SolvePlan& plan = planned.plan;
-    cost.memory = std::max(cost.memory, foreseen(scene, plan));
+    cost.memory = std::max(cost.memory, foreseen(scene, *planned.scene, plan));
     cost.seconds += predict_seconds(plan);
     if (scene.output.error_estimate) {
       const SolvePlan coarse = planned.coarse();
       cost.seconds += predict_coarse_seconds(plan, coarse, planned.as);
-      cost.memory = std::max(cost.memory, foreseen(scene, coarse) + solution_bytes(scene, *planned.scene));
+      cost.memory =
+          std::max(cost.memory, foreseen(scene, *planned.scene, coarse) + solution_bytes(scene, *planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(with_independent_columns(plan.whole_options()));

@@ -66,7 +66,8 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
     result.independent_columns =
         alone ? result.solution : solve_shown(planned.plan.with(with_independent_columns(assembled.options)), nullptr);
   }
-  if (scene.output.optical_depth) result.cloud_optical_depth = assembled.cloud_optical_depth;
+  result.cloud_optical_depth = assembled.cloud_optical_depth;
+  result.cloud_extinction = assembled.cloud_extinction;
   result.clouds = assembled.clouds;
   result.phase_classes = assembled.phase_classes;
   InterruptGuard::check();
@@ -91,6 +92,7 @@ Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunO
     if (result->error) solved.errors.push_back(std::move(*result->error));
     if (result->independent_columns) solved.independent_columns.push_back(std::move(*result->independent_columns));
     if (scene.output.optical_depth) solved.cloud_optical_depth.push_back(std::move(result->cloud_optical_depth));
+    if (scene.output.extinction) solved.cloud_extinction.push_back(std::move(result->cloud_extinction));
     solved.clouds.push_back(std::move(result->clouds));
     if (result->phase_classes) solved.phase_classes.push_back(*result->phase_classes);
   }

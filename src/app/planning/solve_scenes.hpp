@@ -18,6 +18,7 @@ struct Solved {
   std::vector<std::vector<CloudFigures>> clouds;        ///< of each, by constituent
   std::vector<ErrorEstimate> errors;                    ///< of each, or none
   std::vector<std::vector<float>> cloud_optical_depth;  ///< of each, by column, or none
+  std::vector<std::vector<float>> cloud_extinction;     ///< of each, by cell, or none
 };
 
 /// Errors of a solution of the scene, from coarse solves. @param ranks that make them; the first has the estimate.

@@ -29,8 +29,8 @@ void visit_members(Archive& archive, CloudFigures& figures) {
 
 template <class Archive>
 void visit_members(Archive& archive, SolveResult& result) {
-  auto& [solution, independent_columns, phase_classes, clouds, error, cloud_optical_depth] = result;
-  archive(solution, independent_columns, phase_classes, clouds, error, cloud_optical_depth);
+  auto& [solution, independent_columns, phase_classes, clouds, error, cloud_optical_depth, cloud_extinction] = result;
+  archive(solution, independent_columns, phase_classes, clouds, error, cloud_optical_depth, cloud_extinction);
 }
 
 std::vector<std::byte> bytes_of(const SolveResult& result) {

@@ -19,6 +19,7 @@ struct SolveResult {
   std::vector<CloudFigures> clouds{};
   std::optional<ErrorEstimate> error{};
   std::vector<float> cloud_optical_depth{};
+  std::vector<float> cloud_extinction{};
 };
 
 std::vector<std::byte> bytes_of(const SolveResult& result);

@@ -396,6 +396,7 @@ ResultInfo result_info(const std::vector<Scene>& scenes, Solved& solved, const R
     info.phase_class_error.push_back(classes.estimated_error);
   }
   info.cloud_optical_depth = std::move(solved.cloud_optical_depth);
+  info.cloud_extinction = std::move(solved.cloud_extinction);
   info.cloud_optical_depth_um = visible_depth_um(scenes.front());
   if (const double angle = scenes.front().output.circumsolar_half_angle; angle > 0)
     info.circumsolar_deg = angle * 180 / std::numbers::pi;

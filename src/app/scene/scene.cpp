@@ -318,7 +318,7 @@ void SceneReader::check_whole() {
         scene_.path.string()));
   }
   check_emission();
-  read_optical_depth();
+  read_cloud_fields();
   check_bands();
 }
 

@@ -222,13 +222,14 @@ void SceneReader::read_cloud_optics(const ConfigReader& reader, SceneCloud& clou
   });
 }
 
-void SceneReader::read_optical_depth() {
-  if (!scene_.output.optical_depth) return;
+void SceneReader::read_cloud_fields() {
+  if (!scene_.output.optical_depth && !scene_.output.extinction) return;
+  const char* const name = scene_.output.optical_depth ? "optical_depth" : "extinction";
   if (scene_.clouds.empty()) {
-    throw InputError(fmt::format(
-        "{}: optical_depth is that of the cloud alone (found no [cloud], allowed a scene that has one); leave "
-        "it out: layers have the optical_depth of [[layer]]",
-        scene_.where("output.fields")));
+    throw InputError(
+        fmt::format("{}: {} is that of the cloud alone (found no [cloud], allowed a scene that has one); leave "
+                    "it out: layers have the optical_depth of [[layer]]",
+                    scene_.where("output.fields"), name));
   }
   const std::vector<ConfigReader> tables = cloud_tables();
   for (std::size_t n = 0; n < tables.size(); ++n) {
@@ -239,7 +240,7 @@ void SceneReader::read_optical_depth() {
       for (const BulkOptics& optics : visible_optics(*defined.bulk->table))
         cloud.visible_m2_per_g.push_back(optics.extinction_m2_per_g);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: optical_depth is that at {} um: {}", scene_.where("output.fields"),
+      throw InputError(fmt::format("{}: {} is that at {} um: {}", scene_.where("output.fields"), name,
                                    SceneCloud::visible_um, error.what()));
     }
   }

@@ -101,8 +101,8 @@ class SceneReader {
   int add_phase_function(const std::string& name, const PhaseFunction& function, bool measured);
   /// The cloud's phase function, and the other data of its droplets in a mie table.
   void read_cloud_optics(const ConfigReader& reader, SceneCloud& cloud);
-  /// Checks that the field optical_depth can be written, and finds the optics that only it needs.
-  void read_optical_depth();
+  /// Checks that the fields optical_depth and extinction can be written, and finds the optics that only they need.
+  void read_cloud_fields();
   void read_layer_optics(const ConfigReader& reader, Layer& layer);
   /// The tables of the constituents, in the order of Scene::clouds: [cloud], or those of [[cloud]].
   std::vector<ConfigReader> cloud_tables() const;

@@ -45,8 +45,9 @@ struct MadeField {
   std::string_view key;
   bool SceneOutput::*asked;
 };
-constexpr std::array<MadeField, 5> made_fields{{{"heating_rate", &SceneOutput::heating_rate},
+constexpr std::array<MadeField, 6> made_fields{{{"heating_rate", &SceneOutput::heating_rate},
                                                 {"optical_depth", &SceneOutput::optical_depth},
+                                                {"extinction", &SceneOutput::extinction},
                                                 {"bands", &SceneOutput::bands},
                                                 {"radiance_field", &SceneOutput::radiance_field},
                                                 {"errors", &SceneOutput::errors}}};

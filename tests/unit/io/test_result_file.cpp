@@ -251,6 +251,20 @@ TEST_F(ResultFile, OfABandHasTheUnitsOfSunlight) {
   H5Fclose(file);
 }
 
+TEST_F(ResultFile, HoldsTheExtinctionOfTheCloud) {
+  ResultInfo info = sample::info();
+  info.cloud_extinction = {{0, 1, 2, 3, 4, 5}};
+  info.cloud_optical_depth_um = .55;
+  write_result(folder_ / "r.h5", sample::solution(3, 1, 2), info);
+  const hid_t file = H5Fopen((folder_ / "r.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  std::vector<hsize_t> shape;
+  EXPECT_THAT(read_values<float>(file, "extinction", H5T_NATIVE_FLOAT, &shape), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(shape, ElementsAre(2, 1, 3));
+  EXPECT_EQ(read_attribute(file, "extinction", "units"), "m-1");
+  EXPECT_EQ(read_number(file, "extinction", "wavelength_um"), .55);
+  H5Fclose(file);
+}
+
 TEST_F(ResultFile, HoldsTheOpticalDepthOfTheCloud) {
   const Solution solution = sample::solution(3, 2, 1);
   ResultInfo info = sample::info();

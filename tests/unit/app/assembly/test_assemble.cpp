@@ -32,6 +32,14 @@ class AssembleTest : public testing::Test {
     write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 25}, {0, 0, 0}, dense, quantity));
   }
 
+  /// Another one in each voxel, some 0.
+  std::vector<float> write_many_extinctions() {
+    std::vector<float> dense;
+    for (int n = 0; n < 24; ++n) dense.push_back(static_cast<float>(n % 5) / 64);
+    write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 16}, {0, 0, 0}, dense, "extinction"));
+    return dense;
+  }
+
   AssembledScene assembled(const std::string& more, const std::string& cloud = "single_scattering_albedo = 0.9") {
     const std::string text = "[cloud]\nfile = \"cloud.vdb\"\nphase_function = \"isotropic\"\n" + cloud +
                              "\n[sun]\nzenith_deg = 30\nazimuth_deg = 20\n" + more;
@@ -226,11 +234,53 @@ TEST_F(AssembleTest, OpticalDepthOfTheCloudByColumn) {
   EXPECT_THAT(assembled("").cloud_optical_depth, testing::IsEmpty());
 }
 
+/// Sums over the levels of extinction times thickness.
+std::vector<double> column_sums(const AssembledScene& scene) {
+  const BoxGrid& box = scene.problem.grid.box;
+  std::vector<double> depth(box.columns(), 0.);
+  for (std::size_t n = 0; n < scene.cloud_extinction.size(); ++n) {
+    const auto level = static_cast<int>(n / box.columns());
+    depth[n % box.columns()] += static_cast<double>(scene.cloud_extinction[n]) * box.thickness_m(level);
+  }
+  return depth;
+}
+
+// As above. The edges of a layer cut planes of voxels, and levels without cloud lie below and above.
+TEST_F(AssembleTest, ExtinctionOfTheCloudByCell) {
+  const std::string wanted = "[output]\nfields = [\"optical_depth\", \"extinction\"]\n";
+  const std::string layer =
+      "[[layer]]\nbottom_m = 7\ntop_m = 33\noptical_depth = 3\nsingle_scattering_albedo = 1\n"
+      "phase_function = \"rayleigh\"\n";
+  for (const char* const domain : {"[domain]\nmin_m = [-50, 25, 0]\nmax_m = [75, 100, 50]\n", ""}) {
+    const AssembledScene scene = assembled(wanted + layer + domain);
+    const BoxGrid& box = scene.problem.grid.box;
+    ASSERT_EQ(scene.cloud_extinction.size(), box.columns() * static_cast<std::size_t>(box.nz()));
+    const std::vector<double> depth = column_sums(scene);
+    for (std::size_t c = 0; c < depth.size(); ++c)
+      EXPECT_NEAR(depth[c], scene.cloud_optical_depth[c], 1e-6) << "float, column " << c;
+    for (const float extinction : scene.cloud_extinction) EXPECT_TRUE(extinction == 0 || extinction == .02F);
+  }
+  EXPECT_THAT(assembled("").cloud_extinction, testing::IsEmpty());
+}
+
+// Without layers all matter is the cloud's.
+TEST_F(AssembleTest, ExtinctionIsThatOfTheCells) {
+  write_many_extinctions();
+  const AssembledScene scene =
+      assembled("[output]\nfields = [\"extinction\"]\n", "single_scattering_albedo = 0.5\nscale = 2");
+  const OpticalGrid& grid = scene.problem.grid;
+  std::size_t places = 0;
+  grid.for_each_place([&](int k, std::size_t column, std::size_t cell) {
+    EXPECT_EQ(scene.cloud_extinction[static_cast<std::size_t>(k) * 12 + column], grid.extinction(cell));
+    ++places;
+  });
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count_if(scene.cloud_extinction, [](float e) { return e > 0; })),
+            places);
+}
+
 // Sums of extinction times thickness over unlike levels; their sum is the figure of the dry run.
 TEST_F(AssembleTest, OpticalDepthSumsTheLevels) {
-  std::vector<float> dense;
-  for (int n = 0; n < 24; ++n) dense.push_back(static_cast<float>(n % 5) / 64);
-  write_cloud_vdb(folder_ / "cloud.vdb", make_cloud_field({4, 3, 2}, {25, 25, 16}, {0, 0, 0}, dense, "extinction"));
+  const std::vector<float> dense = write_many_extinctions();
   const AssembledScene scene =
       assembled("[output]\nfields = [\"optical_depth\"]\n", "single_scattering_albedo = 0.5\nscale = 2");
   ASSERT_EQ(scene.cloud_optical_depth.size(), 12U);

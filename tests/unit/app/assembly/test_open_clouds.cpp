@@ -64,7 +64,7 @@ class Constituents : public testing::Test {
 
 // Extinction of liquid 3 LWC / (2 rho r), of ice with the density .917 g/cm3.
 TEST_F(Constituents, AddUpInAVoxel) {
-  const AssembledScene scene = assembled(liquid_ + ice_ + "[output]\nfields = [\"optical_depth\"]\n");
+  const AssembledScene scene = assembled(liquid_ + ice_ + "[output]\nfields = [\"optical_depth\", \"extinction\"]\n");
   const OpticalGrid& grid = scene.problem.grid;
   EXPECT_EQ(grid.box.nx, 3);
   ASSERT_EQ(grid.active_cells(), 3U);
@@ -76,6 +76,7 @@ TEST_F(Constituents, AddUpInAVoxel) {
               ElementsAre(FloatEq(.25F * liquid), FloatEq(.125F * liquid + .5F * ice), FloatEq(.5F * ice)));
   EXPECT_THAT(scene.cloud_optical_depth,
               ElementsAre(FloatEq(100 * liquid), FloatEq(50 * liquid + 100 * ice), FloatEq(100 * ice)));
+  EXPECT_THAT(scene.cloud_extinction, ElementsAre(FloatEq(liquid), FloatEq(.5F * liquid + ice), FloatEq(ice)));
   ASSERT_EQ(scene.clouds.size(), 2U);
   EXPECT_EQ(scene.clouds[0].name, "liquid");
   EXPECT_NEAR(scene.clouds[0].water_path_g_m2->sum, 75, 1e-4);

@@ -123,7 +123,7 @@ TEST_P(BroadbandTest, BandsSumToTheWhole) {
 TEST_P(BroadbandTest, OpticalDepthIsNotSummed) {
   for (const char* method : {"method = \"columns\"\n", "few_points = 2\nfew_tolerance = 0.1\n"}) {
     std::vector<Scene> wanted = scenes(method);
-    for (Scene& scene : wanted) scene.output.optical_depth = true;
+    for (Scene& scene : wanted) scene.output.optical_depth = scene.output.extinction = true;
     const BroadbandRun found = run(wanted);
     ASSERT_EQ(found.solved.cloud_optical_depth.size(), 1U) << method;
     const std::vector<float>& depth = found.solved.cloud_optical_depth[0];
@@ -131,6 +131,8 @@ TEST_P(BroadbandTest, OpticalDepthIsNotSummed) {
     EXPECT_FLOAT_EQ(depth[4 + 1], 2) << method;
     EXPECT_FLOAT_EQ(depth[4 + 2], .5) << method;
     EXPECT_FLOAT_EQ(std::accumulate(depth.begin(), depth.end(), 0.F), 2.5) << method;
+    ASSERT_EQ(found.solved.cloud_extinction.size(), 1U) << method;
+    EXPECT_FLOAT_EQ(*std::ranges::max_element(found.solved.cloud_extinction[0]), .02F) << method;
   }
 }
 

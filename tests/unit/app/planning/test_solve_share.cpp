@@ -31,6 +31,7 @@ SolveResult result_of(std::size_t solve) {
   result.error.emplace().calibrated_for = "draft";
   result.error->upwelling_flux_error = {number};
   result.cloud_optical_depth = {number};
+  result.cloud_extinction = {number, 2 * number};
   return result;
 }
 

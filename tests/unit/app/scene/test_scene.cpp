@@ -81,7 +81,7 @@ radiance_storage = "float16"
 [output]
 file = "out/result.h5"
 flux_levels = [100, 0, 250.5]
-fields = ["fluxes", "actinic", "errors", "optical_depth"]
+fields = ["fluxes", "actinic", "errors", "optical_depth", "extinction"]
 error_estimate = false
 )"));
   ASSERT_EQ(scene.clouds.size(), 1U);
@@ -116,6 +116,7 @@ error_estimate = false
   EXPECT_TRUE(scene.output.actinic);
   EXPECT_TRUE(scene.output.errors);
   EXPECT_TRUE(scene.output.optical_depth);
+  EXPECT_TRUE(scene.output.extinction);
   EXPECT_FALSE(scene.output.error_estimate);
 }
 

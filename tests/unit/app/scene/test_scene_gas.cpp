@@ -133,7 +133,7 @@ TEST_F(GasScene, ExtinctionGridsAreVisible) {
   }
 }
 
-const std::string wants_depth = "[output]\nfields = [\"fluxes\", \"optical_depth\"]\n";
+const std::string wants_depth = "[output]\nfields = [\"fluxes\", \"optical_depth\", \"extinction\"]\n";
 
 // The depth is that of the visible at each g-point: an extinction grid gives it as it stands. Towers of .02 per metre
 // times 100 m and of .01 times 50 m.
@@ -146,6 +146,12 @@ TEST_F(GasScene, OpticalDepthIsVisible) {
     const std::vector<float>& found = assembled.cloud_optical_depth;
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t c = 0; c < found.size(); ++c) EXPECT_FLOAT_EQ(found[c], expected[c]);
+    const BoxGrid& box = assembled.problem.grid.box;
+    for (std::size_t c = 0; c < found.size(); ++c) {
+      double depth = 0;
+      for (int k = 0; k < box.nz(); ++k) depth += assembled.cloud_extinction[k * found.size() + c] * box.thickness_m(k);
+      EXPECT_NEAR(depth, expected[c], 1e-6) << "of float";
+    }
     ASSERT_EQ(assembled.clouds.size(), 1U);
     EXPECT_EQ(assembled.clouds[0].optical_depth_um, SceneCloud::visible_um);
     EXPECT_NEAR(assembled.clouds[0].optical_depth.sum, 2.5, 1e-6);
@@ -179,19 +185,23 @@ TEST_F(GasScene, OpticalDepthOfWaterIsVisible) {
   const CloudField water =
       make_cloud_field({2, 1, 2}, {100, 100, 50}, {0, 0, 500}, {.5F, .25F, .5F, 0}, "liquid_water_content");
   write_cloud_vdb(files_.folder / "water.vdb", water, {}, {{"reff", "effective_radius", "um", {8, 12, 10}}});
-  const auto expect_depths = [&](const std::string& radius_key, double first, double second) {
+  const auto expect_depths = [&](const std::string& radius_key, double first, double second, double most) {
     const std::string cloud = "[cloud]\nfile = \"water.vdb\"\nphase_function = \"drops\"\n" + radius_key +
                               "\n[phase_function.drops]\ntype = \"bulk\"\nfile = \"water.nc\"\n";
     for (const Scene& scene : read(cloud + wants_depth + solar)) {
-      const std::vector<float> found = assemble(scene, std::uint64_t{1} << 30).cloud_optical_depth;
+      const AssembledScene assembled = assemble(scene, std::uint64_t{1} << 30);
+      const std::vector<float>& found = assembled.cloud_optical_depth;
       ASSERT_EQ(found.size(), 2U);
       constexpr double of_float = 1e-6;
       EXPECT_NEAR(found[0] / first, 1, of_float) << "g-point " << scene.gas_point;
       EXPECT_NEAR(found[1] / second, 1, of_float) << "g-point " << scene.gas_point;
+      const auto largest = static_cast<double>(*std::ranges::max_element(assembled.cloud_extinction));
+      EXPECT_NEAR(largest / most, 1, of_float) << "g-point " << scene.gas_point;
     }
   };
-  expect_depths("effective_radius_grid = \"reff\"", 50 * .5 * 1.5 * (1 / 8. + 1 / 10.), 50 * .25 * 1.5 / 12);
-  expect_depths("effective_radius_um = 10", 50 * 1. * 1.5 / 10, 50 * .25 * 1.5 / 10);
+  expect_depths("effective_radius_grid = \"reff\"", 50 * .5 * 1.5 * (1 / 8. + 1 / 10.), 50 * .25 * 1.5 / 12,
+                .5 * 1.5 / 8);
+  expect_depths("effective_radius_um = 10", 50 * 1. * 1.5 / 10, 50 * .25 * 1.5 / 10, .5 * 1.5 / 10);
 }
 
 // Droplets of extinction .02 per metre and crystals of 8 and 12 um in .5 g/m3 of ice share a voxel; a second voxel has
