@@ -5,11 +5,13 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <string_view>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/sandbox.hpp"
@@ -88,6 +90,17 @@ std::vector<std::string> images(hid_t file) {
 
 std::vector<double> wavelengths(hid_t file) {
   return hdf5::exists(file, "wavelength") ? read_coordinate(file, "wavelength") : std::vector<double>();
+}
+
+/// Whether a variable holds light that travels down, which is the same everywhere at the top, or nothing.
+bool travels_down(const std::string& variable) {
+  constexpr std::array<std::string_view, 4> names{"downwelling_diffuse_flux", "direct_flux", "direct_normal_flux",
+                                                  "circumsolar_flux"};
+  std::string_view name = variable;
+  for (const std::string_view prefix : {"difference_", "independent_columns_"}) {
+    if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
+  }
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 std::size_t find_level(const std::vector<double>& height, const std::string& level, const std::string& where) {
@@ -196,6 +209,28 @@ struct Horizontal {
   double dx = 1, dy = 1;
 };
 
+/// @param selection of the variable of the section, which has the same columns
+std::optional<SectionClouds> read_clouds(hid_t file, const std::string& where, const Selection& selection) {
+  constexpr const char* name = "extinction";
+  if (!hdf5::exists(file, name)) return std::nullopt;
+  const Handle dataset = hdf5::open_dataset(file, name);
+  const bool spectral = selection.wavelength_um.has_value();
+  const std::size_t rank = spectral ? 4 : 3, vertical = spectral ? 1 : 0;
+  Selection cells{shape_of(dataset), std::vector<hsize_t>(rank, 0), {}};
+  if (cells.size.size() != rank) return std::nullopt;
+  if (spectral) {
+    cells.start[0] = selection.start[0];
+    cells.size[0] = 1;
+  }
+  for (std::size_t n = 1; n <= 2; ++n) {
+    cells.start[rank - n] = selection.start[selection.start.size() - n];
+    cells.size[rank - n] = selection.size[selection.size.size() - n];
+  }
+  SectionClouds clouds{{}, read_axis(file, where, "z_edge", cells.size[vertical] + 1)};
+  clouds.extinction = hdf5::read_block<float>(dataset, {cells.start, cells.size});
+  return clouds;
+}
+
 /// @param choice with a section, or the variable has one row or column only
 FluxImage read_section(hid_t file, const std::string& where, hid_t dataset, FluxImage image, Selection selection,
                        unsigned vertical, const Horizontal& axes, const ImageChoice& choice) {
@@ -227,6 +262,7 @@ FluxImage read_section(hid_t file, const std::string& where, hid_t dataset, Flux
   image.column_start_m = centre.front() - 0.5 * image.column_width_m;
   // One of the two horizontal axes has length 1, so that [z][y][x] is [row][column] already.
   image.value = hdf5::read_block<float>(dataset, {selection.start, selection.size});
+  image.clouds = read_clouds(file, where, selection);
   return image;
 }
 
@@ -257,15 +293,16 @@ FluxImage read_image(hid_t file, const std::string& where, const std::string& va
                     where, variable));
   }
   const bool is_section = choice.section || (has_levels && (axes.x.size() == 1 || axes.y.size() == 1));
-  if ((is_section || !kind.levels) && choice.level != ImageChoice().level) {
-    throw InputError(fmt::format("{}: level {} has no effect (found {}, {}; leave the level out)", where, choice.level,
+  if ((is_section || !kind.levels) && choice.level) {
+    throw InputError(fmt::format("{}: level {} has no effect (found {}, {}; leave the level out)", where, *choice.level,
                                  variable, is_section ? "a section of all levels" : "which has no levels"));
   }
   if (is_section)
     return read_section(file, where, dataset, std::move(image), std::move(selection), vertical, axes, choice);
   if (kind.levels) {
     const auto height = read_axis(file, where, dimension_name(dataset, vertical), size[vertical]);
-    start[vertical] = find_level(height, choice.level, where);
+    const std::string level = choice.level.value_or(travels_down(variable) ? "bottom" : "top");
+    start[vertical] = find_level(height, level, where);
     size[vertical] = 1;
     image.place = fmt::format("z = {:g} m", height[start[vertical]]);
   }

@@ -49,10 +49,13 @@ int pixel_rows(const FluxImage& image) {
   return static_cast<int>(std::clamp(std::ceil(2 * height / thinnest), double{least_pixels}, double{most_pixels}));
 }
 
+double longest_axis_m(const FluxImage& image) {
+  return std::max(image.columns * image.column_width_m, image.row_edge_m.back() - image.row_edge_m.front());
+}
+
 MapPlot map_of(const FluxImage& image, const std::string& title) {
   const double width_m = image.columns * image.column_width_m;
-  const double height_m = image.row_edge_m.back() - image.row_edge_m.front();
-  const LengthUnit unit = length_unit(std::max(width_m, height_m));
+  const LengthUnit unit = length_unit(longest_axis_m(image));
   MapPlot plot;
   plot.title = title;
   std::vector<std::string> parts;
@@ -74,6 +77,17 @@ bool are_apart(double first, double last) {
   constexpr double least_extent = 1e-12;  // the spacing of doubles is 1e-16 of their value
   const double extent = std::abs(last - first);
   return std::isfinite(extent) && extent > least_extent * std::max(std::abs(first), std::abs(last));
+}
+
+/// @param image with clouds
+void add_outline(const FluxImage& image, double threshold_per_m, MapPlot& plot) {
+  plot.outline = cloud_outline(image, threshold_per_m);
+  if (plot.outline.empty()) return;
+  plot.subtitle += ", " + unbroken(fmt::format("line: extinction {:g} km\u207b\u00b9", 1000 * threshold_per_m));
+  const double metres = length_unit(longest_axis_m(image)).metres;
+  for (auto& [from_x, from_y, to_x, to_y] : plot.outline) {
+    for (double* const length : {&from_x, &from_y, &to_x, &to_y}) *length /= metres;
+  }
 }
 
 }  // namespace
@@ -144,9 +158,10 @@ std::string readable_name(const std::string& variable) {
   return name;
 }
 
-Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std::string& title) {
+Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std::string& title, double outline_per_m) {
   MapPlot plot = map_of(image, title);
   plot.scale = scale;
+  if (image.clouds && outline_per_m > 0) add_outline(image, outline_per_m, plot);
   DrawnPicture& picture = plot.picture;
   picture.width = std::min(image.columns, most_pixels);
   picture.height = pixel_rows(image);

@@ -31,7 +31,9 @@ ColourScale colour_scale(const std::string& variable, const std::string& unit, s
 std::string readable_name(const std::string& variable);
 
 /// @param title plain text
-Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std::string& title);
+/// @param outline_per_m extinction at which clouds have their outline in a section; 0: no outline
+Drawing field_figure(const FluxImage& image, const ColourScale& scale, const std::string& title,
+                     double outline_per_m = 0);
 /// The same with a picture in colours of its own. @param rgb of width times height pixels
 Drawing photograph_figure(const FluxImage& image, const std::vector<std::uint8_t>& rgb, int width, int height,
                           const std::string& title);

@@ -44,6 +44,15 @@ void place_frame(MapPlot& plot, double top) {
   }
 }
 
+/// Dark lines in a pale rim, which are seen on all colours.
+void draw_pieces(Drawing& drawing, const Frame& frame, const std::vector<OutlinePiece>& pieces) {
+  for (const Stroke& stroke : {Stroke{{255, 255, 255}, 1.1}, Stroke{{0, 0, 0}, 0.4}}) {
+    for (const OutlinePiece& piece : pieces)
+      drawing.add(
+          DrawnLine{{frame.at(piece.from_x, piece.from_y), frame.at(piece.to_x, piece.to_y)}, stroke, frame.box});
+  }
+}
+
 }  // namespace
 
 Drawing map_figure(MapPlot plot) {
@@ -56,6 +65,7 @@ Drawing map_figure(MapPlot plot) {
   const PlotBox& box = plot.frame.box;
   plot.picture.box = box;
   drawing.add(plot.picture);
+  draw_pieces(drawing, plot.frame, plot.outline);
   double bottom = box.bottom;
   if (plot.has_axes) {
     draw_frame(drawing, plot.frame);

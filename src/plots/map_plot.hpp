@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cloudbow/io/png_file.hpp"
+#include "plots/cloud_outline.hpp"
 #include "plots/frame.hpp"
 
 namespace cloudbow {
@@ -17,12 +18,13 @@ struct ColourScale {
 };
 
 struct MapPlot {
-  std::string title;     ///< plain text
-  std::string subtitle;  ///< plain text, smaller
-  Frame frame;           ///< axes and their ranges
-  bool has_axes = true;  ///< without: the outline alone, for images of cameras
-  double aspect = 1;     ///< height over width of the frame
-  DrawnPicture picture;  ///< fills the frame
+  std::string title;                    ///< plain text
+  std::string subtitle;                 ///< plain text, smaller
+  Frame frame;                          ///< axes and their ranges
+  bool has_axes = true;                 ///< without: the outline alone, for images of cameras
+  double aspect = 1;                    ///< height over width of the frame
+  DrawnPicture picture;                 ///< fills the frame
+  std::vector<OutlinePiece> outline{};  ///< over the picture, in the units of the axes
   std::optional<ColourScale> scale{};
 };
 

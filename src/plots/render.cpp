@@ -116,13 +116,14 @@ bool has_colours(const RenderOptions& options) {
 
 /// Profiles are curves over all levels, and sections contain all levels.
 void check_shape(const RenderOptions& options) {
-  const bool has_level = options.level != RenderOptions().level;
+  const bool has_level = options.level.has_value();
   exclude(!options.section.empty() && has_level, "section", "level");
   if (!options.profile) return;
   exclude(!options.section.empty(), "profile", "section");
   exclude(has_level, "profile", "level");
   exclude(options.form == RenderForm::bare, "profile", "bare");
   exclude(options.scale > 0, "profile", "scale");
+  exclude(options.outline.has_value(), "profile", "outline");
   exclude(options.range || options.min || options.max, "profile", "range, min and max, of colours");
   exclude(!options.colormap.empty(), "profile", "colormap");
   exclude(!options.tone.empty() || options.exposure || options.automatic_exposure, "profile", "tone and exposure");
@@ -140,6 +141,7 @@ void check_options(const RenderOptions& options) {
   const bool pixels = options.form == RenderForm::bare || options.scale > 0;
   exclude(pixels && options.width > 0, options.scale > 0 ? "scale" : "bare", "size, the width of a figure");
   exclude(pixels && options.title, options.scale > 0 ? "scale" : "bare", "title");
+  exclude(pixels && options.outline, options.scale > 0 ? "scale" : "bare", "outline");
   exclude(options.scale > 0 && options.form == RenderForm::figure, "scale, of pixels alone,", "figure");
   const PictureFormat format = picture_format(options.image_file, OutputKind::picture);
   if (pixels && (format == PictureFormat::svg || format == PictureFormat::pdf)) {
@@ -161,6 +163,18 @@ void check_options(const RenderOptions& options) {
   }
   exclude(options.width > 0 && (format == PictureFormat::svg || format == PictureFormat::pdf),
           "size, the width of a PNG figure", "SVG and PDF");
+}
+
+/// Clouds have an outline in sections of results that hold their extinction.
+void check_outline(const FluxImage& image, const RenderOptions& options) {
+  if (!options.outline) return;
+  if (!(std::isfinite(*options.outline) && *options.outline >= 0))
+    throw InputError(fmt::format("outline: found {}, allowed an extinction >= 0 1/m", *options.outline));
+  if (*options.outline == 0 || image.clouds) return;
+  const bool section = image.rows_along == "z";
+  throw InputError(fmt::format("{}: no outline of clouds can be drawn (found {}, allowed {}",
+                               options.result_file.string(), section ? "no variable extinction" : "a map",
+                               section ? "output.fields with \"extinction\")" : "a section)"));
 }
 
 void write_figure(RenderReport& report, const RenderOptions& options, const Drawing& drawing) {
@@ -206,6 +220,7 @@ RenderReport render_image(const RenderOptions& options) {
   report.image = channels ? channels->image.front()
                           : read_flux_image(options.result_file, options.variable,
                                             {options.level, options.wavelength_um, section_of(options.section)});
+  check_outline(report.image, options);
   set_range(report, options);
   const bool figure = is_figure(options, format, report.image);
   exclude(figure && report.image.place == "column" && uses_colormap(options), "a curve (a result of one column)",
@@ -236,7 +251,8 @@ RenderReport render_image(const RenderOptions& options) {
   } else if (figure) {
     const ColourScale scale = colour_scale(options.variable, report.image.units, {report.min, report.max},
                                            {options.colormap, options.range, options.min, options.max});
-    write_figure(report, options, field_figure(report.image, scale, title));
+    write_figure(report, options,
+                 field_figure(report.image, scale, title, options.outline.value_or(outline_extinction_per_m)));
     report.colours = range;
   } else {
     const std::string colormap = options.colormap.empty() ? "grey" : options.colormap;

@@ -422,6 +422,8 @@ def main():
                 ("pixels and a width", ["--bare", "--size", "600"], ["bare", "size"]),
                 ("a section and a level", ["--section", "y=100", "--level", "bottom"], ["section", "level"]),
                 ("a profile and a level", ["--profile", "--level", "nonsense"], ["profile", "level"]),
+                ("an outline without extinction", ["--section", "y=100", "--outline", "1e-3"], ["result.h5", "outline", "extinction"]),
+                ("an outline of a map", ["--outline", "1e-3"], ["result.h5", "outline", "a section"]),
                 ("a profile and colours", ["--profile", "--colormap", "grey"], ["profile", "colormap"]),
                 ("a tiny figure", ["--size", "20"], ["--size", "20", "400"]),
                 ("min above all", ["--min", "1e9"], ["min", "1e+09"])):

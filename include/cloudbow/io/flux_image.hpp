@@ -8,6 +8,12 @@
 
 namespace cloudbow {
 
+/// Extinction of the clouds in the cells of a section. They have the columns of its image, and rows of their own.
+struct SectionClouds {
+  std::vector<float> extinction;   ///< [row][column] 1/m, row 0 at the bottom
+  std::vector<double> row_edge_m;  ///< rows + 1, ascending
+};
+
 /// Values on a rectangle of cells, with the first axis to the right and the second upwards. It is a horizontal map (x,
 /// y), the image of a camera or a vertical section (x or y, z). Without a choice, a section is that of a result with
 /// one row or column of cells only.
@@ -23,11 +29,12 @@ struct FluxImage {
   std::optional<double> wavelength_um;
   int columns = 0;
   int rows = 0;
-  std::vector<float> value;        ///< [row][column], row 0 at the bottom; NaN: no value
-  double column_start_m = 0;       ///< edge of the first column
-  double column_width_m = 1;       ///< of a camera: 1, a pixel
-  std::vector<double> row_edge_m;  ///< rows + 1, ascending
-  std::vector<double> level_m{};   ///< heights of rows whose values hold at levels; empty: those of cells
+  std::vector<float> value;               ///< [row][column], row 0 at the bottom; NaN: no value
+  double column_start_m = 0;              ///< edge of the first column
+  double column_width_m = 1;              ///< of a camera: 1, a pixel
+  std::vector<double> row_edge_m;         ///< rows + 1, ascending
+  std::vector<double> level_m{};          ///< heights of rows whose values hold at levels; empty: those of cells
+  std::optional<SectionClouds> clouds{};  ///< of a section, if the result has the variable `extinction`
 };
 
 /// A vertical plane through a result.
@@ -38,8 +45,9 @@ struct SectionPlane {
 
 /// Indices of an image in a variable of more dimensions.
 struct ImageChoice {
-  std::string level = "top";  ///< "top", "bottom" or a height in metres between them, of which the nearest level is
-                              ///< taken; sections and images refuse another than the default
+  /// "top", "bottom" or a height in metres between them, of which the nearest level is taken. Default: the top, of
+  /// light that travels down the bottom. Sections and images refuse it.
+  std::optional<std::string> level{};
   std::optional<double> wavelength_um;  ///< of which the nearest is taken; default: the first
   std::optional<SectionPlane> section{};
 };

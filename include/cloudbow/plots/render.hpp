@@ -15,6 +15,9 @@ namespace cloudbow {
 /// pixels of images of radiance and of cameras.
 enum class RenderForm { automatic, bare, figure };
 
+/// Thinner than clouds that are seen.
+inline constexpr double outline_extinction_per_m = 1e-4;
+
 struct RenderOptions {
   std::filesystem::path result_file;
   std::filesystem::path image_file;         ///< PNG, SVG or PDF, or OpenEXR if its name ends in .exr; no other ending
@@ -25,11 +28,14 @@ struct RenderOptions {
   bool all_fluxes = false;
   std::optional<std::string> title{};   ///< of a figure; default: that of the scene
   int width = 0;                        ///< of a PNG figure in pixels; 0: 1200
-  std::string level = "top";            ///< "top", "bottom" or a height in metres
+  std::optional<std::string> level{};   ///< as in ImageChoice
   std::optional<double> wavelength_um;  ///< of a spectrum: draw the nearest alone
   std::optional<std::pair<double, double>>
       range;                           ///< values of the first and last colour; default: smallest and largest value
   std::optional<double> min{}, max{};  ///< one end of the range alone
+  /// Extinction [1/m] at which figures of sections outline the clouds, if the result has the variable `extinction`; 0:
+  /// no outline; default: outline_extinction_per_m.
+  std::optional<double> outline{};
   int scale = 0;         ///< pixels per cell, nearest neighbour, of pixels alone, which it asks for; 0: so that the
                          ///< longer side is about 768 pixels, of cameras and of OpenEXR files 1
   std::string colormap;  ///< one of colormap_names(); empty: natural colours if possible; else grey, in figures

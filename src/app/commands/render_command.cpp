@@ -47,7 +47,10 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->required();
   auto* variable =
       render_app->add_option("--variable,--field", options->variable, "Variable to draw")->capture_default_str();
-  render_app->add_option("--level", options->level, "top, bottom or a height in metres")->capture_default_str();
+  render_app
+      ->add_option("--level", options->level,
+                   "top, bottom or a height in metres (default: top; bottom for fluxes of light that travels down)")
+      ->type_name("LEVEL");
   auto* section = render_app->add_option("--section", options->section, "A vertical section at this x or y, in metres")
                       ->type_name("x=M|y=M");
   render_app->add_flag("--profile", options->profile, "Domain means by height; without --variable those of all fluxes")
@@ -59,6 +62,11 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       "--figure", [options] { options->form = RenderForm::figure; },
       "Axes, title and scale of colours (default of all others)");
   figure->excludes(bare);
+  render_app
+      ->add_option("--outline", options->outline,
+                   "Sections: outline of the clouds at this extinction [1/m], 0 for none (default: 1e-4, if the result "
+                   "has the field extinction)")
+      ->check(finite_number(0, "an extinction >= 0 1/m"));
   render_app->add_option("--title", options->title, "Title of a figure (default: the scene's)")->type_name("TEXT");
   render_app->add_option("--size", options->width, "Width of a PNG figure in pixels (default: 1200)")
       ->check(whole_number(400, 10000));

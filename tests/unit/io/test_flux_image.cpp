@@ -30,6 +30,23 @@ TEST(FluxImage, IsTheLevelThatIsAskedFor) {
   expect_level("528", 1);  // interfaces at 510, 530, 560, ...
 }
 
+TEST(FluxImage, WithoutALevelIsTheTopOrForLightThatTravelsDownTheBottom) {
+  const TemporaryFolder folder;
+  const auto file = folder / "a.h5";
+  Solution solution = sample::solution(3, 2, 4);
+  solution.circumsolar_flux = solution.direct_flux;
+  const std::vector<Solution> columns{sample::solution(3, 2, 4)};
+  write_result(file, {&solution, 1}, sample::info(), columns);
+  const auto place = [&](const std::string& variable) { return read_flux_image(file, variable, {}).place; };
+  for (const char* variable : {"upwelling_flux", "difference_upwelling_flux"})
+    EXPECT_EQ(place(variable), "z = 650 m") << variable;
+  EXPECT_EQ(place("absorbed_power"), "z = 625 m") << "the middle of the highest cell";
+  for (const char* variable : {"downwelling_diffuse_flux", "direct_flux", "direct_normal_flux", "circumsolar_flux",
+                               "difference_direct_flux", "independent_columns_direct_flux"})
+    EXPECT_EQ(place(variable), "z = 510 m") << variable;
+  EXPECT_EQ(read_flux_image(file, "direct_flux", {"top", std::nullopt}).place, "z = 650 m") << "if it is asked for";
+}
+
 TEST(FluxImage, OneRowOfCellsIsASection) {
   const TemporaryFolder folder;
   const auto file = folder / "a.h5";

@@ -111,6 +111,35 @@ TEST(FieldFigure, LongDomainsAreInKilometres) {
   EXPECT_THAT(text(1000), HasSubstr("Scene|"));
 }
 
+// One cloudy cell at the left has one face at its top and one at its right, drawn twice: a pale rim, and a line.
+TEST(FieldFigure, SectionsOutlineTheClouds) {
+  FluxImage image = sample_image(1000);
+  image.rows_along = "z";
+  image.clouds = SectionClouds{{2e-4F, 0, 0, 0, 0, 0}, {0, 1000, 2000}};
+  const auto drawn = [&image](double outline_per_m) {
+    return field_figure(image, colour_scale(image.variable, image.units, {0, 5}, {}), "", outline_per_m);
+  };
+  const auto lines = [](const Drawing& drawing) {
+    std::vector<DrawnLine> found;
+    for (const Shape& shape : drawing.shapes) {
+      const auto* line = std::get_if<DrawnLine>(&shape);
+      if (line != nullptr && line->clip) found.push_back(*line);
+    }
+    return found;
+  };
+  const Drawing drawing = drawn(1e-4);
+  const std::vector<DrawnLine> outline = lines(drawing);
+  ASSERT_EQ(outline.size(), 4U);
+  const PlotBox& box = *outline[0].clip;
+  EXPECT_NEAR(outline[0].points[1].x - outline[0].points[0].x, box.width() / 3, 1e-9) << "one of three columns";
+  EXPECT_NEAR(outline[1].points[0].y - outline[1].points[1].y, box.height() / 2, 1e-9) << "one of two rows";
+  EXPECT_THAT(all_text(drawing), HasSubstr("line:\u00a0extinction\u00a00.1\u00a0km\u207b\u00b9"));
+  for (const double none : {0., 2.1e-4}) {
+    EXPECT_TRUE(lines(drawn(none)).empty());
+    EXPECT_THAT(all_text(drawn(none)), testing::Not(HasSubstr("line:")));
+  }
+}
+
 TEST(FieldFigure, UnevenRowsHaveTheirHeightInPixels) {
   FluxImage image = sample_image(100);
   image.rows_along = "z";

@@ -313,6 +313,48 @@ TEST_F(Render, SectionIsAPlaneOfCells) {
   EXPECT_EQ(report_.image.column_width_m, 50);
 }
 
+// Extinctions are the numbers of the cells. Sections of fluxes have them too, on rows of cells.
+TEST_F(Render, SectionsHaveTheCloudsOfTheResult) {
+  const Solution solution = sample::solution(3, 4, 2);
+  ResultInfo info = sample::info();
+  info.cloud_extinction.emplace_back();
+  for (int n = 0; n < 24; ++n) info.cloud_extinction[0].push_back(static_cast<float>(n));
+  write_result(options_.result_file, solution, info);
+  options_.form = RenderForm::figure;
+  for (const char* variable : {"absorbed_power", "upwelling_flux"}) {
+    options_.variable = variable;
+    options_.section = "y=80";
+    draw();
+    ASSERT_TRUE(report_.image.clouds.has_value());
+    EXPECT_THAT(report_.image.clouds->extinction, testing::ElementsAre(6, 7, 8, 18, 19, 20)) << variable;
+    EXPECT_THAT(report_.image.clouds->row_edge_m, testing::ElementsAre(510, 530, 560));
+    options_.section = "x=120";
+    draw();
+    EXPECT_THAT(report_.image.clouds->extinction, testing::ElementsAre(0, 3, 6, 9, 12, 15, 18, 21)) << variable;
+  }
+  const std::string with = bytes_of(options_.image_file);
+  options_.outline = 0;
+  draw();
+  EXPECT_NE(bytes_of(options_.image_file), with);
+  options_.outline = 10;
+  options_.section = "";
+  EXPECT_THAT([this] { render(options_); }, ThrowsMessage<InputError>(HasSubstr("found a map, allowed a section")));
+
+  info.wavelengths_um = {.5, .6};
+  info.cloud_extinction.push_back(info.cloud_extinction[0]);
+  for (float& value : info.cloud_extinction[1]) value += 100;
+  const std::vector<Solution> solutions{solution, solution};
+  write_result(options_.result_file, solutions, info);
+  options_.section = "y=80";
+  options_.wavelength_um = .6;
+  draw();
+  EXPECT_THAT(report_.image.clouds->extinction, testing::ElementsAre(106, 107, 108, 118, 119, 120));
+
+  write(solution);
+  options_.wavelength_um.reset();
+  EXPECT_THAT([this] { render(options_); }, ThrowsMessage<InputError>(HasSubstr("found no variable extinction")));
+}
+
 TEST_F(Render, ProfilesAreThoseOfTheFileOrMeans) {
   write(sample::solution(3, 4, 2));
   const FluxProfile stored = read_flux_profile(options_.result_file, "direct_flux", {});
@@ -370,6 +412,9 @@ TEST_F(Render, OptionsThatExcludeEachOther) {
   expect([](auto& o) { o.profile = true, o.level = "nonsense"; }, HasSubstr("profile: excludes level"));
   expect([](auto& o) { o.profile = true, o.form = RenderForm::bare; }, HasSubstr("profile: excludes bare"));
   expect([](auto& o) { o.profile = true, o.scale = 2; }, HasSubstr("profile: excludes scale"));
+  expect([](auto& o) { o.profile = true, o.outline = 1; }, HasSubstr("profile: excludes outline"));
+  expect([](auto& o) { o.scale = 2, o.outline = 1; }, HasSubstr("scale: excludes outline"));
+  expect([](auto& o) { o.section = "y=0", o.outline = -1; }, HasSubstr("found -1, allowed an extinction >= 0"));
   expect([](auto& o) { o.profile = true, o.max = 2; }, HasSubstr("profile: excludes range"));
   expect([](auto& o) { o.profile = true, o.colormap = "grey"; }, HasSubstr("profile: excludes colormap"));
   expect([](auto& o) { o.profile = true, o.exposure = 2; }, HasSubstr("profile: excludes tone"));
