@@ -388,6 +388,10 @@ def main():
         for size, found in (("1e-320", "1e-320"), ("1e-300", "1e-300 m3"), ("1e308", "1e+308")):
             checker.expect_error(f"cloud make: voxels of {size} m", ["cloud", "make", "slab", "--cells", "4", "4", "4", "--voxel-size-m", size, "1", "1", "-o", folder / "output.vdb"],
                                  ["voxel-size-m", found], folder / "output.vdb")
+        for factor in ("1", "9", "2.5"):
+            checker.expect_error(f"cloud refine: {factor} parts", ["cloud", "refine", cloud, "--factor", factor, "-o", folder / "output.vdb"],
+                                 ["--factor", factor, "2 to 8"], folder / "output.vdb")
+        checker.expect_error("cloud refine: another grid", ["cloud", "refine", cloud, "--grid", "water", "-o", folder / "output.vdb"], ["cloud.vdb", "water", "density"], folder / "output.vdb")
         checker.expect_error("cloud make: no cell with a cloud",
                              ["cloud", "make", "cumulus", "--cells", "16", "16", "8", "--voxel-size-m", "50", "50", "50", "--cover", "0.001", "-o", folder / "output.vdb"],
                              ["empty", "cover"], folder / "output.vdb")

@@ -13,6 +13,7 @@
 #include "cloudbow/core/output_files.hpp"
 #include "cloudbow/core/printable.hpp"
 #include "cloudbow/medium/cloud_makers.hpp"
+#include "cloudbow/medium/cloud_refinement.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
 #include "cloudbow/plots/column_plot.hpp"
 
@@ -59,6 +60,65 @@ void add_cloud_make(CLI::App& cloud_app, std::function<int()>& action) {
       return exit_done;
     };
   });
+}
+
+struct RefineOptions {
+  std::filesystem::path file, output;
+  VdbReadOptions read;
+  int factor = 2;
+  std::string boundary = "periodic";
+  VdbWriteOptions write;
+};
+
+/// Grids of the file on the voxels of the cloud, which keep their value in all parts; the others are named.
+std::vector<VdbAuxiliary> refined_auxiliaries(const RefineOptions& options, const CloudField& field,
+                                              const CloudField& refined) {
+  std::vector<VdbAuxiliary> auxiliaries;
+  for (const VdbGridInfo& grid : describe_cloud_vdb(options.file, {}, options.read.up_axis).grids) {
+    if (grid.name == options.read.grid) continue;
+    VdbReadOptions read = options.read;
+    read.grid = grid.name;
+    try {
+      const std::vector<float> values = read_auxiliary_vdb(options.file, field, read);
+      auxiliaries.push_back(
+          {grid.name, grid.quantity, grid.units, values_of_parts(field, refined, options.factor, values)});
+    } catch (const InputError&) {
+      tell("cloudbow: note: {}: grid \"{}\" has other voxels: it is left out (--grid {} refines it)\n",
+           printable(options.file.string()), printable(grid.name), printable(grid.name));
+    }
+  }
+  return auxiliaries;
+}
+
+int refine(const RefineOptions& options) {
+  check_outputs({{options.output, "the cloud", OutputKind::vdb}}, std::span(&options.file, 1));
+  const VdbCloud field = read_cloud_vdb(options.file, options.read);
+  const CloudField refined = refine_cloud(field, options.factor, options.boundary == "periodic");
+  VdbWriteOptions write = options.write;
+  write.grid = options.read.grid;
+  write_cloud_vdb(options.output, refined, write, refined_auxiliaries(options, field, refined));
+  fmt::print("{}", format_cloud_info(describe_cloud_vdb(options.output)));
+  return exit_done;
+}
+
+void add_cloud_refine(CLI::App& cloud_app, std::function<int()>& action) {
+  auto options = std::make_shared<RefineOptions>();
+  CLI::App* app = cloud_app.add_subcommand(
+      "refine", "Divide voxels into parts, trilinear between their centres, with the mean of each voxel kept");
+  app->add_option("file", options->file, "VDB file")->type_name("FILE")->required();
+  app->add_option("--factor", options->factor, "Parts of a voxel along each axis")
+      ->capture_default_str()
+      ->check(whole_number(least_refinement, largest_refinement));
+  app->add_option("--grid", options->read.grid, "Grid with the cloud")->type_name("NAME")->capture_default_str();
+  app->add_option("--boundary", options->boundary, "Beyond the sides: periodic, or open with the values at the rim")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"periodic", "open"}));
+  app->add_option("--up-axis", options->read.up_axis, "Axis of the file that points up: x, y (renderers) or z")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"x", "y", "z"}));
+  app->add_flag("--half", options->write.half, "Store 16 bits per value: half the size");
+  app->add_option("-o,--output", options->output, "VDB file")->type_name("FILE")->required();
+  app->callback([&action, options] { action = [options] { return refine(*options); }; });
 }
 
 void plot_columns(const std::filesystem::path& file, const VdbReadOptions& read, const std::filesystem::path& image) {
@@ -116,11 +176,12 @@ void add_cloud_info(CLI::App& cloud_app, std::function<int()>& action) {
 }  // namespace
 
 void add_cloud(CLI::App& app, std::function<int()>& action) {
-  CLI::App* cloud_app = app.add_subcommand("cloud", "Make, import and describe cloud fields (OpenVDB)");
+  CLI::App* cloud_app = app.add_subcommand("cloud", "Make, import, describe and refine cloud fields (OpenVDB)");
   cloud_app->require_subcommand(1);
   add_cloud_make(*cloud_app, action);
   add_cloud_import(*cloud_app, action);
   add_cloud_info(*cloud_app, action);
+  add_cloud_refine(*cloud_app, action);
 }
 
 }  // namespace cloudbow
