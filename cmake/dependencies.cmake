@@ -19,7 +19,10 @@ find_path(CLOUDBOW_OPENVDB_MODULE_DIR FindOpenVDB.cmake
 if(CLOUDBOW_OPENVDB_MODULE_DIR)
   list(APPEND CMAKE_MODULE_PATH ${CLOUDBOW_OPENVDB_MODULE_DIR})
 endif()
+# Debian's Imath reports that its Python library is missing, which nothing here needs.
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
 find_package(OpenVDB REQUIRED COMPONENTS openvdb)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 
 # MPI, if it is wanted. CLOUDBOW_HAS_MPI says whether it is there.
 set(CLOUDBOW_HAS_MPI OFF)
