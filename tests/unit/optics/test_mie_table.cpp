@@ -96,7 +96,7 @@ TEST(MieTable, RadiiDoNotDisturbEachOther) {
 // moments (tests/data/c1_legendre.txt) are those of 0.70 um and m = 1.33: other wavelengths differ by 0.01 and more.
 // The file rounds 2l+1 times the moment to three and more decimals: chi_1 = 0.848 stands for 0.8478 to 0.8482.
 TEST(MieTable, DeirmendjianC1IsAsPublished) {
-  std::ifstream file(std::string(CLOUDBOW_SOURCE_DIR) + "/tests/data/c1_legendre.txt");
+  std::ifstream file(CLOUDBOW_SOURCE_DIR "/tests/data/c1_legendre.txt");
   DropletRecipe recipe;
   recipe.wavelength_um = 0.7;
   recipe.refractive_index = {1.33, 0};
