@@ -10,6 +10,7 @@
 #include <new>
 #include <string_view>
 
+#include "classic_header.hpp"
 #include "cloudbow/core/hdf5_file.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "import_parts.hpp"
@@ -70,6 +71,12 @@ struct ValidValues {
 
 NetcdfInput::OpenFile::OpenFile(const std::filesystem::path& file) : path(file) {
   hdf5::check_file(path);
+  std::ifstream stream = open_input(path, "netCDF");
+  if (const auto bytes = longest_classic_name(stream); bytes > NC_MAX_NAME) {
+    fail_import(path, "damaged: a name in its header is too long (found {} bytes, allowed {}); get a complete copy",
+                bytes, NC_MAX_NAME);
+  }
+  stream.close();
   check(nc_open(path.c_str(), NC_NOWRITE, &id), "not netCDF, or damaged");
 }
 
