@@ -305,7 +305,9 @@ DropletTable read_droplet_table(const std::filesystem::path& file, std::optional
     hdf5::check_file(file);
     try {
       DropletTable table = read_by_content(file, wavelength_um, relative_humidity_percent);
-      if (std::string note = check_droplet_table(table); !note.empty()) table.notes.push_back(std::move(note));
+      // The note on a mixture of humidities would name a radius that means nothing; its reader has one on the rows.
+      if (std::string note = check_droplet_table(table); !note.empty() && !relative_humidity_percent)
+        table.notes.push_back(std::move(note));
       return table;
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <new>
 #include <optional>
 #include <string>
@@ -176,11 +175,25 @@ MomentRows henyey_greenstein_moments(const std::vector<double>& asymmetry) {
   return rows;
 }
 
+/// Rows are checked before they are mixed: in a mixture, values out of range may make up for each other.
+/// @returns the note on the first row whose phase function rings below 0
+std::string check_rows(const DropletTable& rows, const std::vector<double>& humidity) {
+  std::string first_note;
+  for (std::size_t n = 0; n < humidity.size(); ++n) {
+    if (!(humidity[n] >= 0 && humidity[n] <= 100))
+      throw InputError(fmt::format("'hum': out of range (found {} %, allowed 0 to 100 %)", humidity[n]));
+    if (n > 0 && !(humidity[n] > humidity[n - 1]))
+      throw InputError(fmt::format("'hum': does not ascend (found {} % after {} %)", humidity[n], humidity[n - 1]));
+    std::string note = check_droplet_row(rows, n, fmt::format("relative humidity {} %", humidity[n]));
+    if (first_note.empty()) first_note = std::move(note);
+  }
+  return first_note;
+}
+
 /// One row of a table whose rows belong to relative humidities: between two of them extinction and scattering are
 /// linear in the humidity, and phase functions are mixed by scattering. The radius has no meaning.
 DropletTable at_humidity(const DropletTable& rows, const std::vector<double>& humidity, double percent) {
-  if (std::adjacent_find(humidity.begin(), humidity.end(), std::greater_equal<>()) != humidity.end())
-    throw InputError("'hum': does not ascend");
+  std::string note = check_rows(rows, humidity);
   if (!(percent >= humidity.front() && percent <= humidity.back())) {
     throw InputError(fmt::format("no such relative humidity (found {} %, allowed {} to {} %)", percent,
                                  humidity.front(), humidity.back()));
@@ -194,6 +207,7 @@ DropletTable at_humidity(const DropletTable& rows, const std::vector<double>& hu
   DropletTable table;
   table.wavelength_um = rows.wavelength_um;
   table.notes = rows.notes;
+  if (!note.empty()) table.notes.push_back(std::move(note));
   table.effective_radius_um = {1};
   table.extinction_m2_per_g = {mixed.extinction_m2_per_g};
   table.single_scattering_albedo = {mixed.single_scattering_albedo()};
@@ -244,6 +258,10 @@ DropletTable read_rows(const NetcdfFile& file, const char* axis, std::optional<d
   std::vector<double> count(rows, static_cast<double>(shape[3]));
   if (file.has("nmom")) count = file.read("nmom", {waves, rows, shape[2]}, {wave, 0, 0}, {1, rows, 1});
   for (std::size_t n = 0; n < rows; ++n) {
+    if (!(count[n] >= 0)) {
+      throw InputError(fmt::format("'nmom': number of moments out of range (found {} in row {}, allowed 0 or more)",
+                                   count[n], n + 1));
+    }
     // The first matrix element is the phase function. nmom is the number of moments, in some versions the last degree:
     // one more does no harm, because what is not there is 0 or the fill value.
     std::vector<double> moments = file.read("pmom", shape, {wave, n, 0, 0}, {1, 1, 1, shape[3]});

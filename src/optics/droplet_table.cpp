@@ -12,10 +12,10 @@
 namespace cloudbow {
 namespace {
 
-std::string check_moments(const std::vector<double>& moments, double radius) {
+std::string check_moments(const std::vector<double>& moments, const std::string& row) {
   constexpr double rounding = 1e-4;  // of tables with five decimals
-  const auto fail = [radius](const std::string& problem) {
-    throw InputError(fmt::format("phase function at effective radius {} um: {}", radius, problem));
+  const auto fail = [&row](const std::string& problem) {
+    throw InputError(fmt::format("phase function at {}: {}", row, problem));
   };
   if (moments.size() < 2) fail(fmt::format("too few moments (found {}, allowed at least 2)", moments.size()));
   if (!(std::abs(moments[0] - 1) <= rounding)) {
@@ -36,9 +36,9 @@ std::string check_moments(const std::vector<double>& moments, double radius) {
   }
   try {
     const std::string note = check_not_negative(moments);
-    return note.empty() ? note : fmt::format("effective radius {} um: {}", radius, note);
+    return note.empty() ? note : fmt::format("{}: {}", row, note);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("effective radius {} um: {}", radius, error.what()));
+    throw InputError(fmt::format("{}: {}", row, error.what()));
   }
 }
 
@@ -50,10 +50,30 @@ void check_tabulated_radius(double radius_um) {
                                smallest_tabulated_radius_um, largest_tabulated_radius_um));
 }
 
+std::string check_droplet_row(const DropletTable& table, std::size_t row, const std::string& name) {
+  // The smallest tabulated drop has 750000 m2/g if it stops a thousand times the light that falls on it. Numbers that
+  // were never written are far above: 1e37 in netCDF.
+  constexpr double largest_extinction_m2_per_g = 1e6;
+  const double extinction = table.extinction_m2_per_g[row], albedo = table.single_scattering_albedo[row];
+  if (!(extinction > 0 && extinction <= largest_extinction_m2_per_g)) {
+    throw InputError(fmt::format("extinction at {} out of range (found {} m2/g, allowed > 0, up to {} m2/g)", name,
+                                 extinction, largest_extinction_m2_per_g));
+  }
+  if (!(albedo >= 0 && albedo <= 1)) {
+    throw InputError(
+        fmt::format("single-scattering albedo at {} out of range (found {}, allowed 0 to 1)", name, albedo));
+  }
+  return check_moments(table.moments[row], name);
+}
+
 std::string check_droplet_table(const DropletTable& table) {
   std::string first_note;
   const std::size_t rows = table.size();
   if (rows == 0) throw InputError("no effective radius (allowed at least one)");
+  if (!(table.wavelength_um >= 0 && std::isfinite(table.wavelength_um))) {
+    throw InputError(
+        fmt::format("wavelength out of range (found {} um, allowed > 0, 0 if not known)", table.wavelength_um));
+  }
   if (table.extinction_m2_per_g.size() != rows || table.single_scattering_albedo.size() != rows ||
       table.moments.size() != rows) {
     throw InputError(fmt::format(
@@ -68,17 +88,7 @@ std::string check_droplet_table(const DropletTable& table) {
       throw InputError(fmt::format("effective radii do not ascend (found {} um after {} um)", radius,
                                    table.effective_radius_um[n - 1]));
     }
-    const double extinction = table.extinction_m2_per_g[n], albedo = table.single_scattering_albedo[n];
-    if (!(extinction > 0) || std::isinf(extinction)) {
-      throw InputError(fmt::format("extinction at effective radius {} um out of range (found {} m2/g, allowed > 0)",
-                                   radius, extinction));
-    }
-    if (!(albedo >= 0 && albedo <= 1)) {
-      throw InputError(
-          fmt::format("single-scattering albedo at effective radius {} um out of range (found {}, allowed 0 to 1)",
-                      radius, albedo));
-    }
-    std::string note = check_moments(table.moments[n], radius);
+    std::string note = check_droplet_row(table, n, fmt::format("effective radius {} um", radius));
     if (first_note.empty()) first_note = std::move(note);
   }
   return first_note;

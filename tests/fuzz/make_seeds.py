@@ -204,12 +204,12 @@ def write_checkpoint(path, libver, checkpoint_format):
             file.create_dataset(name, data=values, chunks=(1, length), fletcher32=checked)
 
 
-def write_libradtran(path, form):
+def write_libradtran(path, form, axis="reff"):
     with netCDF4.Dataset(path, "w", format=form) as file:
         for name, length in (("nlam", 1), ("nreff", 2), ("nphamat", 1), ("nmommax", 3)):
             file.createDimension(name, length)
         file.createVariable("wavelen", "f8", ("nlam",))[:] = [0.67]
-        file.createVariable("reff", "f8", ("nreff",))[:] = [5, 10]
+        file.createVariable(axis, "f8", ("nreff",))[:] = [5, 10] if axis == "reff" else [50, 80]
         for name, values in (("ext", [[300, 150]]), ("ssa", [[0.999, 0.998]]), ("gg", [[0.3, 0.267]])):
             file.createVariable(name, "f8", ("nlam", "nreff"))[:] = values
         file["ext"].units = "km^-1/(g/m^3)"
@@ -349,7 +349,8 @@ def main():
         write_wrf(folder("cloud_netcdf") / f"wrf_{form}.nc", form)
         for light in ("solar", "longwave"):
             write_gas_model(folder("gas_model") / f"{light}_{form}.nc", form, light)
-        write_libradtran(folder("droplet_table") / f"{form}.nc", form)
+        for axis in ("reff", "hum"):
+            write_libradtran(folder("droplet_table") / f"{axis}_{form}.nc", form, axis)
         write_air(folder("atmosphere") / f"{form}.nc", form)
         for slowest in ("radius", "wavenumber"):
             write_bulk_table(folder("bulk_table") / f"{slowest}_{form}.nc", form, slowest)

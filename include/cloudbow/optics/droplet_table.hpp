@@ -27,6 +27,10 @@ struct DropletTable {
 /// @throws InputError if the radius is out of the range above.
 void check_tabulated_radius(double radius_um);
 
+/// Checks one row by itself, as check_droplet_table() does.
+/// @param name of the row in messages and in the note: "effective radius 5 um"
+std::string check_droplet_row(const DropletTable& table, std::size_t row, const std::string& name);
+
 /// @throws InputError "PROBLEM (found X, allowed Y)": no row, rows of different number, radii that do not ascend,
 /// values out of range; chi_0 not 1 or |chi_l| > 1 (to 1e-4, the digits of text tables); a last moment that is not
 /// negligible, (2l+1) |chi_l| above 5 % of the largest; phase functions that are negative (check_not_negative()).

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -35,6 +36,7 @@ struct LibradtranFile {
   const char* ext_units = "km^-1/(g/m^3)";
   const char* without = "";  // a variable to leave out
   const char* axis = "reff";
+  double count = 4;  // of moments, as nmom says
   int format = NC_CLOBBER;
 
   void write(const std::filesystem::path& path) const {
@@ -53,19 +55,19 @@ struct LibradtranFile {
     };
     const int v_lambda = define("wavelen", {lambda}, NC_DOUBLE), v_radius = define(axis, {radius}, NC_DOUBLE);
     const int v_ext = define("ext", {lambda, radius}, NC_DOUBLE), v_ssa = define("ssa", {lambda, radius}, NC_DOUBLE);
-    const int v_nmom = define("nmom", {lambda, radius, element}, NC_INT);
+    const int v_nmom = define("nmom", {lambda, radius, element}, std::isnan(count) ? NC_DOUBLE : NC_INT);
     const int v_gg = gg.empty() ? -1 : define("gg", {lambda, radius}, NC_DOUBLE);
     const int v_pmom = define("pmom", {lambda, radius, element, moment}, NC_FLOAT);
     if (v_ext >= 0) nc_put_att_text(id, v_ext, "units", std::string(ext_units).size(), ext_units);
     if (v_pmom >= 0) nc_put_att_text(id, v_pmom, "units", std::string(pmom_units).size(), pmom_units);
     nc_enddef(id);
     const std::vector<double> wavelength{0.55, 0.67};
-    const std::vector<int> nmom(8, 4);
+    const std::vector<double> nmom(8, count);
     nc_put_var_double(id, v_lambda, wavelength.data());
     nc_put_var_double(id, v_radius, reff.data());
     if (v_ext >= 0) nc_put_var_double(id, v_ext, ext.data());
     nc_put_var_double(id, v_ssa, ssa.data());
-    nc_put_var_int(id, v_nmom, nmom.data());
+    nc_put_var_double(id, v_nmom, nmom.data());
     if (v_pmom >= 0) nc_put_var_double(id, v_pmom, pmom.data());
     if (v_gg >= 0) nc_put_var_double(id, v_gg, gg.data());
     nc_close(id);
@@ -175,6 +177,15 @@ TEST_F(DropletTableFile, AsymmetryParametersTellTheFactor) {
   EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), AllOf(HasSubstr("contradict"), HasSubstr("0.425")));
 }
 
+std::string refused_at(const std::filesystem::path& file, double humidity_percent) {
+  try {
+    read_droplet_table(file, 0.67, humidity_percent);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
 // Aerosol: between two humidities extinction and scattering are linear, and moments are mixed by scattering.
 TEST_F(DropletTableFile, HumidityChoosesTheRowOfAnAerosol) {
   LibradtranFile content;
@@ -193,19 +204,47 @@ TEST_F(DropletTableFile, HumidityChoosesTheRowOfAnAerosol) {
   EXPECT_NEAR(between.single_scattering_albedo[0], scattered / (lower + upper), 1e-15);
   EXPECT_NEAR(between.moments[0][1], (lower * 0.99 * 1.275 + upper * 0.98 * 1.35) / scattered / 3, 1e-7);
   EXPECT_THAT(message(file, 0.67), HasSubstr("relative_humidity_percent"));
-  const auto refused = [](const std::filesystem::path& of, double percent) {
-    try {
-      read_droplet_table(of, 0.67, percent);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_THAT(refused(file, 90), HasSubstr("found 90 %, allowed 50 to 80 %"));
+  EXPECT_THAT(refused_at(file, 90), HasSubstr("found 90 %, allowed 50 to 80 %"));
   content.axis = "reff";
   content.reff = {5, 10};
   content.write(file);
-  EXPECT_THAT(refused(file, 60), HasSubstr("a table by effective radius"));
+  EXPECT_THAT(refused_at(file, 60), HasSubstr("a table by effective radius"));
+}
+
+// At 60 % each of these rows would be mixed to values within their range.
+TEST_F(DropletTableFile, RowsOfHumiditiesAreCheckedBeforeTheyAreMixed) {
+  const auto file = folder_ / "waso.mie.cdf";
+  const auto refused = [&](const std::function<void(LibradtranFile&)>& change) {
+    LibradtranFile content;
+    content.axis = "hum";
+    content.reff = {50, 80};
+    change(content);
+    content.write(file);
+    return refused_at(file, 60);
+  };
+  EXPECT_EQ(refused([](LibradtranFile&) {}), "");
+  EXPECT_THAT(refused([](LibradtranFile& f) {
+                f.ssa = {1, 1, 0.3, 1.2};
+              }),
+              HasSubstr("albedo at relative humidity 80 % out of range (found 1.2"));
+  EXPECT_THAT(refused([](LibradtranFile& f) { f.ext[3] = -10; }), HasSubstr("extinction at relative humidity 80 %"));
+  EXPECT_THAT(refused([](LibradtranFile& f) { f.pmom[16] = 1.2, f.pmom[24] = 0.1945; }),
+              HasSubstr("phase function at relative humidity 50 %: wrong norm"));
+  EXPECT_THAT(refused([](LibradtranFile& f) { f.reff = {-50, 80}; }), HasSubstr("'hum': out of range (found -50 %"));
+  EXPECT_THAT(refused([](LibradtranFile& f) { f.reff = {std::nan(""), 80}; }), HasSubstr("'hum': out of range"));
+  EXPECT_THAT(refused([](LibradtranFile& f) {
+                f.reff = {80, 50};
+              }),
+              HasSubstr("does not ascend (found 50 % after 80 %"));
+}
+
+TEST_F(DropletTableFile, ANumberOfMomentsIsANumber) {
+  for (const double count : {std::nan(""), -1.}) {
+    LibradtranFile content;
+    content.count = count;
+    content.write(folder_ / "wc.mie.cdf");
+    EXPECT_THAT(message(folder_ / "wc.mie.cdf", 0.67), HasSubstr("'nmom': number of moments out of range"));
+  }
 }
 
 // Moments g^l. Their sum (2l+1) g^l is the forward peak (1 + g)/(1 - g)^2.

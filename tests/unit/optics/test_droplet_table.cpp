@@ -85,6 +85,15 @@ TEST(DropletTable, RingingOfASeriesThatWasCutIsTold) {
 
 TEST(DropletTable, SaysWhatIsWrong) {
   DropletTable table = two_rows();
+  table.extinction_m2_per_g[1] = 9.96920996838687e36;  // never written, as netCDF has it
+  EXPECT_THAT(message(table),
+              AllOf(HasSubstr("extinction at effective radius 10 um"), HasSubstr("up to 1000000 m2/g")));
+  table = two_rows();
+  for (const double wavelength : {std::nan(""), -0.67, HUGE_VAL}) {
+    table.wavelength_um = wavelength;
+    EXPECT_THAT(message(table), HasSubstr("wavelength out of range"));
+  }
+  table = two_rows();
   table.effective_radius_um = {10, 5};
   EXPECT_THAT(message(table), HasSubstr("do not ascend"));
   table.effective_radius_um = {5e-6, 1e-5};  // metres
