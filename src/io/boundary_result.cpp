@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/sandbox.hpp"
@@ -23,24 +25,38 @@ std::vector<double> read_coordinate(hid_t file, const char* name) {
   return hdf5::read_all<double>(hdf5::open_dataset(file, name));
 }
 
-SolveCost read_cost(hid_t file) {
+/// @param path of the file, for messages
+SolveCost read_cost(hid_t file, const std::string& path) {
   const Handle group = hdf5::open_group(file, "solver");
-  const auto sum = [&group](const char* name) {
+  const auto amounts = [&](const char* name, double most) {
     const std::vector<double> value = attribute_numbers(group, name);
+    double sum = 0;
+    for (const double one : value) {
+      sum += one;
+      if (one >= 0 && sum <= most) continue;
+      throw InputError(fmt::format("{}: attribute {} of /solver is damaged (found {}, allowed 0 to {} in all)", path,
+                                   name, one, most));
+    }
+    return value;
+  };
+  const auto sum = [&](const char* name, double most) {
+    const std::vector<double> value = amounts(name, most);
     return std::accumulate(value.begin(), value.end(), 0.0);
   };
-  const auto largest = [&group](const char* name) {
-    const std::vector<double> value = attribute_numbers(group, name);
+  const auto largest = [&](const char* name, double most) {
+    const std::vector<double> value = amounts(name, most);
     return value.empty() ? 0 : *std::max_element(value.begin(), value.end());
   };
+  // More than any run takes; an int holds the first.
+  constexpr double most_counted = 1e9, most = 1e18;
   SolveCost cost;
-  cost.cpu_seconds = sum("cpu_seconds");
-  cost.wall_seconds = sum("seconds_total");
-  cost.table_seconds = sum("seconds_tables");
-  cost.peak_memory_bytes = largest("peak_memory_bytes");
-  cost.sweeps = static_cast<int>(sum("sweeps"));
-  cost.control_points = static_cast<int>(largest("control_points"));
-  cost.estimated_error = largest("estimated_error");
+  cost.cpu_seconds = sum("cpu_seconds", most);
+  cost.wall_seconds = sum("seconds_total", most);
+  cost.table_seconds = sum("seconds_tables", most);
+  cost.peak_memory_bytes = largest("peak_memory_bytes", most);
+  cost.sweeps = static_cast<int>(sum("sweeps", most_counted));
+  cost.control_points = static_cast<int>(largest("control_points", most_counted));
+  cost.estimated_error = largest("estimated_error", most);
   const std::vector<double> converged = attribute_numbers(group, "converged");
   cost.converged = std::all_of(converged.begin(), converged.end(), [](double one) { return one > 0; });
   return cost;
@@ -55,7 +71,8 @@ class Reader {
          {"x", "y", "z_edge", "upwelling_flux", "downwelling_diffuse_flux", "direct_flux", "summary", "solver"}) {
       if (!exists(file_, name)) fail(fmt::format("it is not a result file of cloudbow run (found no {})", name));
     }
-    BoundaryResult result{path_, read_coordinate(file_, "x"), read_coordinate(file_, "y"), {}, {}, read_cost(file_)};
+    BoundaryResult result{path_, read_coordinate(file_, "x"), read_coordinate(file_, "y"), {},
+                          {},    read_cost(file_, path_)};
     if (result.x_m.empty() || result.y_m.empty()) fail("it holds no column (found an empty coordinate x or y)");
     if (exists(file_, "wavelength")) result.wavelengths_um = read_coordinate(file_, "wavelength");
 

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
@@ -14,6 +16,7 @@
 namespace cloudbow {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -70,6 +73,23 @@ TEST_F(BoundaryFile, OfASpectrumAddsUpTheCost) {
   EXPECT_EQ(result.cost.cpu_seconds, 48);
   EXPECT_EQ(result.cost.peak_memory_bytes, 7e9);
   EXPECT_FALSE(result.cost.converged);
+}
+
+// Sums of counts that no int holds were cast to one.
+TEST_F(BoundaryFile, CostsThatNoRunHasAreRefused) {
+  const auto refused = [&](const std::function<void(SolverReport&)>& change, const char* attribute) {
+    std::vector<Solution> both{sample::solution(3, 2, 4), sample::solution(3, 2, 4)};
+    for (Solution& solution : both) change(solution.report);
+    ResultInfo info = sample::info();
+    info.wavelengths_um = {0.5, 0.6};
+    write_result(file_, both, info);
+    EXPECT_THAT([&] { read_boundary_result(file_); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr("result.h5: attribute"), HasSubstr(attribute))));
+  };
+  refused([](SolverReport& r) { r.sweeps = std::numeric_limits<int>::max(); }, "sweeps");
+  refused([](SolverReport& r) { r.control_points = -1; }, "control_points");
+  refused([](SolverReport& r) { r.seconds_total = std::numeric_limits<double>::infinity(); }, "seconds_total");
+  refused([](SolverReport& r) { r.cpu_seconds = std::numeric_limits<double>::quiet_NaN(); }, "cpu_seconds");
 }
 
 TEST_F(BoundaryFile, MustReachFromBottomToTop) {
