@@ -392,6 +392,9 @@ void check_import_size(const CloudImportOptions& options, double nx, double ny, 
   if (!(nx >= 1 && ny >= 1 && nz >= 1)) {
     fail_import(options.file, "no cells (found {} x {} x {}, allowed at least 1 along each axis)", nx, ny, nz);
   }
+  if (nx != std::floor(nx) || ny != std::floor(ny) || nz != std::floor(nz)) {
+    fail_import(options.file, "parts of cells (found {} x {} x {}, allowed whole numbers along each axis)", nx, ny, nz);
+  }
   if (nx * ny * nz > max_import_cells || nx > 1e6 || ny > 1e6 || nz > 1e6) {
     fail_import(options.file, "too large (found {} x {} x {} cells, allowed {:.0e} in all)", nx, ny, nz,
                 max_import_cells);

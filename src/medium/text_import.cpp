@@ -1,12 +1,15 @@
 // Clouds as text: "columns" (i j k value) and "optics-csv" (cells with extinction, albedo and phase function).
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "text_tokens.hpp"
 
 namespace cloudbow {
 namespace {
+
+constexpr int most_cells = 1000000;  // along an axis
 
 struct Cell {
   int i, j, k;
@@ -56,7 +59,18 @@ class OpticsCsvReader {
       const auto equals = line.find('=', at);
       const auto words = equals == std::string::npos ? std::vector<std::string_view>{}
                                                      : split_words(std::string_view(line).substr(equals + 1));
-      for (std::size_t n = 0; n < 3 && n < words.size(); ++n) shape_[n] = number_in(words[n]).value_or(0);
+      std::size_t numbers = 0;
+      for (std::size_t n = 0; n < shape_.size() && n < words.size(); ++n) {
+        const auto number = number_in(words[n]);
+        shape_[n] = number.value_or(0);
+        if (number) ++numbers;
+      }
+      const bool is_shape = std::ranges::all_of(
+          shape_, [](double count) { return count >= 1 && count <= most_cells && count == std::floor(count); });
+      if (numbers > 0 && !is_shape) {  // else the comment is prose
+        lines_.fail("no numbers of cells nx,ny,nz (found {}, {}, {}, allowed whole numbers from 1 to {})", shape_[0],
+                    shape_[1], shape_[2], most_cells);
+      }
     }
     for (const auto& [key, unit] : {std::pair{"z levels km:", 1000.0}, std::pair{"z levels m:", 1.0}}) {
       const auto at = line.find(key);
@@ -106,18 +120,17 @@ class OpticsCsvReader {
 
   void read_cells() {
     std::string line;
-    constexpr int most = 1000000;
     while (lines_.next(line)) {
       if (is_comment(line)) continue;
       const auto number = lines_.numbers(line, column_.size(), "cell");
       const auto at = [&](int column, double otherwise) { return column < 0 ? otherwise : number[column]; };
       OpticsCell cell{};
-      cell.i = lines_.index(at(i_, 0), 0, shape_[0] > 0 ? static_cast<int>(shape_[0]) : most, "x");
-      cell.j = lines_.index(at(j_, 0), 0, shape_[1] > 0 ? static_cast<int>(shape_[1]) : most, "y");
-      cell.k = lines_.index(at(k_, 0), 0, shape_[2] > 0 && bottom_ < 0 ? static_cast<int>(shape_[2]) : most, "z");
+      cell.i = lines_.index(at(i_, 0), 0, shape_[0] > 0 ? static_cast<int>(shape_[0]) : most_cells, "x");
+      cell.j = lines_.index(at(j_, 0), 0, shape_[1] > 0 ? static_cast<int>(shape_[1]) : most_cells, "y");
+      cell.k = lines_.index(at(k_, 0), 0, shape_[2] > 0 && bottom_ < 0 ? static_cast<int>(shape_[2]) : most_cells, "z");
       cell.extinction = lines_.in_range(at(extinction_, 0) * per_metre_, 0, largest_value, "extinction [1/m]");
       cell.albedo = lines_.in_range(at(albedo_, 1), 0, 1, "single-scattering albedo");
-      cell.index = static_cast<float>(lines_.index(at(index_, 1), 1, most, "the phase functions") + 1);
+      cell.index = static_cast<float>(lines_.index(at(index_, 1), 1, most_cells, "the phase functions") + 1);
       cell.bottom_m = at(bottom_, 0) * metres_;
       cell.top_m = at(top_, 0) * metres_;
       if (bottom_ >= 0 && !(cell.top_m > cell.bottom_m && std::abs(cell.top_m) < largest_value)) {
@@ -257,7 +270,6 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
   TextLines lines(options.file);
   std::vector<Cell> cells;
   std::string line;
-  constexpr int most = 1000000;
   int levels = 0;
   bool may_be_head = true;
   while (lines.next(line)) {
@@ -267,8 +279,8 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
     if (number.size() != 4 || !repeated_number_in(split_words(line).back())) {
       lines.fail("not four numbers i j k value (found {} words)", split_words(line).size());
     }
-    const Cell cell{lines.index(number[0], 0, most, "x"), lines.index(number[1], 0, most, "y"),
-                    lines.index(number[2], 0, most, "z"), lines.in_range(number[3], 0, largest_value, "value")};
+    const Cell cell{lines.index(number[0], 0, most_cells, "x"), lines.index(number[1], 0, most_cells, "y"),
+                    lines.index(number[2], 0, most_cells, "z"), lines.in_range(number[3], 0, largest_value, "value")};
     cloud.nx = std::max(cloud.nx, cell.i + 1);
     cloud.ny = std::max(cloud.ny, cell.j + 1);
     levels = std::max(levels, cell.k + 1);

@@ -45,6 +45,7 @@ TEST_F(CloudImport, TextBelowAHeadOfSizesAndLevels) {
   EXPECT_THAT(error(head + columns + "0,0,1,0.5,1e-5\n"), HasSubstr("(allowed 0.1 to 5000 um)"));
   EXPECT_THAT(error(head + columns + "0,0,1,0.5,10\n0,0,1,0.5,10\n"), HasSubstr("there twice"));
   EXPECT_THAT(error("1 1 2 3\n0.1 0.1 0.5 0.6 0.6\n1 1 1 0.5 10\n"), HasSubstr("levels do not ascend"));
+  EXPECT_THAT(error("1.5 1 2 3\n0.1 0.1 0.5 0.6 0.7\n1 1 1 0.5 10\n"), HasSubstr("found 1.5 x 1 x 2, allowed whole"));
   EXPECT_THAT(error("1 1 2 3\n0.1 0.1 500 600 70000\n1 1 1 0.5 10\n"), HasSubstr("m thick"));
 }
 

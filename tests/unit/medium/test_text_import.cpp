@@ -65,5 +65,21 @@ TEST_F(CloudImport, CellsWithOpticsOnStretchedLevels) {
   EXPECT_NEAR(scattering, 0.5 * 0.9 + 0.5 * 0.8 + 1, 1e-6);
 }
 
+// Numbers of cells that no int holds were cast to one.
+TEST_F(CloudImport, NumbersOfCellsInACommentAreWhole) {
+  const auto options = [&](const std::string& shape) {
+    return options_for(write("cells.csv", "# nx,ny,nz=" + shape +
+                                              "\n# dx=0.05 km dy=0.05 km\n# z levels km: 0.1 0.2 0.3\n"
+                                              "ix,iy,iz,extinction_per_km,ssa,iphase\n0,0,0,10,0.99,1\n"));
+  };
+  for (const char* shape : {"1e300,2,3", "2,1e10,3", "2,2,1e300", "2.5,2,3", "-2,2,3", "2,2,nan", "2,2", "2,x,3"}) {
+    EXPECT_THAT(message_of([&] { import_cloud(options(shape)); }),
+                HasSubstr("cells.csv:1: no numbers of cells nx,ny,nz"))
+        << shape;
+  }
+  EXPECT_EQ(import_cloud(options("4,2,3")).field.cells, (std::array<int, 3>{4, 2, 3}));
+  EXPECT_EQ(import_cloud(options("the numbers of cells")).field.cells, (std::array<int, 3>{1, 1, 3}));
+}
+
 }  // namespace
 }  // namespace cloudbow
