@@ -83,7 +83,7 @@ DropletTable read_shdom_table(const std::filesystem::path& path) {
     if (is_row_head(lower)) {
       finish_row();
       const std::vector<double> head = leading_numbers(line);
-      if (head.size() < 4 || head[3] < 1 || head[3] > max_degree) {
+      if (head.size() < 4 || head[3] < 1 || head[3] > max_degree || head[3] != std::floor(head[3])) {
         throw InputError(
             fmt::format("line {}: not the head of a radius (found '{}', allowed radius, extinction, albedo, number of "
                         "Legendre terms)",

@@ -69,6 +69,7 @@ TEST_F(DropletTableFile, SaysWhatIsWrongWithShdomsForm) {
   EXPECT_THAT(message_after("     0.04500\n", ""), AllOf(HasSubstr("found 4, allowed 5"), HasSubstr("radius 5 um")));
   EXPECT_THAT(message_after("   2    5.000", "   3    5.000"), HasSubstr("incomplete (found 2 effective radii"));
   EXPECT_THAT(message_after("3.01000E+02", "abc"), HasSubstr("line 7"));
+  EXPECT_THAT(message_after("0.980000      3", "0.980000    3.5"), HasSubstr("line 10: not the head of a radius"));
   EXPECT_THAT(message_after(" 1.00000   1.35000", " 0.50000   1.35000"), HasSubstr("wrong norm"));
   EXPECT_THAT(message_after("1.35000", "3.70000"), HasSubstr("out of range"));
   EXPECT_THAT(message_after("1.35000", "2.70000"), AllOf(HasSubstr("radius 10 um"), HasSubstr("negative")));
