@@ -69,7 +69,7 @@ class Refinement {
       fine.cells[axis] = field_.cells[axis] * factor_;
       fine.cell_size_m[axis] = field_.cell_size_m[axis] / factor_;
     }
-    const auto cube = static_cast<std::size_t>(factor_ * factor_ * factor_);
+    const auto cube = static_cast<std::size_t>(factor_) * factor_ * factor_;
     fine.value.reserve(field_.active_voxels() * cube);
     RowSpanWriter rows(fine);
     const int nz = field_.cells[2];
