@@ -8,7 +8,8 @@
 
 namespace cloudbow {
 
-/// Extinction of the clouds in the cells of a section. They have the columns of its image, and rows of their own.
+/// Extinction of the clouds in the cells of a section. Its columns are those of the image; its rows are the levels of
+/// the grid.
 struct SectionClouds {
   std::vector<float> extinction;   ///< [row][column] 1/m, row 0 at the bottom
   std::vector<double> row_edge_m;  ///< rows + 1, ascending

@@ -14,7 +14,7 @@ inline constexpr int least_refinement = 2, largest_refinement = 8;
 /// voxel are multiplied by one number that makes their mean the value of the voxel. Clear voxels stay clear, and equal
 /// neighbours stay equal. Beyond the box values are those at its rim.
 /// @param factor from least_refinement to largest_refinement.
-/// @param periodic beyond the sides of the box the field goes on from the other side.
+/// @param periodic the field repeats beyond the sides of the box.
 /// @throws InputError if the parts do not fit into memory.
 CloudField refine_cloud(const CloudField& field, int factor, bool periodic);
 

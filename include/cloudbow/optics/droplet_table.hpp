@@ -27,7 +27,8 @@ struct DropletTable {
 /// @throws InputError if the radius is out of the range above.
 void check_tabulated_radius(double radius_um);
 
-/// Checks one row by itself, as check_droplet_table() does.
+/// Checks the values of one row with the limits of check_droplet_table().
+/// @returns the note of check_droplet_table() on this row; empty: none. @throws InputError as that function.
 /// @param name of the row in messages and in the note: "effective radius 5 um"
 std::string check_droplet_row(const DropletTable& table, std::size_t row, const std::string& name);
 

@@ -83,7 +83,7 @@ std::vector<VdbAuxiliary> refined_auxiliaries(const RefineOptions& options, cons
       auxiliaries.push_back(
           {grid.name, grid.quantity, grid.units, values_of_parts(field, refined, options.factor, values)});
     } catch (const InputError&) {
-      tell("cloudbow: note: {}: grid \"{}\" has other voxels: it is left out (--grid {} refines it)\n",
+      tell("cloudbow: note: {}: grid \"{}\" has different voxels and is not written (--grid {} refines it)\n",
            printable(options.file.string()), printable(grid.name), printable(grid.name));
     }
   }

@@ -29,7 +29,7 @@ std::size_t solution_bytes(const Scene& read, const AssembledScene& scene) {
   return (floats + scene.cloud_extinction.size()) * sizeof(float);
 }
 
-std::size_t foreseen(const Scene& scene, const AssembledScene& assembled, const SolvePlan& plan) {
+std::size_t predicted_bytes(const Scene& scene, const AssembledScene& assembled, const SolvePlan& plan) {
   try {
     return predict_memory(plan) + assembled.cloud_extinction.size() * sizeof(float);
   } catch (const InputError& error) {
@@ -85,13 +85,13 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
   for (const Scene& scene : scenes) {
     PlannedScene planned = plan_scene(scene, available, files, {}, threads);
     const SolvePlan& plan = planned.plan;
-    cost.memory = std::max(cost.memory, foreseen(scene, *planned.scene, plan));
+    cost.memory = std::max(cost.memory, predicted_bytes(scene, *planned.scene, plan));
     cost.seconds += predict_seconds(plan);
     if (scene.output.error_estimate) {
       const SolvePlan coarse = planned.coarse();
       cost.seconds += predict_coarse_seconds(plan, coarse, planned.as);
       cost.memory =
-          std::max(cost.memory, foreseen(scene, *planned.scene, coarse) + solution_bytes(scene, *planned.scene));
+          std::max(cost.memory, predicted_bytes(scene, *planned.scene, coarse) + solution_bytes(scene, *planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(with_independent_columns(plan.whole_options()));
@@ -119,7 +119,7 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
   return cost;
 }
 
-std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {
+std::size_t predicted_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads) {
   CloudFiles files(scenes.size() > 1);
   return estimate_cost(scenes, available, threads, false, files).memory;
 }

@@ -47,7 +47,7 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
 
 /// Peak memory [bytes] of run() for the wavelengths of a scene.
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().
-std::size_t foreseen_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
+std::size_t predicted_memory(const std::vector<Scene>& scenes, std::uint64_t available, int threads);
 
 /// Options for the same scene as independent columns, of which only fluxes are requested.
 SolverOptions with_independent_columns(SolverOptions options);

@@ -120,7 +120,7 @@ std::string why_left_out(const Level& level, const TradeoffOptions& options) {
   const std::uint64_t available = options.memory_bytes != 0 ? options.memory_bytes : available_memory_bytes();
   std::size_t needed = 0;
   try {
-    needed = foreseen_memory(read_scenes(options.scene, level.overrides), available, options.threads);
+    needed = predicted_memory(read_scenes(options.scene, level.overrides), available, options.threads);
   } catch (const InputError& error) {
     // Independent columns lack some outputs that a scene may request. An error of the scene itself is reported at the
     // next level.

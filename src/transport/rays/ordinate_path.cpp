@@ -16,11 +16,11 @@ constexpr double cost_of_a_turned_cell = .15;
 constexpr double cost_of_rays_in_air = .25;
 constexpr double cost_of_moved_rays = 2;
 
-// A march along x or y has one ray per cell, one along z has more the more the light is slanted. Thick voxels need them
-// (docs/design-notes.md).
+// A march along x or y has one ray per cell. A march along z has more rays per cell if the light is near the horizon.
+// Thick voxels need several (docs/design-notes.md).
 constexpr double thick_voxel = 4. / 3;
 
-// Optical depth of a voxel from floor to ceiling, in some levels of one thickness: mean with the extinction as weight.
+// Optical depth of a voxel from bottom to top, in some levels of one thickness: mean with the extinction as weight.
 template <class Real>
 double voxel_depth(const BoxGrid& box, const Cells<Real>& cells, LevelRange levels) {
   double sum = 0;
