@@ -47,7 +47,7 @@ TEST(CommandLine, RefinesACloudWithTheGridsOfItsVoxels) {
   const Outcome outcome = cloudbow(
       {"cloud", "refine", folder / "cloud.vdb", "--grid", "water", "--factor", "3", "-o", folder / "fine.vdb"});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.errors, AllOf(HasSubstr("grid \"ice\" has other voxels"), HasSubstr("--grid ice")));
+  EXPECT_THAT(outcome.errors, AllOf(HasSubstr("grid \"ice\" has different voxels"), HasSubstr("--grid ice")));
   const VdbCloud fine = read_cloud_vdb(folder / "fine.vdb", {"water"});
   EXPECT_EQ(fine.cells, (std::array<int, 3>{6, 3, 6}));
   EXPECT_EQ(fine.quantity, "liquid_water_content");
