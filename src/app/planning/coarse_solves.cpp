@@ -1,11 +1,7 @@
 #include "app/planning/coarse_solves.hpp"
 
 #include <algorithm>
-#include <exception>
-#include <functional>
 
-#include "app/planning/solve_share.hpp"
-#include "app/process/rank_messages.hpp"
 #include "cloudbow/transport/output_fields.hpp"
 #include "cloudbow/transport/probe_columns.hpp"
 #include "cloudbow/transport/solver.hpp"
@@ -97,40 +93,11 @@ SolverOptions coarse_options(const SolverOptions& options, const std::string& ac
   return other;
 }
 
-namespace {
-
-/// Solves one after the other, or each at another rank.
-class CoarseSolver {
- public:
-  CoarseSolver(const ProgressCallback& progress, Ranks* ranks) : progress_(progress), ranks_(ranks) {}
-
-  /// The solution here, or at the first rank. Others have an empty one.
-  Solution solve(const std::function<SolvePlan()>& plan) {
-    if (ranks_ == nullptr) return cloudbow::solve(plan(), progress_);
-    const int owner = 1 + next_++ % (ranks_->size() - 1);
-    if (ranks_->is_first()) return solve_result(receive_result(*ranks_, owner)).solution;
-    if (ranks_->rank() != owner) return {};
-    try {
-      send_result(*ranks_, bytes_of(SolveResult{cloudbow::solve(plan(), progress_)}));
-    } catch (const std::exception&) {
-      send_error(*ranks_);
-    }
-    return {};
-  }
-
- private:
-  const ProgressCallback& progress_;
-  Ranks* const ranks_;
-  int next_ = 0;
-};
-
-}  // namespace
-
 CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as,
                             const ProgressCallback& progress, Ranks* ranks) {
   CoarseSolves coarse_solves;
-  CoarseSolver solver(progress, ranks);
-  coarse_solves.linear = solver.solve([&] { return coarse; });
+  const auto solve_one = [&](const SolvePlan& one) { return solve(one, progress, nullptr, ranks); };
+  coarse_solves.linear = solve_one(coarse);
   if (coarse.by_polar_streams()) {  // exact in the vertical
     coarse_solves.constant = coarse_solves.linear;
     coarse_solves.constant.report = {};  // one solve
@@ -138,13 +105,12 @@ CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, Solv
   }
   SolverOptions constant = coarse.whole_options();
   constant.linear_source = false;
-  coarse_solves.constant = solver.solve([&] { return coarse.with(constant); });
+  coarse_solves.constant = solve_one(coarse.with(constant));
   if (as == SolvedAs::field) {
     const Problem columns = probe_columns(plan);
     const SolverOptions& options = plan.whole_options();
     const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
-    coarse_solves.probe = {solver.solve([&] { return by_ordinates; }),
-                           solver.solve([&] { return by_ordinates.with(streams_of_columns(options)); })};
+    coarse_solves.probe = {solve_one(by_ordinates), solve_one(by_ordinates.with(streams_of_columns(options)))};
   }
   return coarse_solves;
 }

@@ -16,7 +16,7 @@ namespace cloudbow {
 SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as);
 
 /// The coarse solves beside the solution of a plan. @param coarse the same with its coarse_options().
-/// @param ranks of which all but the first make them, and the first has them; null: they are made here
+/// @param ranks that share each of them; all call this, and the first has them. Null: this process makes them
 CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as,
                             const ProgressCallback& progress, Ranks* ranks = nullptr);
 

@@ -173,41 +173,39 @@ DiffusionCorrection<Real>::DiffusionCorrection(const TransportSystem<Real>& syst
     voxel.forward = forward * 3 * operator_.free_diffusivity(voxel.place) * voxel.current_share;
     voxels_.push_back(voxel);
   });
-  const std::size_t places = operator_.columns().size() * nz;
-  source_.resize(places);
-  correction_.resize(places);
-  for (auto& flow : flow_) flow.resize(places);
 }
 
 template <class Real>
 void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<Real> moments) {
-  std::fill(source_.begin(), source_.end(), 0.);
-  for (auto& flow : flow_) std::fill(flow.begin(), flow.end(), 0.);
-  for (const Voxel& voxel : voxels_) {
-    source_[voxel.place] = voxel.power * static_cast<double>(change[voxel.cell]);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      flow_[axis][voxel.place] =
-          voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.);
-  }
-  diverge();
-  operator_.solve(source_, correction_);
   const ColumnSet& columns = operator_.columns();
   const auto nz = static_cast<std::size_t>(box_.nz());
+  const std::size_t places = columns.size() * nz;
+  std::vector<double> source(places), correction(places);
+  Flow flow;
+  for (std::vector<double>& along : flow) along.resize(places);
+  for (const Voxel& voxel : voxels_) {
+    source[voxel.place] = voxel.power * static_cast<double>(change[voxel.cell]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      flow[axis][voxel.place] =
+          voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.);
+  }
+  diverge(flow, source);
+  operator_.solve(source, correction);
   for (const Voxel& voxel : voxels_) {
     const std::size_t at = voxel.place;
     const std::size_t column = at / nz;
     const std::size_t k = at % nz;
-    moments[voxel.cell] += static_cast<Real>(voxel.share * correction_[at]);
+    moments[voxel.cell] += static_cast<Real>(voxel.share * correction[at]);
     const double slide = voxel.current_share * operator_.diffusivity(at);
     const auto add = [&](std::size_t axis, double gradient) {
       moments[(axis + 1) * all_ + voxel.cell] +=
-          static_cast<Real>(voxel.share * std::sqrt(3.) * (flow_[axis][at] - slide * gradient));
+          static_cast<Real>(voxel.share * std::sqrt(3.) * (flow[axis][at] - slide * gradient));
     };
     // Columns at the sides are their own neighbours.
     const auto across = [&](ColumnSet::Side high, ColumnSet::Side low, double width) {
       const auto beside = [&](ColumnSet::Side side) {
         const std::size_t other = columns.beside[column][side];
-        return correction_[other < columns.size() ? other * nz + k : at];
+        return correction[other < columns.size() ? other * nz + k : at];
       };
       return (beside(high) - beside(low)) / (2 * width);
     };
@@ -215,8 +213,8 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
     if (!independent_columns_ && box_.ny > 1) add(1, across(ColumnSet::north, ColumnSet::south, box_.dy_m));
     // At the ends about half the flux is left on the face, half a cell away.
     const bool last = k + 1 == nz;
-    const double above = last ? correction_[at] / 2 : correction_[at + 1];
-    const double below = k == 0 ? correction_[at] / 2 : correction_[at - 1];
+    const double above = last ? correction[at] / 2 : correction[at + 1];
+    const double below = k == 0 ? correction[at] / 2 : correction[at - 1];
     const double distance = last || k == 0 ? 1.5 : 2;
     add(2, (above - below) / (distance * box_.thickness_m(static_cast<int>(k))));
   }
@@ -224,14 +222,14 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
 
 // source -= divergence of the flow, through faces.
 template <class Real>
-void DiffusionCorrection<Real>::diverge() {
+void DiffusionCorrection<Real>::diverge(const Flow& flow, std::vector<double>& source) const {
   const ColumnSet& columns = operator_.columns();
   const auto nz = static_cast<std::size_t>(box_.nz());
   for (std::size_t column = 0; column < columns.size(); ++column) {
     const auto face = [&](std::size_t axis, std::size_t at, std::size_t other, double area) {
-      const double through = (flow_[axis][at] + flow_[axis][other]) / 2 * area;
-      source_[at] -= through;
-      source_[other] += through;
+      const double through = (flow[axis][at] + flow[axis][other]) / 2 * area;
+      source[at] -= through;
+      source[other] += through;
     };
     const std::size_t east = columns.beside[column][ColumnSet::east];
     const std::size_t north = columns.beside[column][ColumnSet::north];

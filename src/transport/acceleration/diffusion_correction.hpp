@@ -37,17 +37,15 @@ class DiffusionCorrection {
     double current_share;  // of the correction of the current that is made
   };
 
-  void diverge();
+  using Flow = std::array<std::vector<double>, 3>;
+  void diverge(const Flow& flow, std::vector<double>& source) const;
 
   bool independent_columns_;
   std::size_t all_;  // cells of the system
   LevelRange levels_;
   BoxGrid box_;  // of these levels
   DiffusionOperator operator_;
-  std::vector<Voxel> voxels_;       // with matter, of the levels and columns
-  std::vector<double> source_;      // [places]
-  std::vector<double> correction_;  // [places]
-  std::array<std::vector<double>, 3> flow_;
+  std::vector<Voxel> voxels_;  // with matter, of the levels and columns
 };
 
 }  // namespace cloudbow

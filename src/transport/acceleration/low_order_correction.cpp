@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "cloudbow/core/parallel_errors.hpp"
 #include "cloudbow/core/thread_scope.hpp"
 #include "transport/acceleration/anderson.hpp"
 #include "transport/acceleration/diffusion_correction.hpp"
@@ -17,6 +16,7 @@ namespace {
 // Enough for the moments l <= 2; fewer azimuths lose one of them, and the correction with it.
 constexpr const char* low_directions = "double-gauss-4x8";
 constexpr int low_mixing_depth = 5;
+constexpr std::size_t low_mixed_moments = 4;  // l <= 1
 // The correction is worth no more than its few directions are: it need not converge.
 constexpr double low_tolerance = .1;
 constexpr int most_low_sweeps = 12;
@@ -72,8 +72,8 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
 }  // namespace
 
 template <class Real>
-LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system)
-    : coarse_(coarsen(system)), low_(low_order_system(system, coarse_)), full_(&system) {
+LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system, const OrdinateShare* share)
+    : coarse_(coarsen(system)), low_(low_order_system(system, coarse_)), full_(&system), share_(share) {
   const LowMoments<double> full(system.ordinates);
   for (const Eigen::MatrixXd& moments : scattered_moments(system))
     scattered_moments_.push_back(moments.template cast<Real>());
@@ -81,7 +81,6 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
     const Eigen::VectorXd moments = full.weights * beam.direction.template cast<double>();
     for (const double m : moments) beam_moments_.push_back(static_cast<Real>(m));
   }
-  moments_.resize(low_.emission.size());
   if (system.thermal) {
     Surface surface;
     surface.albedo = system.ground.mean_albedo();
@@ -89,7 +88,6 @@ LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system
     guess_ground_ =
         system.ground.is_lambertian() && !coarse_ ? system.ground : Ground<Real>(surface, low_.ordinates, std::nullopt);
   }
-  radiance_ = AngularField<Real>(low_.ordinates.size(), low_.cells->size());
   if (transport_depth(system) > thin_for_diffusion) diffusion_ = std::make_unique<DiffusionCorrection<Real>>(low_);
 }
 
@@ -110,44 +108,62 @@ void LowOrderCorrection<Real>::drop_diffusion() {
   diffusion_.reset();
 }
 
-// Fills one moment of low_.emission: source(to) adds it to [n] values of the problem's own cells.
 template <class Real>
-template <class Source>
-void LowOrderCorrection<Real>::emit(int moment, const Source& source) {
-  const std::size_t n = low_.cells->size();
-  Real* const emission = low_.emission.data() + moment * n;
-  std::fill_n(emission, n, Real(0));
-  if (!coarse_) {
-    source(emission);
+CellRange LowOrderCorrection<Real>::own_cells() const {
+  return share_ != nullptr ? share_->range() : CellRange{0, full_->cells->size()};
+}
+
+// Fills low_.emission. @param source [low_moments][own cells] of the problem
+template <class Real>
+void LowOrderCorrection<Real>::emit(std::span<const Real> source) {
+  const std::size_t own = own_cells().size();
+  if (share_ == nullptr) {
+    // Nothing throws here.
+#pragma omp parallel for schedule(static)
+    for (int m = 0; m < low_moments; ++m) emit_moment(m, source.data() + m * own);
     return;
   }
-  std::vector<Real> of_cell(full_->cells->size(), Real(0));
-  source(of_cell.data());
-  for (std::size_t c = 0; c < of_cell.size(); ++c) emission[coarse_->coarse_cell[c]] += coarse_->share[c] * of_cell[c];
+  std::vector<Real> all(full_->cells->size());
+  for (int m = 0; m < low_moments; ++m) {
+    share_->gather_cells(source.subspan(m * own, own), std::span(all));
+    emit_moment(m, all.data());
+  }
+}
+
+// @param source [n] of the problem's cells
+template <class Real>
+void LowOrderCorrection<Real>::emit_moment(int moment, const Real* source) {
+  const std::size_t n = low_.cells->size();
+  Real* const emission = low_.emission.data() + moment * n;
+  if (!coarse_) {
+    std::copy_n(source, n, emission);
+    return;
+  }
+  std::fill_n(emission, n, Real(0));
+  const std::size_t cells = full_->cells->size();
+  for (std::size_t c = 0; c < cells; ++c) emission[coarse_->coarse_cell[c]] += coarse_->share[c] * source[c];
 }
 
 template <class Real>
 void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
-  const std::size_t n = full_->cells->size();
-  ParallelErrors errors;
+  const CellRange own = own_cells();
+  // Nothing throws here.
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    errors.run([&] {
-      emit(m, [&](Real* __restrict source) {
-        for (std::size_t b = 0; b < full_->beam.source.size(); ++b) {
-          const Real share = beam_moments_[b * low_moments + m];
-          const Real* __restrict const intensity = full_->beam.source[b].intensity.data();
-          for (std::size_t c = 0; c < n; ++c) source[c] += share * intensity[c];
-        }
-        if (!full_->thermal || m > 0) return;
-        for (std::size_t c = 0; c < n; ++c) {
-          const double planck = full_->planck[c];
-          if (planck > 0) source[c] += full_->emission[c] * static_cast<Real>(1 - full_->mean_planck / planck);
-        }
-      });
-    });
+    Real* __restrict const source = moments.data() + m * own.size();
+    std::fill_n(source, own.size(), Real(0));
+    for (std::size_t b = 0; b < full_->beam.source.size(); ++b) {
+      const Real share = beam_moments_[b * low_moments + m];
+      const Real* __restrict const intensity = full_->beam.source[b].intensity.data() + own.first;
+      for (std::size_t c = 0; c < own.size(); ++c) source[c] += share * intensity[c];
+    }
+    if (!full_->thermal || m > 0) continue;
+    for (std::size_t c = 0; c < own.size(); ++c) {
+      const double planck = full_->planck[own.first + c];
+      if (planck > 0) source[c] += full_->emission[own.first + c] * static_cast<Real>(1 - full_->mean_planck / planck);
+    }
   }
-  errors.rethrow();
+  emit(moments);
   if (!full_->thermal) {
     solve(moments);
     return;
@@ -161,47 +177,49 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
   low_.sky_radiance = 0;
   low_.ground = ground;
   const Real reference = static_cast<Real>(4 * std::numbers::pi * full_->mean_planck);
-  for (std::size_t c = 0; c < n; ++c) moments[c] += reference;
+  for (std::size_t c = 0; c < own.size(); ++c) moments[c] += reference;
 }
 
 template <class Real>
 void LowOrderCorrection<Real>::correct(std::span<const Real> change, std::span<Real> correction) {
-  const std::size_t n = full_->cells->size();
-  ParallelErrors errors;
+  const CellRange own = own_cells();
+  // Nothing throws here.
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    errors.run([&] {
-      emit(m, [&](Real* __restrict source) {
-        for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
-          const Real* __restrict const scattered = full_->cells->scattered[p].data();
-          for (int from = 0; from < low_moments; ++from) {
-            const Real share = scattered_moments_[p](m, from);
-            if (std::abs(share) < Real(1e-6)) continue;
-            const Real* __restrict const of = change.data() + from * n;
-            for (std::size_t c = 0; c < n; ++c) source[c] += share * scattered[c] * of[c];
-          }
-        }
-      });
-    });
+    Real* __restrict const source = correction.data() + m * own.size();
+    std::fill_n(source, own.size(), Real(0));
+    for (std::size_t p = 0; p < scattered_moments_.size(); ++p) {
+      const Real* __restrict const scattered = full_->cells->scattered[p].data() + own.first;
+      for (int from = 0; from < low_moments; ++from) {
+        const Real share = scattered_moments_[p](m, from);
+        if (std::abs(share) < Real(1e-6)) continue;
+        const Real* __restrict const of = change.data() + from * own.size();
+        for (std::size_t c = 0; c < own.size(); ++c) source[c] += share * scattered[c] * of[c];
+      }
+    }
   }
-  errors.rethrow();
+  emit(correction);
   solve(correction);
 }
 
-// Light of low_.emission, in moments_.
+// Moments [low_moments][cells of low_] of the light of low_.emission. Its arrays are not kept: between two calls the
+// sweeps of the problem itself need memory.
 template <class Real>
-void LowOrderCorrection<Real>::iterate() {
+std::vector<Real> LowOrderCorrection<Real>::iterate() {
   const std::size_t n = low_.cells->size();
-  const std::size_t mixed = 4 * n;  // the moments l <= 1
+  const std::size_t mixed = low_mixed_moments * n;
   const ThreadScope threads(threads_for(n, 0));
-  AndersonMixer<Real> mixer(low_mixing_depth);
+  AngularField<Real> radiance(low_.ordinates.size(), n);
+  std::vector<Real> moments(low_moments * n);
+  SweepWorkspace<Real> work;
+  AndersonMixer<Real> mixer(low_mixing_depth, low_mixed_moments);
   std::vector<Real> x(mixed, Real(0)), g(mixed), correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
-    low_.scatter(radiance_, correction, sweeps == 1);
-    sweep(low_, radiance_, false, work_);
+    low_.scatter(radiance, correction, sweeps == 1);
+    sweep(low_, radiance, false, work);
     ++sweeps_;
-    low_.moments(radiance_, moments_);
-    g.assign(moments_.begin(), moments_.begin() + static_cast<std::ptrdiff_t>(mixed));
+    low_.moments(radiance, moments);
+    g.assign(moments.begin(), moments.begin() + static_cast<std::ptrdiff_t>(mixed));
     if (diffusion_) {
       for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
       diffusion_->correct(change, g);
@@ -213,36 +231,38 @@ void LowOrderCorrection<Real>::iterate() {
     if (step <= low_tolerance * low_tolerance * size || sweeps == most_low_sweeps) break;
     mixer.advance(x, g);
     correction.resize(mixed);
-    for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments_[i];
+    for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments[i];
   }
-  std::copy(g.begin(), g.end(), moments_.begin());
+  std::copy(g.begin(), g.end(), moments.begin());
+  return moments;
 }
 
 // Light of low_.emission, at the problem's own cells.
 template <class Real>
 void LowOrderCorrection<Real>::solve(std::span<Real> moments) {
-  iterate();
+  const std::vector<Real> coarse_moments = iterate();
+  const std::size_t n = low_.cells->size();
+  const CellRange own = own_cells();
   if (!coarse_) {
-    std::copy(moments_.begin(), moments_.end(), moments.begin());
+    for (std::size_t m = 0; m < low_moments; ++m)
+      std::copy_n(coarse_moments.data() + m * n + own.first, own.size(), moments.data() + m * own.size());
     return;
   }
   // Between the centres of coarse cells the moments change linearly.
-  const std::size_t n = low_.cells->size();
-  const std::size_t cells = full_->cells->size();
   const Cells<Real>& of = *low_.cells;
   // Nothing throws here.
 #pragma omp parallel for schedule(static)
   for (int m = 0; m < low_moments; ++m) {
-    const Real* const from = moments_.data() + m * n;
-    Real* const to = moments.data() + m * cells;
-    for (std::size_t c = 0; c < cells; ++c) {
+    const Real* const from = coarse_moments.data() + m * n;
+    Real* const to = moments.data() + m * own.size();
+    for (std::size_t c = own.first; c < own.last; ++c) {
       const std::uint32_t at = coarse_->coarse_cell[c];
       Real value = from[at];
       for (std::size_t axis = 0; axis < 3; ++axis) {
         value += Real(.25) * static_cast<Real>(coarse_->quarters[c][axis]) * of.scale[axis][at] *
                  (from[of.high[axis][at]] - from[of.low[axis][at]]);
       }
-      to[c] = value;
+      to[c - own.first] = value;
     }
   }
 }

@@ -99,28 +99,41 @@ void report_iteration(const IterationResult<Real>& solved, Solution& solution) {
                                                             : "float64";
 }
 
-/// All that is computed from the converged field.
-/// @param radiance of the field, whose memory the source takes over.
+/// All that is computed from the converged field. All ranks that share it call this; the first has the solution.
+/// @param result of the field: the source takes the memory of its radiance.
 template <class Real>
-void observe(const ConvergedField<Real>& field, AngularField<Real>& radiance, const ProgressCallback& progress,
+void observe(const ConvergedField<Real>& field, IterationResult<Real>& result, const ProgressCallback& progress,
              Solution& solution) {
+  const SolverOptions& options = field.options;
+  const bool sees_sun = options.circumsolar_half_angle > 0 && field.problem.sun;
+  const bool within_blocks = needs_light_within_blocks(field.system, options);
   const Images<Real> images(field);
   std::optional<CircumsolarLight<Real>> circumsolar;
-  if (field.options.circumsolar_half_angle > 0 && field.problem.sun) circumsolar.emplace(field);
+  if (sees_sun) circumsolar.emplace(field);
   // Independent columns have their fluxes from the iteration.
-  const bool gathers = field.result.fluxes.column_up.empty();
+  const bool gathers = result.fluxes.column_up.empty();
   std::optional<DirectionalSource<Real>> source;
-  if (gathers || field.options.radiance_field)
-    source.emplace(scattered_source(field.discretisation, field.system, std::move(radiance)));
+  if (gathers || options.radiance_field) {
+    source.emplace(scattered_source(field.discretisation, field.system, std::move(result.radiance)));
+    share_source(field, options.radiance_field || within_blocks, *source);
+  }
   fill_flux_fields(field, gathers ? &*source : nullptr, progress, solution);
+  if (field.share != nullptr) {
+    result.moments.resize(field.share->range().size());  // the scalar flux
+    field.share->cells_to_first(result.moments);
+    if (result.slopes && (sees_sun || !options.views.empty() || !options.cameras.empty()))
+      field.share->cells_to_first(result.slopes->of_radiance);
+    if (result.slopes && (sees_sun || within_blocks)) field.share->rows_to_first(result.slopes->of_octant);
+    if (!field.share->is_first()) return;
+  }
   images.fill(solution);
   if (circumsolar) {
     circumsolar->fill(solution);
-  } else if (field.options.circumsolar_half_angle > 0) {
+  } else if (options.circumsolar_half_angle > 0) {
     solution.circumsolar_flux.assign(solution.direct_flux.size(), 0.F);
   }
   fill_cell_fields(field, source ? &*source : nullptr, solution);
-  if (field.options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
+  if (options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
 }
 
 template <class Real>
@@ -161,16 +174,18 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
         if (progress) progress({"sweep", sweep, error, residual, 0});
       },
       checkpoints, share ? &*share : nullptr);
-  if (share) {
-    share->to_first(solved.radiance);
-    if (!ranks->is_first()) return {};
-  }
   report_iteration(solved, solution);
 
   phase_start = Clock::now();
-  const ConvergedField<Real> field{problem, discretisation, options,
-                                   system,  solved,         lateral_boundary ? &*lateral_boundary : nullptr};
-  observe(field, solved.radiance, progress, solution);
+  const ConvergedField<Real> field{problem,
+                                   discretisation,
+                                   options,
+                                   system,
+                                   solved,
+                                   lateral_boundary ? &*lateral_boundary : nullptr,
+                                   share ? &*share : nullptr};
+  observe(field, solved, progress, solution);
+  if (!field.is_first()) return {};
   report.seconds_gather = seconds_since(phase_start);
 
   report.control_points = options.control_points;

@@ -20,8 +20,10 @@ constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;   // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;     // each distance band ends this many times as far as the last
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
-// Directions are shared out over this many sums whatever the number of threads, so that sums have one order.
-constexpr std::size_t groups = 8;
+// Directions of a quadrant are shared out over this many sums whatever the number of threads, so that sums have one
+// order.
+constexpr std::size_t groups_of_quadrant = 2;
+constexpr std::size_t groups = quadrants * groups_of_quadrant;
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -117,9 +119,42 @@ std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, 
   return set;
 }
 
+namespace {
+
+// The sums of quadrants that other ranks have marched come to the first rank.
+// @param sums the first of each quadrant is that of the quadrant.
+template <class Real>
+void collect_sums(const OrdinateShare& share, bool upward, const std::vector<Band>& bands, std::size_t columns,
+                  std::vector<Gathered<Real>>& sums) {
+  std::vector<Ranks::Outgoing> outgoing;
+  std::vector<Ranks::Incoming> incoming;
+  for (int quadrant = 0; quadrant < quadrants; ++quadrant) {
+    const int octant = quadrant + (upward ? octants / 2 : 0);
+    const int owner = share.owner_of_octant(octant);
+    if (owner == 0 || (!share.is_first() && !share.has_octant(octant))) continue;
+    Gathered<Real>& sum = sums[static_cast<std::size_t>(quadrant) * groups_of_quadrant];
+    if (share.is_first()) sum.clear(bands.size(), columns);
+    const auto move = [&](std::vector<Real>& values) {
+      const std::span of_columns(values.data(), columns);
+      if (share.is_first()) {
+        incoming.push_back({owner, std::as_writable_bytes(of_columns)});
+      } else {
+        outgoing.push_back({0, std::as_bytes(of_columns)});
+      }
+    };
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+      if (!bands[b].empty) move(sum.of_band[b]);
+    }
+    move(sum.beyond);
+  }
+  share.ranks().exchange(outgoing, incoming);
+}
+
+}  // namespace
+
 template <class Real>
 std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
-                                const std::vector<GatherDirection>& directions) {
+                                const std::vector<GatherDirection>& directions, const OrdinateShare* share) {
   const BoxGrid& box = scene.box;
   const std::size_t columns = box.columns();
   const LevelRange levels = upward ? LevelRange{0, edge} : LevelRange{edge, box.nz()};
@@ -136,7 +171,11 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   for (const GatherDirection& direction : sorted) powers += power(direction);
   std::vector<double> flux(columns, powers * scene.reference);
   std::vector<Gathered<Real>> sums(groups);
+  const auto is_here = [&](int quadrant) {
+    return share == nullptr || share->has_octant(quadrant + (upward ? octants / 2 : 0));
+  };
   for (const SpreadClass& alike : classes) {
+    const auto of_quadrant = by_quadrant(sorted, alike.first, alike.last);
     ParallelErrors errors;
 #pragma omp parallel
     {
@@ -144,8 +183,12 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
+          const std::size_t quadrant = g / groups_of_quadrant;
+          if (!is_here(static_cast<int>(quadrant))) return;
           sums[g].clear(bands.size(), columns);
-          for (std::size_t q = alike.first + g; q < alike.last; q += groups) {
+          const std::vector<std::size_t>& own = of_quadrant[quadrant];
+          for (std::size_t i = g % groups_of_quadrant; i < own.size(); i += groups_of_quadrant) {
+            const std::size_t q = own[i];
             const Direction& travel = sorted[q].travel;
             const LaunchPlace start = launch_place(q, filling);
             work.source.start(scene, travel);
@@ -154,38 +197,55 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
           }
         });
       }
-#pragma omp for schedule(dynamic, 1)
-      for (std::size_t b = 0; b < bands.size(); ++b) {
-        errors.run([&] {
-          if (bands[b].empty) return;
-          std::vector<Real>& band = sums[0].of_band[b];
-          for (std::size_t g = 1; g < groups; ++g) {
-            const Real* __restrict const more = sums[g].of_band[b].data();
-            for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
+      // Nothing throws here.
+#pragma omp for collapse(2) schedule(dynamic, 1)
+      for (std::size_t quadrant = 0; quadrant < quadrants; ++quadrant) {
+        for (std::size_t b = 0; b <= bands.size(); ++b) {
+          if (!is_here(static_cast<int>(quadrant)) || (b < bands.size() && bands[b].empty)) continue;
+          const auto values = [&](Gathered<Real>& sum) {
+            return b < bands.size() ? sum.of_band[b].data() : sum.beyond.data();
+          };
+          Real* __restrict const to = values(sums[quadrant * groups_of_quadrant]);
+          for (std::size_t g = 1; g < groups_of_quadrant; ++g) {
+            const Real* __restrict const more = values(sums[quadrant * groups_of_quadrant + g]);
+            for (std::size_t c = 0; c < columns; ++c) to[c] += more[c];
           }
-          band.resize(columns);
-          if (!bands[b].same_everywhere) blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
-        });
+        }
       }
-#pragma omp single
+    }
+    errors.rethrow();
+    if (share != nullptr) collect_sums(*share, upward, bands, columns, sums);
+    if (share != nullptr && !share->is_first()) continue;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t b = 0; b < bands.size(); ++b) {
       errors.run([&] {
-        for (std::size_t b = 0; b < bands.size(); ++b) {
-          if (bands[b].empty) continue;
-          for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);
+        if (bands[b].empty) return;
+        std::vector<Real>& band = sums[0].of_band[b];
+        for (std::size_t quadrant = 1; quadrant < quadrants; ++quadrant) {
+          const Real* __restrict const more = sums[quadrant * groups_of_quadrant].of_band[b].data();
+          for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
         }
-        for (const Gathered<Real>& sum : sums) {
-          for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sum.beyond[c]);
-        }
+        band.resize(columns);
+        if (!bands[b].same_everywhere) blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
       });
     }
     errors.rethrow();
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+      if (bands[b].empty) continue;
+      for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);
+    }
+    for (std::size_t quadrant = 0; quadrant < quadrants; ++quadrant) {
+      const std::vector<Real>& beyond = sums[quadrant * groups_of_quadrant].beyond;
+      for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(beyond[c]);
+    }
   }
+  if (share != nullptr && !share->is_first()) flux.clear();
   return flux;
 }
 
 template std::vector<double> gather_flux<float>(const GatherScene<float>&, int, bool,
-                                                const std::vector<GatherDirection>&);
+                                                const std::vector<GatherDirection>&, const OrdinateShare*);
 template std::vector<double> gather_flux<double>(const GatherScene<double>&, int, bool,
-                                                 const std::vector<GatherDirection>&);
+                                                 const std::vector<GatherDirection>&, const OrdinateShare*);
 
 }  // namespace cloudbow

@@ -13,6 +13,7 @@
 #include "transport/rays/march.hpp"
 #include "transport/scattering/directional_source.hpp"
 #include "transport/system/ground.hpp"
+#include "transport/system/ordinate_share.hpp"
 #include "transport/system/source_slopes.hpp"
 
 namespace cloudbow {
@@ -65,15 +66,19 @@ struct GatherScene {
 
 /// Diffuse flux [columns] through the plane at z_edge[edge], of light that travels up or down. It is marched backwards.
 /// Light of distant cells is smoothed over the spread of the beams that represent it (distance bands).
+/// @param share each rank marches the directions of its octants, and the first has the flux; the others have none.
+/// Null: there is one rank.
 template <class Real>
 std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
-                                const std::vector<GatherDirection>& directions);
+                                const std::vector<GatherDirection>& directions, const OrdinateShare* share = nullptr);
 
 /// Diffuse fluxes [edges][columns] through the interfaces z_edge[edges], of those between bottom and top, ascending:
 /// one forward march for all of them, its light in distance bands that are smoothed as those of gather_flux.
+/// @param share as of gather_flux
 template <class Real>
 std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
-                                       const std::vector<GatherDirection>& directions);
+                                       const std::vector<GatherDirection>& directions,
+                                       const OrdinateShare* share = nullptr);
 
 /// The most memory that gather_level_fluxes takes in float, with this many directions.
 std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions);

@@ -44,6 +44,14 @@ std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions
   return classes;
 }
 
+std::array<std::vector<std::size_t>, quadrants> by_quadrant(std::span<const GatherDirection> directions,
+                                                            std::size_t first, std::size_t last) {
+  std::array<std::vector<std::size_t>, quadrants> of_quadrant;
+  for (std::size_t q = first; q < last; ++q)
+    of_quadrant[static_cast<std::size_t>(octant_of(directions[q].travel) % quadrants)].push_back(q);
+  return of_quadrant;
+}
+
 LaunchPlace launch_place(std::size_t direction, bool filling) {
   const double q = static_cast<double>(direction);
   if (!filling) return {.5, .5};

@@ -1,10 +1,13 @@
 // The directions of a final gather in classes of similar spread, and the starting points of their rays.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "transport/gather/gather.hpp"
+#include "transport/grid/octants.hpp"
 
 namespace cloudbow {
 
@@ -20,6 +23,12 @@ struct SpreadClass {
 
 /// Sorts the directions.
 std::vector<SpreadClass> spread_classes(std::vector<GatherDirection>& directions);
+
+/// Directions [first, last) by quadrant of their horizontal travel, each in their order. Sums over the directions are
+/// added quadrant by quadrant, so that ranks which share these have the same bits.
+inline constexpr int quadrants = octants / 2;
+std::array<std::vector<std::size_t>, quadrants> by_quadrant(std::span<const GatherDirection> directions,
+                                                            std::size_t first, std::size_t last);
 
 /// Starting point of the rays of a direction in their columns, as fractions.
 struct LaunchPlace {

@@ -1,4 +1,6 @@
 // Fluxes between bottom and top: one forward march for each direction, its light in bands of the distance it has come.
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,19 +20,18 @@
 namespace cloudbow {
 namespace {
 
-// Directions are shared out over these many sums, whatever the number of threads, so that sums have one order.
-constexpr std::size_t most_groups = 4;
-constexpr double most_sum_bytes = 1.5e8;  // of all groups, unless one alone takes more
+// Each quadrant of directions has sums of its own. So many are made at a time that they take no more than this, unless
+// one alone takes more.
+constexpr double most_sum_bytes = 1.5e8;
 
-// By the box alone, so that a level has the same bits whichever others are requested.
-std::size_t groups_for(const BoxGrid& box) {
+int quadrants_at_a_time(const BoxGrid& box) {
   constexpr double usual_planes = 10;  // of a level
-  const double group = usual_planes * box.nz() * static_cast<double>(box.columns() * sizeof(float));
-  return std::clamp(static_cast<std::size_t>(most_sum_bytes / group), std::size_t{1}, most_groups);
+  const double quadrant = usual_planes * box.nz() * static_cast<double>(box.columns() * sizeof(float));
+  return std::clamp(static_cast<int>(most_sum_bytes / quadrant), 1, quadrants);
 }
 
-// Directions of a group that go through the levels together: a plane of sums is then fetched once for all of them. The
-// bits do not depend on their number.
+// Directions of a quadrant that go through the levels together: a plane of sums is then fetched once for all of them.
+// The bits do not depend on their number.
 constexpr std::size_t most_together = 8;
 constexpr double most_march_bytes = 6.4e7;
 
@@ -88,19 +89,20 @@ struct PlaneSums {
   }
   // Adds other sums, whose planes may be taken.
   void add(PlaneSums& other) {
-    for (std::size_t p = 0; p < columns.size(); ++p) {
-      everywhere[p] += other.everywhere[p];
-      if (columns[p].empty()) {
-        columns[p].swap(other.columns[p]);
-        continue;
-      }
-      const std::vector<Real>& more = other.columns[p];
-      for (std::size_t c = 0; c < more.size(); ++c) columns[p][c] += more[c];
+    for (std::size_t p = 0; p < columns.size(); ++p) add_plane(p, other);
+  }
+  void add_plane(std::size_t p, PlaneSums& other) {
+    everywhere[p] += other.everywhere[p];
+    if (columns[p].empty()) {
+      columns[p].swap(other.columns[p]);
+      return;
     }
+    const std::vector<Real>& more = other.columns[p];
+    for (std::size_t c = 0; c < more.size(); ++c) columns[p][c] += more[c];
   }
 };
 
-// Work arrays of a thread, and the sums of its present group of directions.
+// Work arrays of a thread, and the sums of its present quadrant of directions.
 template <class Real>
 struct Workspace {
   std::vector<DirectionMarch<Real>> marches;
@@ -128,31 +130,45 @@ class LevelGather {
         levels_(edges.size()),
         schedule_(march_schedule(scene.box, emitting_levels(scene), upward, edges)) {}
 
-  std::vector<float> flux(std::vector<GatherDirection> directions) {
+  std::vector<float> flux(std::vector<GatherDirection> directions, const OrdinateShare* share) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
     const SumPlanes planes(schedule_, box_, levels_, classes);
     const auto slots = static_cast<std::size_t>(schedule_.slots);
-    const std::size_t groups = groups_for(box_);
-    PlaneSums<Real> all(planes.size());
+    const bool adds = share == nullptr || share->is_first();
+    std::vector<int> own;  // quadrants
+    for (int quadrant = 0; quadrant < quadrants; ++quadrant) {
+      if (share == nullptr || share->has_octant(octant(quadrant))) own.push_back(quadrant);
+    }
+    PlaneSums<Real> all(adds ? planes.size() : 0);
+    std::vector<PlaneSums<Real>> to_send;
     ParallelErrors errors;
-#pragma omp parallel
+    const int threads = std::min(omp_get_max_threads(), quadrants_at_a_time(box_));
+#pragma omp parallel num_threads(threads)
     {
-      std::optional<Workspace<Real>> own;
-      // Groups are added in their order, whichever threads march them.
+      std::optional<Workspace<Real>> work;
+      // Quadrants are added in their order, whichever threads march them.
 #pragma omp for schedule(dynamic, 1) ordered
-      for (std::size_t g = 0; g < groups; ++g) {
+      for (std::size_t q = 0; q < own.size(); ++q) {
         errors.run([&] {
-          if (!own) own.emplace(slots, columns_, cells_kept(), planes.size());
-          own->sums.clear();
-          for (const SpreadClass& alike : classes) march_class(directions, alike, g, groups, planes, *own);
+          if (!work) work.emplace(slots, columns_, cells_kept(), planes.size());
+          work->sums.clear();
+          for (const SpreadClass& alike : classes) march_class(directions, alike, own[q], planes, *work);
         });
 #pragma omp ordered
         errors.run([&] {
-          if (own) all.add(own->sums);
+          if (!work) return;
+          if (adds) {
+            all.add(work->sums);
+          } else {
+            to_send.push_back(std::move(work->sums));
+            work->sums = PlaneSums<Real>(planes.size());
+          }
         });
       }
     }
     errors.rethrow();
+    if (share != nullptr) collect(*share, planes.size(), to_send, all);
+    if (!adds) return {};
     double powers = 0;
     for (const GatherDirection& direction : directions) powers += power(direction);
     return blurred(planes, all, powers);
@@ -171,14 +187,58 @@ class LevelGather {
     return emits;
   }
 
-  // Directions of one spread that belong to group g.
-  void march_class(std::span<const GatherDirection> directions, const SpreadClass& alike, std::size_t g,
-                   std::size_t groups, const SumPlanes& planes, Workspace<Real>& own) const {
-    for (std::size_t first = alike.first + g; first < alike.last; first += groups * own.marches.size()) {
-      std::size_t count = 0;
-      for (std::size_t q = first; q < alike.last && count < own.marches.size(); q += groups)
-        start(directions[q], q, own.marches[count++], own.ground);
+  int octant(int quadrant) const { return quadrant + (upward_ ? octants / 2 : 0); }
+
+  // Directions of one spread that belong to a quadrant.
+  void march_class(std::span<const GatherDirection> directions, const SpreadClass& alike, int quadrant,
+                   const SumPlanes& planes, Workspace<Real>& own) const {
+    const auto of_quadrant = by_quadrant(directions, alike.first, alike.last)[static_cast<std::size_t>(quadrant)];
+    for (std::size_t first = 0; first < of_quadrant.size(); first += own.marches.size()) {
+      const std::size_t count = std::min(own.marches.size(), of_quadrant.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t q = of_quadrant[first + i];
+        start(directions[q], q, own.marches[i], own.ground);
+      }
       march(count, alike.spread, planes, own);
+    }
+  }
+
+  // The first rank adds the sums of the quadrants that others have marched, in their order.
+  // @param own those of this rank, if it is another
+  void collect(const OrdinateShare& share, std::size_t planes, std::vector<PlaneSums<Real>>& own,
+               PlaneSums<Real>& all) const {
+    std::size_t next = 0;
+    for (int quadrant = 0; quadrant < quadrants; ++quadrant) {
+      const int owner = share.owner_of_octant(octant(quadrant));
+      if (owner == 0 || (!share.is_first() && !share.has_octant(octant(quadrant)))) continue;
+      if (share.is_first()) {
+        PlaneSums<Real> sums(planes);
+        std::vector<std::uint8_t> has_columns(planes);
+        const std::array<Ranks::Incoming, 2> kinds{{{owner, std::as_writable_bytes(std::span(has_columns))},
+                                                    {owner, std::as_writable_bytes(std::span(sums.everywhere))}}};
+        share.ranks().exchange({}, kinds);
+        for (std::size_t p = 0; p < planes; ++p) {  // one at a time, so that all of them are not kept twice
+          if (has_columns[p] != 0) {
+            sums.columns[p].resize(columns_ + lane_padding);
+            const std::array<Ranks::Incoming, 1> plane{{{owner, std::as_writable_bytes(std::span(sums.columns[p]))}}};
+            share.ranks().exchange({}, plane);
+          }
+          all.add_plane(p, sums);
+          std::vector<Real>().swap(sums.columns[p]);
+        }
+        continue;
+      }
+      const PlaneSums<Real>& sums = own[next++];
+      std::vector<std::uint8_t> has_columns;
+      for (const auto& plane : sums.columns) has_columns.push_back(plane.empty() ? 0 : 1);
+      const std::array<Ranks::Outgoing, 2> kinds{
+          {{0, std::as_bytes(std::span(has_columns))}, {0, std::as_bytes(std::span(sums.everywhere))}}};
+      share.ranks().exchange(kinds, {});
+      for (const auto& plane : sums.columns) {
+        if (plane.empty()) continue;
+        const std::array<Ranks::Outgoing, 1> outgoing{{{0, std::as_bytes(std::span(plane))}}};
+        share.ranks().exchange(outgoing, {});
+      }
     }
   }
 
@@ -451,21 +511,23 @@ std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<
   const MarchSchedule schedule = march_schedule(box, all, true, edges);
   const SumPlanes planes(schedule, box, edges.size(), spread_classes(set));
   const auto slots = static_cast<std::size_t>(schedule.slots);
-  const std::size_t of_group =
+  const std::size_t of_quadrant =
       planes.size() * box.columns() * sizeof(float) +
       directions_together<float>(slots, box.columns(), cells) * march_bytes<float>(slots, box.columns(), cells);
-  return of_group * groups_for(box) + edges.size() * box.columns() * sizeof(float);
+  const std::size_t in_all = planes.size() * box.columns() * sizeof(float);
+  return of_quadrant * static_cast<std::size_t>(quadrants_at_a_time(box)) + in_all +
+         edges.size() * box.columns() * sizeof(float);
 }
 
 template <class Real>
 std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
-                                       const std::vector<GatherDirection>& directions) {
-  return LevelGather<Real>(scene, upward, edges).flux(directions);
+                                       const std::vector<GatherDirection>& directions, const OrdinateShare* share) {
+  return LevelGather<Real>(scene, upward, edges).flux(directions, share);
 }
 
 template std::vector<float> gather_level_fluxes<float>(const GatherScene<float>&, std::span<const int>, bool,
-                                                       const std::vector<GatherDirection>&);
+                                                       const std::vector<GatherDirection>&, const OrdinateShare*);
 template std::vector<float> gather_level_fluxes<double>(const GatherScene<double>&, std::span<const int>, bool,
-                                                        const std::vector<GatherDirection>&);
+                                                        const std::vector<GatherDirection>&, const OrdinateShare*);
 
 }  // namespace cloudbow

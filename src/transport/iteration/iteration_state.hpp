@@ -1,6 +1,7 @@
 // The state of source iteration between two sweeps; storing and restoring it.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "cloudbow/transport/checkpoints.hpp"
@@ -11,11 +12,11 @@ namespace cloudbow {
 
 template <class Real>
 struct IterationState {
-  explicit IterationState(int mixing_depth) : mixer(mixing_depth) {}
+  explicit IterationState(AndersonMixer<Real> mixing) : mixer(std::move(mixing)) {}
 
   IterationResult<Real> result;
-  std::vector<Real> x;        ///< [low_moments][n] moments that scatter in the next sweep
-  std::vector<Real> change;   ///< [low_moments][n] added to the radiance's own moments for that; empty: nothing
+  std::vector<Real> x;        ///< [low_moments][own cells] moments that scatter in the next sweep
+  std::vector<Real> change;   ///< [low_moments][own cells] added to the radiance's own moments for that; empty: nothing
   std::vector<double> steps;  ///< relative size of each accelerated change so far
   AndersonMixer<Real> mixer;
   bool finds_slopes = false;  ///< the next sweep finds the light's own slopes

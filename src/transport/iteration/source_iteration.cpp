@@ -21,6 +21,7 @@ namespace {
 // Three earlier iterates of the moments l <= 1 are as good as more. They are better than two iterates of all moments,
 // which take more memory.
 constexpr int anderson_depth = 3;
+constexpr std::size_t mixed_moments = 4;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
 // The light is brought near its end with slopes from differences, to this estimated error. Then its own slopes are
@@ -114,9 +115,9 @@ std::optional<Real> float16_unit(const TransportSystem<Real>& system, const Iter
 }
 
 template <class Real>
-double relative_size(std::span<const Real> change, std::span<const Real> of) {
-  const double size = std::sqrt(ordered_dot<Real>(of, of));
-  return size == 0 ? 0 : std::sqrt(ordered_dot<Real>(change, change)) / size;
+double relative_size(std::span<const Real> change, std::span<const Real> of, const OrdinateShare* share) {
+  const double size = std::sqrt(ordered_dot<Real>(of, of, 1, share));
+  return size == 0 ? 0 : std::sqrt(ordered_dot<Real>(change, change, 1, share)) / size;
 }
 
 // The accelerated change is close to the error itself; the rest shrinks by rho per sweep and sums to rho/(1 - rho).
@@ -163,13 +164,14 @@ template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
                                      const IterationCallback& progress, Checkpoints* checkpoints,
                                      const OrdinateShare* share) {
-  const std::size_t n = system.cells->size();
-  IterationState<Real> state(anderson_depth);
+  const std::size_t all = system.cells->size();
+  const std::size_t n = share != nullptr ? share->range().size() : all;
+  IterationState<Real> state(AndersonMixer<Real>(anderson_depth, mixed_moments, share));
   IterationResult<Real>& result = state.result;
   result.radiance = share != nullptr ? share->own_cells<Real>(float16_unit(system, options))
                                      : AngularField<Real>(system.ordinates.size(), n, float16_unit(system, options));
   result.moments.assign(low_moments * n, Real(0));
-  if (system.slopes) result.slopes = system.slopes->none(n);
+  if (system.slopes) result.slopes = share != nullptr ? LightSlopes<Real>{} : system.slopes->none(n);
   IterationReport& report = result.report;
   const bool restored = checkpoints != nullptr && restore_state(system, options, state, *checkpoints);
   if (state.done) {
@@ -184,11 +186,11 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   const double energy_tolerance = result.radiance.packed()
                                       ? std::max(options.energy_tolerance, float16_energy_tolerance)
                                       : std::max(options.energy_tolerance, rounding_of_emission(system));
-  const std::size_t mixed = 4 * n;  // the moments l <= 1
+  const std::size_t mixed = mixed_moments * n;
   const double rounding = rounding_of(result.radiance);
   {
     const Stopwatch watch(report.seconds_acceleration);
-    low_order.emplace(system);
+    low_order.emplace(system, share);
     if (StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes).diverges)
       low_order->drop_diffusion();
     if (!restored) x.assign(low_moments * n, Real(0));
@@ -214,11 +216,17 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       result.fluxes = sweep(system, result.radiance, record, work, slopes, share);
       if (share != nullptr) share->to_cells(result.radiance);
       system.moments(result.radiance, result.moments);
-      if (share != nullptr) share->gather_cells(std::span(result.moments));
       if (share != nullptr && state.finds_slopes && slopes != nullptr)
         finish_slopes(system, *share, result.radiance, *slopes);
     }
-    result.ledger = ledger_of<Real>(system, result.fluxes, std::span<const Real>(result.moments).first(n));
+    const std::span<const Real> scalar_flux = std::span<const Real>(result.moments).first(n);
+    if (share != nullptr) {
+      std::vector<Real> of_all(all);
+      share->gather_cells(scalar_flux, std::span(of_all));
+      result.ledger = ledger_of<Real>(system, result.fluxes, of_all);
+    } else {
+      result.ledger = ledger_of<Real>(system, result.fluxes, scalar_flux);
+    }
 
     {
       const Stopwatch watch(report.seconds_acceleration);
@@ -232,7 +240,7 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
         change[c] = g[c] - x[c];
       }
       state.steps.push_back(
-          relative_size<Real>(std::span<const Real>(change).first(n), std::span<const Real>(g).first(n)));
+          relative_size<Real>(std::span<const Real>(change).first(n), std::span<const Real>(g).first(n), share));
     }
     report.estimated_error = estimated_error(state.steps);
     check_finite(report, result.ledger);

@@ -27,7 +27,7 @@ struct IterationReport {
 template <class Real>
 struct IterationResult {
   AngularField<Real> radiance;  ///< voxel-mean diffuse radiance at the ordinates; shared: in the cells of this rank
-  std::vector<Real> moments;    ///< [low_moments][n] of it
+  std::vector<Real> moments;    ///< [low_moments][cells of the field] of it
   std::optional<LightSlopes<Real>> slopes;  ///< if the system has tables for them
   SweepFluxes<Real> fluxes;
   EnergyLedger ledger;  ///< transmittance_direct left for the caller

@@ -30,6 +30,11 @@ bool absorbs_in_blocks(const TransportSystem<Real>& system) {
 }  // namespace
 
 template <class Real>
+bool needs_light_within_blocks(const TransportSystem<Real>& system, const SolverOptions& options) {
+  return options.absorption && absorbs_in_blocks(system);
+}
+
+template <class Real>
 void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>* source, Solution& solution) {
   const Problem& problem = field.problem;
   const SolverOptions& options = field.options;
@@ -39,7 +44,7 @@ void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>
   if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
   if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
   std::vector<float> within_blocks;
-  if (options.absorption && source != nullptr && absorbs_in_blocks(system))
+  if (source != nullptr && needs_light_within_blocks(system, options))
     within_blocks = light_within_blocks(field, *source);
   for_each_place(system.cells->rows, [&](std::uint32_t c, std::size_t place) {
     double actinic =
@@ -99,6 +104,7 @@ RadianceField make_radiance_field(const ConvergedField<Real>& converged, Directi
 }
 
 #define CLOUDBOW_INSTANTIATE(Real)                                                                        \
+  template bool needs_light_within_blocks<Real>(const TransportSystem<Real>&, const SolverOptions&);      \
   template void fill_cell_fields<Real>(const ConvergedField<Real>&, DirectionalSource<Real>*, Solution&); \
   template RadianceField make_radiance_field<Real>(const ConvergedField<Real>&, DirectionalSource<Real>&)
 CLOUDBOW_INSTANTIATE(float);

@@ -7,6 +7,10 @@
 
 namespace cloudbow {
 
+/// Whether absorption by layers in blocks is requested: it needs the light voxel by voxel.
+template <class Real>
+bool needs_light_within_blocks(const TransportSystem<Real>& system, const SolverOptions& options);
+
 /// Fills absorbed_power and actinic_flux if options request them.
 /// @param source of the scattered light, for absorption by layers in blocks; its first order is replaced. Null: there
 /// are no blocks.

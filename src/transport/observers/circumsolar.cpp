@@ -71,6 +71,9 @@ CircumsolarLight<Real>::CircumsolarLight(const ConvergedField<Real>& field)
       phase_(field.problem.phase, field.discretisation.beam, whole_scattering(field.problem.grid), rings_) {
   const Problem& problem = field.problem;
   const TransportSystem<Real>& system = field.system;
+  const AngularField<Real> seen = higher_orders_seen<Real>(field, std::span(&problem.sun->travel, 1));
+  if (!field.is_first()) return;
+  higher_orders_.assign(seen.row(0), seen.row(0) + seen.cells);
   const std::vector<Real>& carried = system.beam.irradiance;
   if (phase_.has_peak()) {
     const DirectBeam<Real> never = beam_with<Real>(
@@ -89,8 +92,6 @@ CircumsolarLight<Real>::CircumsolarLight(const ConvergedField<Real>& field)
                                 carried);
     first_order_.push_back(first.empty() ? std::vector<Real>{} : std::move(first.front().intensity));
   }
-  const AngularField<Real> seen = higher_orders_seen<Real>(field, std::span(&problem.sun->travel, 1));
-  higher_orders_.assign(seen.row(0), seen.row(0) + seen.cells);
 }
 
 template <class Real>

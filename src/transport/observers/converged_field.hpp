@@ -7,7 +7,7 @@
 
 namespace cloudbow {
 
-/// References last as long as the solve.
+/// References last as long as the solve. If ranks share it, each has the light of its cells.
 template <class Real>
 struct ConvergedField {
   const Problem& problem;
@@ -16,6 +16,10 @@ struct ConvergedField {
   const TransportSystem<Real>& system;
   const IterationResult<Real>& result;
   const LateralBoundary* lateral_boundary;  ///< radiance at open sides; null: nothing, or no open sides
+  const OrdinateShare* share = nullptr;     ///< null: there is one rank
+
+  /// Whether this rank makes the results.
+  bool is_first() const { return share == nullptr || share->is_first(); }
 };
 
 }  // namespace cloudbow

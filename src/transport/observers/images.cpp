@@ -35,8 +35,9 @@ Images<Real>::Images(const ConvergedField<Real>& field) : field_(field) {
     travel.insert(travel.end(), sight_->travel.begin(), sight_->travel.end());
   }
   if (travel.empty()) return;
-  beams_ = viewing_beams(field);
   source_ = higher_orders_seen<Real>(field, travel);
+  if (!field.is_first()) return;
+  beams_ = viewing_beams(field);
   for (std::size_t v = 0; v < options.views.size(); ++v) {
     Real* const row = source_.row(static_cast<int>(v));
     for (const ViewingBeam<Real>& beam : beams_)

@@ -109,8 +109,15 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
   std::vector<double> whole(phases, 1.);
   for (std::size_t p = 0; p < phases; ++p) truncated.push_back(discretisation.diffuse[p].truncated);
   const SeenScattering seen(discretisation);
+  const auto scattered_by_all = [&](const std::vector<PhaseFunction>& phase, const std::vector<double>& share) {
+    AngularField<Real> towards = scattered_by(phase, share, ordinates, cells, solved.radiance, travel);
+    if (field.share != nullptr) field.share->to_first(towards);
+    return towards;
+  };
   // The radiance along the directions in the approximation of the iteration: from the source of transport.
-  AngularField<Real> radiance = scattered_by(truncated, whole, ordinates, cells, solved.radiance, travel);
+  AngularField<Real> radiance = scattered_by_all(truncated, whole);
+  AngularField<Real> source = scattered_by_all(seen.phase, seen.share);
+  if (!field.is_first()) return {};
   std::vector<SingleScattering<Real>> first_order;
   for (std::size_t p = 0; p < phases && problem.sun; ++p) {
     const DeltaM& beam = discretisation.beam[p];
@@ -144,7 +151,6 @@ AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::sp
   }
   errors.rethrow();
 
-  AngularField<Real> source = scattered_by(seen.phase, seen.share, ordinates, cells, solved.radiance, travel);
   for (std::size_t i = 0; i < travel.size(); ++i) {
     for (std::size_t p = 0; p < phases; ++p) {
       const Real forward = static_cast<Real>(seen.forward(p, ordinates, travel[i]));

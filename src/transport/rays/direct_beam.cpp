@@ -340,19 +340,15 @@ DirectBeam<Real> direct_beam(const BoxGrid& box, const ActiveRows& rows, std::sp
 
   DirectBeam<Real> result;
   result.irradiance.assign(options.parts.irradiance ? rows.size() : 0, Real(0));
-  result.level_flux.assign(columns * (box.nz() + 1), 0.);
+  result.level_flux.assign(columns * static_cast<std::size_t>(requested), 0.);
   result.mean_flux.assign(box.nz() + 1, 0.);
   for (const auto& sum : sums) {
     for (std::size_t c = 0; c < result.irradiance.size(); ++c) result.irradiance[c] += sum.irradiance[c];
-    for (int edge = 0; edge <= box.nz(); ++edge) {
-      result.mean_flux[edge] += sum.mean_flux[edge];
-      if (place[edge] < 0) continue;
-      const double* const from = sum.level_flux.data() + columns * static_cast<std::size_t>(place[edge]);
-      double* const to = result.level_flux.data() + columns * static_cast<std::size_t>(edge);
-      for (std::size_t c = 0; c < columns; ++c) to[c] += from[c];
-    }
+    for (int edge = 0; edge <= box.nz(); ++edge) result.mean_flux[edge] += sum.mean_flux[edge];
+    for (std::size_t c = 0; c < result.level_flux.size(); ++c) result.level_flux[c] += sum.level_flux[c];
   }
-  if (!box.periodic) {
+  result.level = place;
+  if (!box.periodic) {  // all were requested
     for (int edge = 0; edge <= box.nz(); ++edge)
       result.mean_flux[edge] =
           plane_sum(result.level_flux.data() + columns * edge, columns) / static_cast<double>(columns);

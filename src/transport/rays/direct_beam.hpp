@@ -2,6 +2,7 @@
 // column and no source.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -15,13 +16,21 @@ namespace cloudbow {
 template <class Real>
 struct DirectBeam {
   std::vector<Real> irradiance;  ///< [n] voxel-mean irradiance on a surface facing the sun, W m-2; empty: not requested
-  /// [nz+1][ny*nx] through a horizontal surface, mean over the column, W m-2; 0 at interfaces that were not requested.
+  /// [requested interfaces][ny*nx] through a horizontal surface, mean over the column, W m-2; interfaces ascend.
   std::vector<double> level_flux;
+  std::vector<int> level;         ///< [nz+1] index of each interface among these; -1: not requested
   std::vector<double> mean_flux;  ///< [nz+1] its domain means, of all interfaces
   /// [n + lane_padding] slope of the irradiance from face to face along x, y, z, relative to it; empty: not requested
   std::array<std::vector<Real>, 3> slope;
   double side_gain = 0;  ///< power through the sunlit open sides per area of the top, W m-2
   double side_loss = 0;
+
+  /// [ny*nx] level_flux at one interface, which was requested.
+  std::span<const double> flux_at(int edge) const {
+    const std::size_t columns =
+        level_flux.size() / static_cast<std::size_t>(1 + *std::max_element(level.begin(), level.end()));
+    return std::span(level_flux).subspan(static_cast<std::size_t>(level[edge]) * columns, columns);
+  }
 };
 
 /// Requested parts of a beam, beside its domain means.

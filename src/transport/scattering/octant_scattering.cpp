@@ -186,7 +186,7 @@ void OctantScattering<Real>::fold(const AngularField<Real>& field, std::size_t f
   }
 }
 
-// Moments of n cells, given for all `cells`, as sums over the octants.
+// Moments of n cells from `first` on, among those of `cells`, as sums over the octants.
 template <class Real>
 void OctantScattering<Real>::add_moments(std::span<const Real> moments, std::size_t cells, std::size_t first, int n,
                                          Real scale, Real* by_octant) const {
@@ -227,7 +227,7 @@ void OctantScattering<Real>::scatter_in_place(AngularField<Real>& field, const C
           fold(field, first, radiance.data());
         }
         const std::size_t first_of_all = field.first_cell + first;
-        add_moments(terms.correction, field.all_cells, first_of_all, n, Real(1), radiance.data());
+        add_moments(terms.correction, field.cells, first, n, Real(1), radiance.data());
         bool any = false;
         for (std::size_t p = 0; scatters && p < matrix_.size(); ++p) {
           const Real* const share = cells.scattered[p].data() + first_of_all;
@@ -284,13 +284,13 @@ void OctantScattering<Real>::moments_of(const AngularField<Real>& radiance, std:
         const std::size_t first = t * tile;
         const int n = static_cast<int>(std::min<std::size_t>(tile, radiance.cells - first));
         fold(radiance, first, by_octant.data());
-        const std::size_t all = radiance.all_cells;
-        Real* const of_tile = moments.data() + radiance.first_cell + first;
-        const std::size_t count = moments.size() / all;
-        for (std::size_t m = 0; m < count; ++m) std::fill_n(of_tile + m * all, n, Real(0));
+        const std::size_t own = radiance.cells;
+        Real* const of_tile = moments.data() + first;
+        const std::size_t count = moments.size() / own;
+        for (std::size_t m = 0; m < count; ++m) std::fill_n(of_tile + m * own, n, Real(0));
         for (int s = 0; s < octants; ++s) {
           for (const SectorMoment& moment : moments_[s]) {
-            Real* const to = of_tile + moment.moment * all;
+            Real* const to = of_tile + moment.moment * own;
             for (int b = 0; b < octant_size_; ++b)
               add_scaled(moment.weight[b], by_octant.data() + (s * octant_size_ + b) * tile, n, to);
           }

@@ -20,7 +20,7 @@ class OrdinateScattering {
   const std::vector<DenseMatrix<Real>>& matrix() const { return matrix_; }
   /// Radiance becomes source, in place.
   void scatter_in_place(AngularField<Real>& field, const Cells<Real>& cells, const ScatteringTerms<Real>& terms) const;
-  /// [low_moments][n] of the radiance.
+  /// [low_moments][cells of the field] of the radiance.
   void moments_of(const AngularField<Real>& radiance, std::span<Real> moments) const;
 
  private:

@@ -114,18 +114,19 @@ DenseMatrix<Real> rounded_conservatively(const Eigen::MatrixXd& matrix, std::spa
 template <class Real>
 void scatter_in_place(AngularField<Real>& field, std::span<const DenseMatrix<Real>> matrix, const Cells<Real>& cells,
                       const ScatteringTerms<Real>& terms, const DenseMatrix<Real>& shape) {
-  const auto add_moments = [&](std::span<const Real> moments, std::size_t first, std::size_t n, Tile<Real>& tile) {
-    const int count = static_cast<int>(moments.size() / field.all_cells);
+  const auto add_moments = [&](std::span<const Real> moments, std::size_t cells_of, std::size_t first, std::size_t n,
+                               Tile<Real>& tile) {
+    const int count = static_cast<int>(moments.size() / cells_of);
     for (int d = 0; d < field.rows; ++d) {
-      for (int m = 0; m < count; ++m) add_scaled(shape(d, m), moments.data() + m * field.all_cells + first, n, tile, d);
+      for (int m = 0; m < count; ++m) add_scaled(shape(d, m), moments.data() + m * cells_of + first, n, tile, d);
     }
   };
   const auto correct = [&](std::size_t first, std::size_t n, Tile<Real>& radiance) {
     if (terms.dark) radiance.setZero();
-    add_moments(terms.correction, first, n, radiance);
+    add_moments(terms.correction, field.cells, first - field.first_cell, n, radiance);
   };
   const auto add_sources = [&](std::size_t first, std::size_t n, Tile<Real>& source) {
-    add_moments(terms.emission, first, n, source);
+    add_moments(terms.emission, field.all_cells, first, n, source);
     for (const BeamSource<Real>& b : terms.beam) {
       for (int d = 0; d < field.rows; ++d) add_scaled(b.direction[d], b.intensity.data() + first, n, source, d);
     }
@@ -162,13 +163,13 @@ void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& wei
   for (std::size_t tile = 0; tile < tiles; ++tile) {
     const std::size_t first = tile * tile_cells;
     const std::size_t n = std::min(tile_cells, radiance.cells - first);
-    Real* const of_tile = moments.data() + radiance.first_cell + first;
-    for (Eigen::Index m = 0; m < weights.rows(); ++m) std::fill_n(of_tile + m * radiance.all_cells, n, Real(0));
+    Real* const of_tile = moments.data() + first;
+    for (Eigen::Index m = 0; m < weights.rows(); ++m) std::fill_n(of_tile + m * radiance.cells, n, Real(0));
     std::array<Real, tile_cells> room{};
     for (int d = 0; d < radiance.rows; ++d) {
       const Real* __restrict const from = radiance.stored_row(d).read(first, n, room.data());
       for (Eigen::Index m = 0; m < weights.rows(); ++m) {
-        Real* __restrict const to = of_tile + m * radiance.all_cells;
+        Real* __restrict const to = of_tile + m * radiance.cells;
         const Real weight = weights(m, d);
         for (std::size_t c = 0; c < n; ++c) to[c] += weight * from[c];
       }

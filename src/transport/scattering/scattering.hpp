@@ -32,9 +32,10 @@ struct BeamSource {
 template <class Real>
 struct ScatteringTerms {
   std::span<const BeamSource<Real>> beam;
-  std::span<const Real> correction;  ///< [1 to low_moments][n] added to the moments of J before it scatters; or empty
-  std::span<const Real> emission;    ///< [low_moments][n] moments added to the source; or empty
-  bool dark = false;                 ///< J is zero, whatever the field holds
+  /// [1 to low_moments][cells of the field] added to the moments of J before it scatters; or empty
+  std::span<const Real> correction;
+  std::span<const Real> emission;  ///< [low_moments][n] moments added to the source; or empty
+  bool dark = false;               ///< J is zero, whatever the field holds
 };
 
 /// In place: radiance J at the ordinates -> source S = sum_p scattered_p * matrix_p * (J + correction) + emission + sum
@@ -57,7 +58,7 @@ template <class Real>
 AngularField<Real> scatter_towards(const AngularField<Real>& radiance, std::span<const DenseMatrix<Real>> matrix,
                                    const Cells<Real>& cells);
 
-/// moments[m * n + c] = sum_d weights(m, d) J_d(c).
+/// moments[m * cells + c] = sum_d weights(m, d) J_d(c), of the cells of the field.
 template <class Real>
 void moments_of(const AngularField<Real>& radiance, const DenseMatrix<Real>& weights, std::span<Real> moments);
 

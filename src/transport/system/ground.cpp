@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "transport/grid/octants.hpp"
 #include "transport/rays/ray_rows.hpp"
 
 namespace cloudbow {
@@ -160,20 +161,28 @@ double Ground<Real>::largest_albedo() const {
 }
 
 template <class Real>
+void add_arriving(const ArrivingRays<Real>& rays, const OrdinateSet& ordinates, int ordinate, const BoxGrid& box,
+                  std::span<double> flux) {
+  const double weight = power(ordinates, ordinate);
+  const auto octant = static_cast<std::size_t>(octant_of(ordinates.direction[ordinate]));
+  double* const of_octant = flux.data() + octant * box.columns();
+  for_each_piece(rays, box, [&](std::size_t column, const Real* from, std::size_t n) {
+    double* __restrict const to = of_octant + column;
+    for (std::size_t i = 0; i < n; ++i) to[i] += weight * static_cast<double>(from[i]);
+  });
+}
+
+template <class Real>
 typename Ground<Real>::Reflection Ground<Real>::reflect(const std::vector<ArrivingRays<Real>>& arriving,
+                                                        std::span<const double> diffuse_flux,
                                                         std::span<const double> direct_flux,
                                                         const OrdinateSet& ordinates, const BoxGrid& box) const {
   const std::size_t columns = box.columns();
   Reflection result;
   result.flux.assign(columns, 0.);
   std::copy(direct_flux.begin(), direct_flux.end(), result.flux.begin());
-  for (int d = 0; d < ordinates.size(); ++d) {
-    if (ordinates.direction[d].z() > 0) continue;
-    const double weight = power(ordinates, d);
-    for_each_piece(arriving[d], box, [&](std::size_t column, const Real* from, std::size_t n) {
-      double* __restrict const to = result.flux.data() + column;
-      for (std::size_t i = 0; i < n; ++i) to[i] += weight * static_cast<double>(from[i]);
-    });
+  for (std::size_t of_octant = 0; of_octant < diffuse_flux.size(); of_octant += columns) {
+    for (std::size_t c = 0; c < columns; ++c) result.flux[c] += diffuse_flux[of_octant + c];
   }
   if (!table_) {
     result.leaving = AngularField<Real>(1, columns);
@@ -258,6 +267,10 @@ GroundRadiance<Real> Ground<Real>::radiance_seen(const std::vector<std::vector<R
   return result;
 }
 
+template void add_arriving<float>(const ArrivingRays<float>&, const OrdinateSet&, int, const BoxGrid&,
+                                  std::span<double>);
+template void add_arriving<double>(const ArrivingRays<double>&, const OrdinateSet&, int, const BoxGrid&,
+                                   std::span<double>);
 template struct ArrivingRays<float>;
 template struct ArrivingRays<double>;
 template struct GroundRadiance<float>;

@@ -37,6 +37,12 @@ struct ArrivingRays {
   std::vector<Real> by_column(const BoxGrid& box) const;
 };
 
+/// Adds light that arrives along an ordinate to the diffuse flux [4][columns] through the ground, by octant of light
+/// that travels down.
+template <class Real>
+void add_arriving(const ArrivingRays<Real>& rays, const OrdinateSet& ordinates, int ordinate, const BoxGrid& box,
+                  std::span<double> flux);
+
 template <class Real>
 class Ground {
  public:
@@ -49,10 +55,10 @@ class Ground {
     AngularField<Real> leaving;  ///< radiance: one row an upward ordinate, or a single row for all; [columns]
     double absorbed = 0;         ///< W m-2, mean over the columns
   };
-  /// @param arriving [D] along the ordinates; those that travel up are not used.
-  /// @param direct_flux [columns] through the horizontal; empty: none.
-  Reflection reflect(const std::vector<ArrivingRays<Real>>& arriving, std::span<const double> direct_flux,
-                     const OrdinateSet& ordinates, const BoxGrid& box) const;
+  /// @param arriving [D] along the ordinates; those that travel up are not used, and none over a Lambertian ground.
+  /// @param diffuse_flux of add_arriving(). @param direct_flux [columns] through the horizontal; empty: none.
+  Reflection reflect(const std::vector<ArrivingRays<Real>>& arriving, std::span<const double> diffuse_flux,
+                     std::span<const double> direct_flux, const OrdinateSet& ordinates, const BoxGrid& box) const;
   /// Row of Reflection::leaving for an ordinate.
   int leaving_row(int ordinate) const { return row_.empty() ? 0 : row_[ordinate]; }
 

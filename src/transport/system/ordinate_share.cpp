@@ -7,15 +7,12 @@
 namespace cloudbow {
 namespace {
 
-// Ranges of cells begin at multiples of this, the largest tile of a scattering: tiles are those of one rank.
-constexpr std::size_t range_cells = 128;
-
 std::vector<std::size_t> ranges(int ranks, std::size_t cells) {
-  const std::size_t blocks = (cells + range_cells - 1) / range_cells;
+  constexpr std::size_t block = OrdinateShare::block_cells;
+  const std::size_t blocks = (cells + block - 1) / block;
   std::vector<std::size_t> begin;
   for (int r = 0; r <= ranks; ++r)
-    begin.push_back(
-        std::min(cells, range_cells * (blocks * static_cast<std::size_t>(r) / static_cast<std::size_t>(ranks))));
+    begin.push_back(std::min(cells, block * (blocks * static_cast<std::size_t>(r) / static_cast<std::size_t>(ranks))));
   return begin;
 }
 
@@ -118,35 +115,42 @@ void OrdinateShare::to_cells(AngularField<Real>& field) const {
   field.first_cell = begin_[own];
 }
 
+CellRange OrdinateShare::range() const {
+  const auto own = static_cast<std::size_t>(ranks_->rank());
+  return {begin_[own], begin_[own + 1]};
+}
+
+// The pieces of all ranks' cells become one array at one of them; the others have none left.
+template <class Array>
+void OrdinateShare::collect(int rank, Array& values, std::size_t size) const {
+  const std::span own(values.data(), range().size());
+  const std::array<Ranks::Outgoing, 1> outgoing{{{rank, std::as_bytes(own)}}};
+  if (rank != ranks_->rank()) {
+    ranks_->exchange(outgoing, {});
+    Array().swap(values);
+    return;
+  }
+  Array whole(size);
+  std::vector<Ranks::Incoming> incoming;
+  for (std::size_t r = 0; r < of_rank_.size(); ++r) {
+    const std::span piece(whole.data() + begin_[r], begin_[r + 1] - begin_[r]);
+    incoming.push_back({static_cast<int>(r), std::as_writable_bytes(piece)});
+  }
+  ranks_->exchange(outgoing, incoming);
+  values.swap(whole);
+}
+
 template <class Real>
 void OrdinateShare::to_first(AngularField<Real>& field) const {
-  const auto gather = [&](auto& rows) {
-    using Stored = typename std::decay_t<decltype(rows)>::value_type::value_type;
-    for (auto& row : rows) {  // one at a time: the first rank keeps both for no longer
-      const std::span<const Stored> own(row.data(), field.cells);
-      if (!ranks_->is_first()) {
-        const std::array<Ranks::Outgoing, 1> outgoing{{{0, std::as_bytes(own)}}};
-        ranks_->exchange(outgoing, {});
-        std::decay_t<decltype(row)>().swap(row);
-        continue;
-      }
-      std::decay_t<decltype(row)> whole(AngularField<Real>::padded(field.all_cells));
-      std::copy(own.begin(), own.end(), whole.begin());
-      std::vector<Ranks::Incoming> incoming;
-      for (std::size_t r = 1; r < of_rank_.size(); ++r) {
-        const std::span<Stored> piece(whole.data() + begin_[r], begin_[r + 1] - begin_[r]);
-        incoming.push_back({static_cast<int>(r), std::as_writable_bytes(piece)});
-      }
-      ranks_->exchange({}, incoming);
-      row = std::move(whole);
-    }
+  const auto gather = [&](auto& rows) {  // one at a time: the first rank keeps both for no longer
+    for (auto& row : rows) collect(0, row, AngularField<Real>::padded(field.all_cells));
   };
   if (field.packed()) {
     gather(field.float16);
   } else {
     gather(field.data);
   }
-  if (!ranks_->is_first()) {
+  if (!is_first()) {
     field = {};
     return;
   }
@@ -155,57 +159,155 @@ void OrdinateShare::to_first(AngularField<Real>& field) const {
 }
 
 template <class Real>
-void OrdinateShare::gather_cells(std::span<Real> sets) const {
-  const std::size_t all = begin_.back();
-  for (std::size_t first = 0; first < sets.size(); first += all) gather_ranges(*ranks_, begin_, sets.data() + first);
+void OrdinateShare::to_needed_rows(AngularField<Real>& field, const std::vector<std::vector<bool>>& needs) const {
+  const auto own = static_cast<std::size_t>(ranks_->rank());
+  const auto spread = [&](auto& rows) {
+    using Row = typename std::decay_t<decltype(rows)>::value_type;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      Row whole(needs[own][r] ? AngularField<Real>::padded(field.all_cells) : 0);
+      std::vector<Ranks::Outgoing> outgoing;
+      std::vector<Ranks::Incoming> incoming;
+      for (std::size_t rank = 0; rank < of_rank_.size(); ++rank) {
+        if (needs[rank][r])
+          outgoing.push_back({static_cast<int>(rank), std::as_bytes(std::span(rows[r].data(), field.cells))});
+        if (needs[own][r]) {
+          const std::span piece(whole.data() + begin_[rank], begin_[rank + 1] - begin_[rank]);
+          incoming.push_back({static_cast<int>(rank), std::as_writable_bytes(piece)});
+        }
+      }
+      ranks_->exchange(outgoing, incoming);
+      rows[r].swap(whole);
+    }
+  };
+  if (field.packed()) {
+    spread(field.float16);
+  } else {
+    spread(field.data);
+  }
+  field.cells = field.all_cells;
+  field.first_cell = 0;
+}
+
+template <class Real>
+void OrdinateShare::gather_cells(std::span<const Real> own, std::span<Real> all) const {
+  std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(range().first));
+  gather_ranges(*ranks_, begin_, all.data());
+}
+
+template <class Real>
+void OrdinateShare::cells_to_first(std::vector<Real>& own) const {
+  collect(0, own, begin_.back());
+}
+
+std::vector<double> OrdinateShare::gather_blocks(std::span<const double> own) const {
+  std::vector<std::size_t> begin;
+  for (const std::size_t cell : begin_) begin.push_back((cell + block_cells - 1) / block_cells);
+  std::vector<double> all(begin.back());
+  std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(begin[ranks_->rank()]));
+  gather_ranges(*ranks_, begin, all.data());
+  return all;
 }
 
 template <class Value>
-void OrdinateShare::gather_ordinates(std::span<const std::span<Value>> of_ordinate) const {
+void OrdinateShare::gather_owned(std::span<const std::span<Value>> arrays, const std::function<int(int)>& owner) const {
   std::vector<Ranks::Outgoing> outgoing;
   std::vector<Ranks::Incoming> incoming;
-  for (int d = 0; d < static_cast<int>(of_ordinate.size()); ++d) {
-    const std::span<Value> values = of_ordinate[static_cast<std::size_t>(d)];
+  for (int a = 0; a < static_cast<int>(arrays.size()); ++a) {
+    const std::span<Value> values = arrays[static_cast<std::size_t>(a)];
     if (values.empty()) continue;
-    if (!has(d)) incoming.push_back({owner_[static_cast<std::size_t>(d)], std::as_writable_bytes(values)});
-    for (int r = 0; has(d) && r < ranks_->size(); ++r) {
+    const bool own = owner(a) == ranks_->rank();
+    if (!own) incoming.push_back({owner(a), std::as_writable_bytes(values)});
+    for (int r = 0; own && r < ranks_->size(); ++r) {
       if (r != ranks_->rank()) outgoing.push_back({r, std::as_bytes(values)});
     }
   }
   ranks_->exchange(outgoing, incoming);
 }
 
-template <class Real>
-void OrdinateShare::gather_octants(LightSlopes<Real>& slopes) const {
-  std::vector<Ranks::Outgoing> outgoing;
-  std::vector<Ranks::Incoming> incoming;
-  for (int octant = 0; octant < octants; ++octant) {
-    const int owner = owner_of_octant(octant);
-    for (std::vector<Real>& axis : slopes.of_radiance[static_cast<std::size_t>(octant)]) {
-      const std::span<Real> values(axis.data(), begin_.back());
-      if (owner != ranks_->rank()) incoming.push_back({owner, std::as_writable_bytes(values)});
-      for (int r = 0; owner == ranks_->rank() && r < ranks_->size(); ++r) {
-        if (r != owner) outgoing.push_back({r, std::as_bytes(values)});
-      }
-    }
-  }
-  ranks_->exchange(outgoing, incoming);
+template <class Value>
+void OrdinateShare::gather_ordinates(std::span<const std::span<Value>> of_ordinate) const {
+  gather_owned(of_ordinate, [this](int d) { return owner_[static_cast<std::size_t>(d)]; });
 }
 
-template AngularField<float> OrdinateShare::own_cells<float>(std::optional<float>) const;
-template void OrdinateShare::to_rows<float>(AngularField<float>&) const;
-template void OrdinateShare::to_cells<float>(AngularField<float>&) const;
-template void OrdinateShare::to_first<float>(AngularField<float>&) const;
-template void OrdinateShare::gather_cells<float>(std::span<float>) const;
-template void OrdinateShare::gather_ordinates<float>(std::span<const std::span<float>>) const;
-template void OrdinateShare::gather_octants<float>(LightSlopes<float>&) const;
-template AngularField<double> OrdinateShare::own_cells<double>(std::optional<double>) const;
-template void OrdinateShare::to_rows<double>(AngularField<double>&) const;
-template void OrdinateShare::to_cells<double>(AngularField<double>&) const;
-template void OrdinateShare::to_first<double>(AngularField<double>&) const;
-template void OrdinateShare::gather_cells<double>(std::span<double>) const;
-template void OrdinateShare::gather_ordinates<double>(std::span<const std::span<double>>) const;
-template void OrdinateShare::gather_octants<double>(LightSlopes<double>&) const;
+template <class Value>
+void OrdinateShare::gather_octants(std::span<const std::span<Value>> of_octant) const {
+  gather_owned(of_octant, [this](int octant) { return owner_of_octant(octant); });
+}
+
+template <class Value>
+void OrdinateShare::from_first(std::span<Value> values) const {
+  const std::array<std::span<Value>, 1> array{values};
+  gather_owned<Value>(array, [](int) { return 0; });
+}
+
+template <class Real>
+void OrdinateShare::octants_to_cells(std::array<Slope<Real>, octants>& slopes) const {
+  for (int octant = 0; octant < octants; ++octant) {
+    const int owner = owner_of_octant(octant);
+    for (std::vector<Real>& axis : slopes[static_cast<std::size_t>(octant)]) {
+      std::vector<Ranks::Outgoing> outgoing;
+      for (std::size_t r = 0; owner == ranks_->rank() && r < of_rank_.size(); ++r) {
+        const std::span<const Real> piece(axis.data() + begin_[r], begin_[r + 1] - begin_[r]);
+        outgoing.push_back({static_cast<int>(r), std::as_bytes(piece)});
+      }
+      std::vector<Real> own(range().size() + lane_padding);
+      const std::array<Ranks::Incoming, 1> incoming{
+          {{owner, std::as_writable_bytes(std::span(own.data(), range().size()))}}};
+      ranks_->exchange(outgoing, incoming);
+      axis.swap(own);
+    }
+  }
+}
+
+template <class Real>
+void OrdinateShare::octants_to_rows(std::array<Slope<Real>, octants>& slopes) const {
+  for (int octant = 0; octant < octants; ++octant) {
+    for (std::vector<Real>& axis : slopes[static_cast<std::size_t>(octant)])
+      collect(owner_of_octant(octant), axis, begin_.back() + lane_padding);
+  }
+}
+
+template <class Real>
+void OrdinateShare::cells_to_first(std::array<Slope<Real>, octants>& slopes) const {
+  for (Slope<Real>& octant : slopes) {
+    for (std::vector<Real>& axis : octant) collect(0, axis, begin_.back() + lane_padding);
+  }
+}
+
+template <class Real>
+void OrdinateShare::rows_to_first(std::array<Slope<Real>, octants>& slopes) const {
+  for (int octant = 0; octant < octants; ++octant) {
+    const int owner = owner_of_octant(octant);
+    for (std::vector<Real>& axis : slopes[static_cast<std::size_t>(octant)]) {
+      std::vector<Ranks::Outgoing> outgoing;
+      std::vector<Ranks::Incoming> incoming;
+      if (has_octant(octant)) outgoing.push_back({0, std::as_bytes(std::span(axis))});
+      std::vector<Real> whole(is_first() ? begin_.back() + lane_padding : 0);
+      if (is_first()) incoming.push_back({owner, std::as_writable_bytes(std::span(whole))});
+      ranks_->exchange(outgoing, incoming);
+      if (is_first()) axis.swap(whole);
+    }
+  }
+}
+
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                     \
+  template AngularField<Real> OrdinateShare::own_cells<Real>(std::optional<Real>) const;                               \
+  template void OrdinateShare::to_rows<Real>(AngularField<Real>&) const;                                               \
+  template void OrdinateShare::to_cells<Real>(AngularField<Real>&) const;                                              \
+  template void OrdinateShare::to_first<Real>(AngularField<Real>&) const;                                              \
+  template void OrdinateShare::to_needed_rows<Real>(AngularField<Real>&, const std::vector<std::vector<bool>>&) const; \
+  template void OrdinateShare::gather_cells<Real>(std::span<const Real>, std::span<Real>) const;                       \
+  template void OrdinateShare::cells_to_first<Real>(std::vector<Real>&) const;                                         \
+  template void OrdinateShare::gather_ordinates<Real>(std::span<const std::span<Real>>) const;                         \
+  template void OrdinateShare::from_first<Real>(std::span<Real>) const;                                                \
+  template void OrdinateShare::octants_to_cells<Real>(std::array<Slope<Real>, octants>&) const;                        \
+  template void OrdinateShare::octants_to_rows<Real>(std::array<Slope<Real>, octants>&) const;                         \
+  template void OrdinateShare::cells_to_first<Real>(std::array<Slope<Real>, octants>&) const;                          \
+  template void OrdinateShare::rows_to_first<Real>(std::array<Slope<Real>, octants>&) const
+CLOUDBOW_INSTANTIATE(float);
+CLOUDBOW_INSTANTIATE(double);
+#undef CLOUDBOW_INSTANTIATE
 template void OrdinateShare::gather_ordinates<int>(std::span<const std::span<int>>) const;
+template void OrdinateShare::gather_octants<double>(std::span<const std::span<double>>) const;
 
 }  // namespace cloudbow

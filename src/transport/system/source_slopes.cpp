@@ -165,7 +165,7 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
               for (int from = 0; from < octants; ++from) {
                 const Real share = between_[p][to][from];
                 const Real* __restrict const light =
-                    quantity == 0 ? mean[from].data() : slopes.of_radiance[from][quantity - 1].data() + first_of_all;
+                    quantity == 0 ? mean[from].data() : slopes.of_radiance[from][quantity - 1].data() + first;
                 for (std::size_t c = 0; c < count; ++c) sum[c] += share * albedo[c] * light[c];
               }
             }
@@ -176,9 +176,9 @@ void SlopeTables<Real>::scatter(const Cells<Real>& cells, const AngularField<Rea
           const Real* __restrict const x = scattered[octants + q].data();
           const Real* __restrict const y = scattered[2 * octants + q].data();
           const Real* __restrict const z = scattered[3 * octants + q].data();
-          Real* __restrict const to_x = slopes.of_octant[q][0].data() + first_of_all;
-          Real* __restrict const to_y = slopes.of_octant[q][1].data() + first_of_all;
-          Real* __restrict const to_z = slopes.of_octant[q][2].data() + first_of_all;
+          Real* __restrict const to_x = slopes.of_octant[q][0].data() + first;
+          Real* __restrict const to_y = slopes.of_octant[q][1].data() + first;
+          Real* __restrict const to_z = slopes.of_octant[q][2].data() + first;
           for (std::size_t c = 0; c < count; ++c) {
             const Real relative = limited_inverse(x[c], y[c], z[c], here[c]);
             to_x[c] = x[c] * relative;

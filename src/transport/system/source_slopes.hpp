@@ -8,24 +8,19 @@
 #include <span>
 #include <vector>
 
+#include "transport/grid/octants.hpp"
 #include "transport/rays/direct_beam.hpp"
 #include "transport/rays/ordinate_path.hpp"
 #include "transport/scattering/ordinate_scattering.hpp"
 
 namespace cloudbow {
 
-inline constexpr int octants = 8;
-
-/// Index of the octant that a direction of travel lies in.
-inline int octant_of(const Direction& travel) {
-  return (travel.x() > 0 ? 1 : 0) + (travel.y() > 0 ? 2 : 0) + (travel.z() > 0 ? 4 : 0);
-}
-
 /// [n + lane_padding] slopes from face to face along x, y, z.
 template <class Real>
 using Slope = std::array<std::vector<Real>, 3>;
 
-/// Slopes in each octant between two sweeps.
+/// Slopes in each octant between two sweeps, in all cells. If ranks share the solve, a rank has the slopes of the
+/// source in its octants alone, and those of the radiance in its cells alone.
 template <class Real>
 struct LightSlopes {
   /// Of the multiply scattered source towards each octant, relative to it.
@@ -54,7 +49,7 @@ class SlopeTables {
   /// weights. Called by all threads of a team.
   void team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment, Slope<Real>& slope) const;
 
-  /// Slopes of the source that this radiance makes in its cells, from those of the radiance.
+  /// Slopes of the source that this radiance makes in its cells, from those of the radiance in the same cells.
   void scatter(const Cells<Real>& cells, const AngularField<Real>& radiance, LightSlopes<Real>& slopes) const;
 
  private:

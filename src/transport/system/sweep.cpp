@@ -359,6 +359,14 @@ void gather_arriving(const OrdinateShare& share, const OrdinateSet& ordinates, s
   }
 }
 
+// @param flux [octants / 2][columns] of add_arriving().
+void gather_arriving_flux(const OrdinateShare& share, std::size_t columns, std::vector<double>& flux) {
+  std::vector<std::span<double>> of_octant;
+  for (std::size_t octant = 0; octant < flux.size() / columns; ++octant)
+    of_octant.push_back(std::span(flux).subspan(octant * columns, columns));
+  share.gather_octants<double>(of_octant);
+}
+
 void gather_fluxes(const OrdinateShare& share, std::vector<OrdinateFluxes>& of_ordinate, std::size_t levels) {
   std::vector<double> numbers;
   for (OrdinateFluxes& fluxes : of_ordinate) {
@@ -379,16 +387,24 @@ void gather_fluxes(const OrdinateShare& share, std::vector<OrdinateFluxes>& of_o
   }
 }
 
+// Only the few sweeps that find slopes need them.
+template <class Real>
+void drop_moments(SweepWorkspace<Real>& work) {
+  work.moment = {};
+  for (auto& thread : work.of_thread) thread.moment = thread.transposed_moment = {};
+}
+
 }  // namespace
 
 template <class Real>
 void finish_slopes(const TransportSystem<Real>& system, const OrdinateShare& share, const AngularField<Real>& radiance,
                    LightSlopes<Real>& slopes) {
-  share.gather_octants(slopes);
-  system.slopes->scatter(*system.cells, radiance, slopes);
+  share.octants_to_cells(slopes.of_radiance);
   for (Slope<Real>& octant : slopes.of_octant) {
-    for (std::vector<Real>& axis : octant) share.gather_cells(std::span(axis).first(radiance.all_cells));
+    for (std::vector<Real>& axis : octant) axis = std::vector<Real>(radiance.cells + lane_padding);
   }
+  system.slopes->scatter(*system.cells, radiance, slopes);
+  share.octants_to_rows(slopes.of_octant);
   slopes.fitted = true;
 }
 
@@ -412,7 +428,17 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   if (new_slopes) {
     for (auto& axis : work.moment) axis.resize(n + lane_padding);
   }
+  if (mixed) work.gradient = {};
+  // Light that arrives at a Lambertian ground is added up octant by octant; then its memory is that of the next.
+  const bool adds_at_once = system.ground.is_lambertian();
+  std::vector<double> arriving_flux(octants / 2 * columns, 0.);
 
+  // Called by all threads of a team. Nothing throws here.
+  const auto add_up = [&](const std::vector<int>& group, bool upward) {
+    if (upward || !adds_at_once) return;
+#pragma omp single
+    for (std::size_t q = 0; q < group.size(); ++q) add_arriving(arriving[q], ordinates, group[q], box, arriving_flux);
+  };
   const auto march_ordinates = [&](bool upward) {
     const bool shared = !mixed && shares_gradients(system);
     auto groups = groups_side_by_side(system, slopes != nullptr || shared, upward);
@@ -430,9 +456,11 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
         if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
-        const auto march_one = [&](int d) {
+        const auto march_one = [&](std::size_t q) {
           errors.run([&] {
-            std::vector<Real>& rays = (upward ? own.rays : arriving[d]).radiance;
+            const int d = group[q];
+            ArrivingRays<Real>& landing = upward ? own.rays : arriving[adds_at_once ? q : static_cast<std::size_t>(d)];
+            std::vector<Real>& rays = landing.radiance;
             if (upward) {
               const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
               rays.assign(start_of_rays, start_of_rays + columns);
@@ -451,20 +479,21 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             } else if (system.linear_source && !shared) {
               gradient_of_ordinate(system, source.data(), own);
             }
-            march.cross_box(d, shared ? work.gradient : own.gradient, source, upward ? own.rays : arriving[d], record,
-                            new_slopes, keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
+            march.cross_box(d, shared ? work.gradient : own.gradient, source, landing, record, new_slopes,
+                            keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
             if (field.packed()) field.store(d, 0, n, source.data());
           });
         };
         if (!new_slopes) {
 #pragma omp for schedule(dynamic, 1)
-          for (std::size_t q = 0; q < group.size(); ++q) march_one(group[q]);
+          for (std::size_t q = 0; q < group.size(); ++q) march_one(q);
+          add_up(group, upward);
           continue;
         }
         // Moments are added in the order of the ordinates, whichever threads march them.
 #pragma omp for schedule(dynamic, 1) ordered
         for (std::size_t q = 0; q < group.size(); ++q) {
-          march_one(group[q]);
+          march_one(q);
 #pragma omp ordered
           errors.run([&] {
             const Real weight = static_cast<Real>(ordinates.weight[group[q]]);
@@ -480,7 +509,12 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
           });
         }
         const int octant = octant_of(ordinates.direction[group.front()]);
+#pragma omp single
+        errors.run([&] {
+          for (auto& axis : slopes->of_radiance[octant]) axis.resize(n + lane_padding);
+        });
         system.slopes->team_fit(system.cells->rows, octant, work.moment, slopes->of_radiance[octant]);
+        add_up(group, upward);
       }
     }
     errors.rethrow();
@@ -488,8 +522,14 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 
   SweepFluxes<Real> fluxes;
   march_ordinates(false);
-  if (share != nullptr) gather_arriving(*share, ordinates, columns, arriving);
-  ground = system.ground.reflect(arriving, system.beam.surface_flux, ordinates, box);
+  for (int d = 0; !adds_at_once && d < ordinates.size(); ++d) {
+    if (!arriving[d].radiance.empty()) add_arriving(arriving[d], ordinates, d, box, arriving_flux);
+  }
+  if (share != nullptr) {
+    gather_arriving_flux(*share, columns, arriving_flux);
+    if (!adds_at_once) gather_arriving(*share, ordinates, columns, arriving);
+  }
+  ground = system.ground.reflect(arriving, arriving_flux, system.beam.surface_flux, ordinates, box);
   fluxes.surface_flux = ground.flux;
   fluxes.surface_absorbed = ground.absorbed;
   if (record && !system.ground.is_lambertian()) {
@@ -497,6 +537,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
       fluxes.surface_arriving.push_back(rays.radiance.empty() ? std::vector<Real>() : rays.by_column(box));
   }
   march_ordinates(true);
+  if (new_slopes) drop_moments(work);
   if (share != nullptr) {
     gather_fluxes(*share, of_ordinate, record ? static_cast<std::size_t>(levels) : 0);
   } else if (new_slopes) {

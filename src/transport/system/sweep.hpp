@@ -106,7 +106,8 @@ struct SweepWorkspace {
     ArrivingRays<Real> rays;       ///< of one upward ordinate
   };
   std::vector<Thread> of_thread;
-  std::vector<ArrivingRays<Real>> arriving;  ///< [D] at the ground; those that travel up are empty
+  /// [D] at the ground; those that travel up are empty. Lambertian: of the ordinates that are marched side by side.
+  std::vector<ArrivingRays<Real>> arriving;
   GroupGradient<Real> gradient;
   Slope<Real> moment;  ///< of an octant's radiance
 };

@@ -75,9 +75,9 @@ SystemBeam<Real> system_beam(const Problem& problem, const Discretisation& discr
     }
     if (any) beam.source.push_back(std::move(source));
   }
-  const auto columns = static_cast<std::ptrdiff_t>(problem.grid.box.columns());
   beam.profile = std::move(direct.mean_flux);
-  beam.surface_flux.assign(direct.level_flux.begin(), direct.level_flux.begin() + columns);
+  const std::span<const double> at_surface = direct.flux_at(0);
+  beam.surface_flux.assign(at_surface.begin(), at_surface.end());
   beam.side_gain = direct.side_gain;
   beam.side_loss = direct.side_loss;
   beam.irradiance = std::move(direct.irradiance);

@@ -192,7 +192,7 @@ TEST(IterationState, SlopesThatWereNotFoundAreNoneAfterItsEndToo) {
 TEST(IterationState, AKeyTellsWhatMatters) {
   const Case of(make_box(3, 3, 3));
   const auto key = [](const Case& some) {
-    const IterationState<double> state(3);
+    const IterationState<double> state(AndersonMixer<double>(3));
     return state_key(some.system<double>(), state);
   };
   const StateKey first = key(of);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cloudbow/sphere/ordinate_set.hpp"
+#include "transport/grid/octants.hpp"
 #include "transport/system/ground.hpp"
 #include "transport_test_tools.hpp"
 
@@ -28,6 +29,14 @@ class GroundOf : public testing::Test {
     for (int d = 0; d < ordinates.size(); ++d)
       if (ordinates.direction[d].z() < 0) arriving[d].radiance.assign(box.columns(), 1.);
   }
+
+  Ground<double>::Reflection reflected(const Surface& surface, std::span<const double> direct) const {
+    std::vector<double> flux(octants / 2 * box.columns());
+    for (int d = 0; d < ordinates.size(); ++d) {
+      if (!arriving[d].radiance.empty()) add_arriving(arriving[d], ordinates, d, box, flux);
+    }
+    return Ground<double>(surface, ordinates, std::nullopt).reflect(arriving, flux, direct, ordinates, box);
+  }
 };
 
 // Isotropic radiance 1 has the flux pi. A Lambertian surface sends back A times that, as radiance A.
@@ -36,7 +45,7 @@ TEST_F(GroundOf, LambertianSurfaceReflectsTheFlux) {
   Surface surface;
   surface.albedo = .3;
   const std::vector<double> direct(box.columns(), 2.);
-  const auto reflection = Ground<double>(surface, ordinates, std::nullopt).reflect(arriving, direct, ordinates, box);
+  const auto reflection = reflected(surface, direct);
   for (std::size_t c = 0; c < box.columns(); ++c) {
     EXPECT_NEAR(reflection.flux[c], std::numbers::pi + 2, 1e-12);
     EXPECT_NEAR(reflection.leaving.row(0)[c], .3 * (1 + 2 / std::numbers::pi), 1e-12);
@@ -55,7 +64,7 @@ TEST_F(GroundOf, LightReachesTheColumnOfItsRay) {
   arriving[lit].radiance[0] = 1;
   arriving[lit].shift_x = 3;
   arriving[lit].shift_y = 1;
-  const auto reflection = Ground<double>(Surface{}, ordinates, std::nullopt).reflect(arriving, {}, ordinates, box);
+  const auto reflection = reflected(Surface{}, {});
   const double power = ordinates.weight[lit] * -ordinates.direction[lit].z();
   for (std::size_t c = 0; c < box.columns(); ++c) EXPECT_EQ(reflection.flux[c], c == 1 * 4 + 3 ? power : 0.);
 }
@@ -67,7 +76,7 @@ TEST_F(GroundOf, EmissionAndReflectionAddUpToBlackBody) {
     Surface surface;
     surface.albedo = albedo;
     surface.planck = 1;
-    const auto reflection = Ground<double>(surface, ordinates, std::nullopt).reflect(arriving, {}, ordinates, box);
+    const auto reflection = reflected(surface, {});
     for (std::size_t c = 0; c < box.columns(); ++c) EXPECT_NEAR(reflection.leaving.row(0)[c], 1, 1e-12);
   }
 }

@@ -51,7 +51,15 @@ template <class Real>
 struct Solved {
   IterationResult<Real> result;
   std::uint64_t bytes_sent = 0;
+  CellRange range{};
+  std::array<bool, octants> has_octant{};
 };
+
+/// Whether values [cells of a rank] are those of its cells.
+template <class Real>
+bool are_of(const CellRange& range, const Real* here, const Real* truth) {
+  return std::equal(here, here + range.size(), truth + range.first);
+}
 
 /// @param ranks null: one process alone
 template <class Real>
@@ -64,13 +72,19 @@ Solved<Real> solved(const Case& of, Ranks* ranks) {
   const OrdinateShare share(*ranks, system.ordinates, system.cells->size());
   Solved<Real> solved{iterate_source<Real>(system, options, {}, nullptr, &share)};
   solved.bytes_sent = ranks->bytes_sent();
+  solved.range = share.range();
+  for (int octant = 0; octant < octants; ++octant) solved.has_octant[octant] = share.has_octant(octant);
   share.to_first(solved.result.radiance);
   return solved;
 }
 
 template <class Real>
-void expect_same(const IterationResult<Real>& here, const IterationResult<Real>& truth, bool is_first) {
-  EXPECT_EQ(here.moments, truth.moments);
+void expect_same(const Solved<Real>& solved, const IterationResult<Real>& truth, bool is_first) {
+  const IterationResult<Real>& here = solved.result;
+  const std::size_t n = truth.moments.size() / low_moments;
+  ASSERT_EQ(here.moments.size(), low_moments * solved.range.size());
+  for (std::size_t m = 0; m < low_moments; ++m)
+    EXPECT_TRUE(are_of(solved.range, here.moments.data() + m * solved.range.size(), truth.moments.data() + m * n)) << m;
   EXPECT_EQ(here.fluxes.up_top, truth.fluxes.up_top);
   EXPECT_EQ(here.fluxes.profile_down, truth.fluxes.profile_down);
   EXPECT_EQ(here.fluxes.side_loss, truth.fluxes.side_loss);
@@ -79,8 +93,17 @@ void expect_same(const IterationResult<Real>& here, const IterationResult<Real>&
   EXPECT_EQ(here.report.sweeps, truth.report.sweeps);
   EXPECT_EQ(here.slopes.has_value(), truth.slopes.has_value());
   if (here.slopes && truth.slopes) {
-    EXPECT_EQ(here.slopes->of_octant, truth.slopes->of_octant);
-    EXPECT_EQ(here.slopes->of_radiance, truth.slopes->of_radiance);
+    for (std::size_t q = 0; q < octants; ++q) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_TRUE(
+            are_of(solved.range, here.slopes->of_radiance[q][axis].data(), truth.slopes->of_radiance[q][axis].data()));
+        if (solved.has_octant[q]) {
+          EXPECT_TRUE(are_of({0, n}, here.slopes->of_octant[q][axis].data(), truth.slopes->of_octant[q][axis].data()));
+        } else {
+          EXPECT_TRUE(here.slopes->of_octant[q][axis].empty());
+        }
+      }
+    }
   }
   if (!is_first) {
     EXPECT_EQ(here.radiance.rows, 0);
@@ -106,7 +129,7 @@ void check(const Case& of) {
     ThreadRanks::run(size, [&](Ranks& ranks) {
       const Solved<Real> here = solved<Real>(of, &ranks);
       const std::lock_guard lock(one_at_a_time);
-      expect_same(here.result, truth.result, ranks.is_first());
+      expect_same(here, truth.result, ranks.is_first());
     });
   }
 }
@@ -117,10 +140,10 @@ TEST(OrdinateShare, HasTheBitsOfOneRank) {
 
 TEST(OrdinateShare, HasTheBitsOfOneRankInDouble) { check<double>(cases[0]); }
 
-// Truth: docs/mpi.md, "Bytes", for sweeps without slopes. It leaves out sums of fluxes and shifts of rays, which small
-// fields alone notice. Profiles of the last sweep are .4 %.
+// Truth: docs/mpi.md, "Bytes", for sweeps without slopes. It leaves out sums over cells, by blocks, which are 1 %, and
+// sums of fluxes, which small fields alone notice.
 TEST(OrdinateShare, SendsTheBytesOfTheFormula) {
-  constexpr double tolerance = .01;
+  constexpr double tolerance = .02;
   const Case& of = cases[3];
   const Problem problem = clouds(of);
   const double d = make_ordinate_set(options_of(of).directions).size();
@@ -136,8 +159,9 @@ TEST(OrdinateShare, SendsTheBytesOfTheFormula) {
       sent += static_cast<double>(here.bytes_sent);
       sweeps = here.result.report.sweeps;
     });
-    const double of_rank = sweeps * (1 - 1. / size) * sizeof(float) * (2 * d * n / size + 9 * n + d * c / 2);
-    const double more = sweeps * (size - 1) * d * (3 * sizeof(double) + sizeof(int));
+    const double of_sweep = sizeof(float) * (2 * d * n / size + 10 * n) + sizeof(double) * 4 * c;
+    const double of_rank = (1 - 1. / size) * (sweeps * of_sweep + sizeof(float) * 9 * n);
+    const double more = sweeps * (size - 1) * d * 3 * sizeof(double);
     EXPECT_NEAR(sent, size * of_rank + more, tolerance * sent) << size;
   }
 }
