@@ -28,7 +28,7 @@ std::vector<int> paired_levels(const BoxGrid& box) {
 // as empty: a correction need not be finer.
 // @param level of the coarse levels, by level; @param by columns of a coarse column along x and y.
 template <class Real>
-void add_air(const Cells<Real>& cells, const std::vector<double>& absorption, const BoxGrid& box,
+void add_air(const Cells<Real>& cells, const std::vector<float>& absorption, const BoxGrid& box,
              const std::vector<int>& level, int of, std::array<int, 2> by, Coarsening<Real>& coarse) {
   OpticalGrid& grid = coarse.grid;
   const auto first = static_cast<std::uint32_t>(grid.absorption.size());
@@ -60,7 +60,7 @@ void add_air(const Cells<Real>& cells, const std::vector<double>& absorption, co
   };
   for_each_block([&](int, std::uint32_t b, std::uint32_t c, double extinction, double height) {
     sum[b] += extinction;
-    grid.absorption[first + b] += static_cast<float>(absorption[c] * height);
+    grid.absorption[first + b] += static_cast<float>(static_cast<double>(absorption[c]) * height);
     for (std::size_t p = 0; p < grid.scattering.size(); ++p)
       grid.scattering[p][first + b] += static_cast<float>(static_cast<double>(cells.scattered[p][c]) * extinction);
   });
@@ -137,7 +137,7 @@ std::optional<Coarsening<Real>> coarsen(const TransportSystem<Real>& system) {
     const double here = static_cast<double>(cells.extinction[c]) * volume[c];
     held[place[c]] = 1;
     extinction[place[c]] += here;
-    absorption[place[c]] += system.absorption[c] * volume[c];
+    absorption[place[c]] += static_cast<double>(system.absorption[c]) * volume[c];
     for (std::size_t p = 0; p < functions; ++p)
       scattering[p][place[c]] += static_cast<double>(cells.scattered[p][c]) * here;
   }

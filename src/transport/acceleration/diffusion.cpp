@@ -51,10 +51,11 @@ struct DiffusionOperator::Level {
   std::size_t nz;
   std::array<std::vector<std::uint32_t>, 2> of_colour;  // columns, as on a chessboard
   bool colours_are_independent = true;                  // no column is beside one of its colour
-  // Couplings to the cell to the east, to the north and above.
-  std::vector<double> east, north, up, diagonal;
+  // Couplings to the cell to the east, to the north and above. In float: their sums, on the diagonal, are not rounded.
+  std::vector<float> east, north, up;
+  std::vector<double> diagonal;
   // LDL^T of each column: 1 / pivots, and couplings upward over them.
-  std::vector<double> inverse, upper;
+  std::vector<float> inverse, upper;
   // [column] of the next coarser level.
   std::vector<std::uint32_t> coarse_column;
 
@@ -66,7 +67,7 @@ struct DiffusionOperator::Level {
         if (other < columns.size() && colour(other) == colour(c)) colours_are_independent = false;
       }
     }
-    for (auto* const values : {&east, &north, &up, &diagonal, &inverse, &upper}) values->assign(size(), 0.);
+    for (auto* const values : {&east, &north, &up, &inverse, &upper}) values->assign(size(), 0.F);
   }
 
   std::size_t size() const { return (columns.size() + 1) * nz; }  // of arrays
@@ -80,19 +81,22 @@ struct DiffusionOperator::Level {
       const std::size_t to_north = columns.beside[column][ColumnSet::north] * nz;
       for (std::size_t k = 0; k < nz; ++k) {
         const std::size_t c = column * nz + k;
-        diagonal[c] += east[c] + north[c];
-        diagonal[to_east + k] += east[c];
-        diagonal[to_north + k] += north[c];
+        const double to_the_east = east[c], to_the_north = north[c];
+        diagonal[c] += to_the_east + to_the_north;
+        diagonal[to_east + k] += to_the_east;
+        diagonal[to_north + k] += to_the_north;
         if (k + 1 < nz) {
-          diagonal[c] += up[c];
-          diagonal[c + 1] += up[c];
+          const double upward = up[c];
+          diagonal[c] += upward;
+          diagonal[c + 1] += upward;
         }
       }
     }
     for (std::size_t column = 0; column < columns.size(); ++column) {
       for (std::size_t k = 0; k < nz; ++k) {
         const std::size_t c = column * nz + k;
-        inverse[c] = 1 / (diagonal[c] - (k > 0 ? up[c - 1] * upper[c - 1] : 0));
+        const double below = k > 0 ? static_cast<double>(up[c - 1]) * static_cast<double>(upper[c - 1]) : 0;
+        inverse[c] = static_cast<float>(1 / (diagonal[c] - below));
         upper[c] = up[c] * inverse[c];
       }
     }
@@ -101,18 +105,20 @@ struct DiffusionOperator::Level {
   // Flow into the cells of a column from the columns beside it.
   void flow_in(std::size_t column, const double* x, double* to) const {
     const auto& beside = columns.beside[column];
-    const double* const coupling_east = east.data() + column * nz;
-    const double* const coupling_west = east.data() + beside[ColumnSet::west] * nz;
-    const double* const coupling_north = north.data() + column * nz;
-    const double* const coupling_south = north.data() + beside[ColumnSet::south] * nz;
+    const float* const coupling_east = east.data() + column * nz;
+    const float* const coupling_west = east.data() + beside[ColumnSet::west] * nz;
+    const float* const coupling_north = north.data() + column * nz;
+    const float* const coupling_south = north.data() + beside[ColumnSet::south] * nz;
     const double* const x_east = x + beside[ColumnSet::east] * nz;
     const double* const x_west = x + beside[ColumnSet::west] * nz;
     const double* const x_north = x + beside[ColumnSet::north] * nz;
     const double* const x_south = x + beside[ColumnSet::south] * nz;
 #pragma omp simd
     for (std::size_t k = 0; k < nz; ++k) {
-      to[k] += coupling_east[k] * x_east[k] + coupling_west[k] * x_west[k] + coupling_north[k] * x_north[k] +
-               coupling_south[k] * x_south[k];
+      const double in_line =
+          static_cast<double>(coupling_east[k]) * x_east[k] + static_cast<double>(coupling_west[k]) * x_west[k];
+      to[k] += in_line + static_cast<double>(coupling_north[k]) * x_north[k] +
+               static_cast<double>(coupling_south[k]) * x_south[k];
     }
   }
 
@@ -126,8 +132,8 @@ struct DiffusionOperator::Level {
       for (std::size_t k = 0; k < nz; ++k) {
         const std::size_t c = first + k;
         double sum = (b != nullptr ? b[c] : 0.) - diagonal[c] * x[c];
-        if (k + 1 < nz) sum += up[c] * x[c + 1];
-        if (k > 0) sum += up[c - 1] * x[c - 1];
+        if (k + 1 < nz) sum += static_cast<double>(up[c]) * x[c + 1];
+        if (k > 0) sum += static_cast<double>(up[c - 1]) * x[c - 1];
         y[c] = sum;
       }
       flow_in(column, x, y + first);
@@ -150,13 +156,15 @@ struct DiffusionOperator::Level {
     const std::size_t first = column * nz;
     std::copy_n(b + first, nz, value);
     flow_in(column, x, value);
-    const double* const pivot = inverse.data() + first;
-    const double* const above = upper.data() + first;
-    value[0] *= pivot[0];
-    for (std::size_t k = 1; k < nz; ++k) value[k] = (value[k] + up[first + k - 1] * value[k - 1]) * pivot[k];
+    const float* const pivot = inverse.data() + first;
+    const float* const above = upper.data() + first;
+    const float* const from_below = up.data() + first;
+    value[0] *= static_cast<double>(pivot[0]);
+    for (std::size_t k = 1; k < nz; ++k)
+      value[k] = (value[k] + static_cast<double>(from_below[k - 1]) * value[k - 1]) * static_cast<double>(pivot[k]);
     double* const found = x + first;
     found[nz - 1] = value[nz - 1];
-    for (std::size_t k = nz - 1; k-- > 0;) found[k] = value[k] + above[k] * found[k + 1];
+    for (std::size_t k = nz - 1; k-- > 0;) found[k] = value[k] + static_cast<double>(above[k]) * found[k + 1];
   }
 
   // Aggregates pairs of columns; couplings are divided by the pair's width (a plain Galerkin sum would be too stiff).
@@ -192,13 +200,15 @@ struct DiffusionOperator::Level {
       for (std::size_t k = 0; k < nz; ++k) {
         const std::size_t c = column * nz + k;
         const std::size_t to = coarse_column[column] * nz + k;
-        double taken =
-            east[c] + east[beside[ColumnSet::west] * nz + k] + north[c] + north[beside[ColumnSet::south] * nz + k];
-        if (k + 1 < nz) taken += up[c];
-        if (k > 0) taken += up[c - 1];
+        double taken = 0;
+        for (const float coupling :
+             {east[c], east[beside[ColumnSet::west] * nz + k], north[c], north[beside[ColumnSet::south] * nz + k]})
+          taken += static_cast<double>(coupling);
+        if (k + 1 < nz) taken += static_cast<double>(up[c]);
+        if (k > 0) taken += static_cast<double>(up[c - 1]);
         leakage[to] += diagonal[c] - taken;
-        if (east_leaves) coarse->east[to] += east[c] / fx;
-        if (north_leaves) coarse->north[to] += north[c] / fy;
+        if (east_leaves) coarse->east[to] += east[c] / static_cast<float>(fx);
+        if (north_leaves) coarse->north[to] += north[c] / static_cast<float>(fy);
         coarse->up[to] += k + 1 < nz ? up[c] : 0;
       }
     }
@@ -228,6 +238,8 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, ColumnSet taking_part, 
   // Voids would diffuse infinitely fast and thick cells too slowly: both are bounded, or the correction makes the
   // iteration diverge.
   std::vector<double> diffusivity(columns.size() * nz);
+  free_diffusivity_.reserve(diffusivity.size());
+  diffusivity_.reserve(diffusivity.size());
   for (std::size_t c = 0; c < diffusivity.size(); ++c) {
     const int k = static_cast<int>(c % nz);
     const double edge = smallest_edge(box, k, depth);
@@ -261,14 +273,14 @@ DiffusionOperator::DiffusionOperator(const BoxGrid& box, ColumnSet taking_part, 
         leakage[c] += boundary(area, width / 2, d, .5);
         return 0.;
       };
-      level->east[c] = exchange(ColumnSet::east, box.nx, box.dy_m * dz, box.dx_m);
-      level->north[c] = exchange(ColumnSet::north, box.ny, box.dx_m * dz, box.dy_m);
+      level->east[c] = static_cast<float>(exchange(ColumnSet::east, box.nx, box.dy_m * dz, box.dx_m));
+      level->north[c] = static_cast<float>(exchange(ColumnSet::north, box.ny, box.dx_m * dz, box.dy_m));
       exchange(ColumnSet::west, box.nx, box.dy_m * dz, box.dx_m);
       exchange(ColumnSet::south, box.ny, box.dx_m * dz, box.dy_m);
       const double area = box.dx_m * box.dy_m;
       if (k + 1 < nz) {
         const double above = box.thickness_m(static_cast<int>(k) + 1);
-        level->up[c] = area / (dz / (2 * d) + above / (2 * diffusivity[c + 1]));
+        level->up[c] = static_cast<float>(area / (dz / (2 * d) + above / (2 * diffusivity[c + 1])));
       } else {
         leakage[c] += boundary(area, dz / 2, d, .5);
       }

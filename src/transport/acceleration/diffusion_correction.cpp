@@ -117,7 +117,7 @@ DiffusionOperator diffusion_in(const TransportSystem<Real>& system, const LevelR
   for_each_voxel(system.cells->rows, levels, [&](std::uint32_t cell, std::size_t column, int k) {
     if (column_at[column] == columns.size()) return;
     const std::size_t place = column_at[column] * nz + static_cast<std::size_t>(k);
-    const double absorption = system.absorption[cell];
+    const double absorption = static_cast<double>(system.absorption[cell]);
     given.extinction[place] = static_cast<float>(system.cells->extinction[cell]);
     given.transport[place] = static_cast<float>(absorption + transport_scattering(system, cell));
     given.absorption[place] = static_cast<float>(absorption);

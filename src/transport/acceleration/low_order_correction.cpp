@@ -60,8 +60,7 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
       .linear_source = full.linear_source && !full.cells->heterogeneous,
       .scattering = OrdinateScattering<Real>(ordinates, std::move(matrix)),
       .truncated_asymmetry = full.truncated_asymmetry,
-      .absorption = coarse ? std::vector<double>(coarse->grid.absorption.begin(), coarse->grid.absorption.end())
-                           : full.absorption,
+      .absorption = coarse ? coarse->grid.absorption : full.absorption,
       .beam = {},
       // Corrections are differences of light: they contain no emission.
       .ground = same_ground ? full.ground.without_emission() : Ground<Real>(mean_surface, ordinates, std::nullopt),
@@ -159,7 +158,7 @@ void LowOrderCorrection<Real>::guess(std::span<Real> moments) {
     }
     if (!full_->thermal || m > 0) continue;
     for (std::size_t c = 0; c < own.size(); ++c) {
-      const double planck = full_->planck[own.first + c];
+      const double planck = static_cast<double>(full_->planck[own.first + c]);
       if (planck > 0) source[c] += full_->emission[own.first + c] * static_cast<Real>(1 - full_->mean_planck / planck);
     }
   }

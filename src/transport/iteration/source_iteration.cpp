@@ -44,7 +44,8 @@ double rounding_of_emission(const TransportSystem<Real>& system) {
   double emitted = 0;
   for (int k = 0; k < system.box.nz(); ++k) {
     for (std::uint32_t c = system.cells->rows.level_cell[k]; c < system.cells->rows.level_cell[k + 1]; ++c)
-      emitted += system.absorption[c] * system.planck[c] * system.box.thickness_m(k) * system.cells->rows.places_of(c);
+      emitted += static_cast<double>(system.absorption[c]) * static_cast<double>(system.planck[c]) *
+                 system.box.thickness_m(k) * system.cells->rows.places_of(c);
   }
   const double per_power = 4 * std::numbers::pi * emitted / static_cast<double>(system.box.columns()) / system.power;
   constexpr double units = 4;
@@ -83,8 +84,9 @@ EnergyLedger ledger_of(const TransportSystem<Real>& system, const SweepFluxes<Re
     for (std::uint32_t c = system.cells->rows.level_cell[k]; c < system.cells->rows.level_cell[k + 1]; ++c) {
       const double actinic = static_cast<double>(scalar_flux[c]) +
                              (system.beam.irradiance.empty() ? 0. : static_cast<double>(system.beam.irradiance[c]));
-      const double emitted = system.planck.empty() ? 0. : 4 * std::numbers::pi * system.planck[c];
-      absorbed += system.absorption[c] * (actinic - emitted) * volume * system.cells->rows.places_of(c);
+      const double emitted = system.planck.empty() ? 0. : 4 * std::numbers::pi * static_cast<double>(system.planck[c]);
+      absorbed +=
+          static_cast<double>(system.absorption[c]) * (actinic - emitted) * volume * system.cells->rows.places_of(c);
     }
   }
   double surface = 0;
@@ -180,7 +182,6 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   }
 
   std::optional<LowOrderCorrection<Real>> low_order;
-  SweepWorkspace<Real> work;
   std::vector<Real>&x = state.x, &change = state.change;
   std::vector<Real> g(low_moments * n);
   const double energy_tolerance = result.radiance.packed()
@@ -213,7 +214,10 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       if (result.slopes) result.slopes->frozen = !state.finds_slopes;
       LightSlopes<Real>* const slopes = result.slopes ? &*result.slopes : nullptr;
       if (share != nullptr) share->to_rows(result.radiance);
-      result.fluxes = sweep(system, result.radiance, record, work, slopes, share);
+      {
+        SweepWorkspace<Real> work;  // not kept: the low-order problem needs memory in its turn
+        result.fluxes = sweep(system, result.radiance, record, work, slopes, share);
+      }
       if (share != nullptr) share->to_cells(result.radiance);
       system.moments(result.radiance, result.moments);
       if (share != nullptr && state.finds_slopes && slopes != nullptr)

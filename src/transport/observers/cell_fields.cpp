@@ -50,9 +50,10 @@ void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>
     double actinic =
         static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam.irradiance[c]) : 0.);
     if (place < within_blocks.size()) actinic *= static_cast<double>(within_blocks[place]);
-    const double emitted = system.planck.empty() ? 0. : 4 * std::numbers::pi * system.planck[c];
+    const double emitted = system.planck.empty() ? 0. : 4 * std::numbers::pi * static_cast<double>(system.planck[c]);
     if (options.absorption)
-      solution.absorbed_power[place] = static_cast<float>(system.absorption[c] * (actinic - emitted));
+      solution.absorbed_power[place] =
+          static_cast<float>(static_cast<double>(system.absorption[c]) * (actinic - emitted));
     if (options.actinic) solution.actinic_flux[place] = static_cast<float>(actinic);
   });
 }

@@ -8,6 +8,7 @@
 
 #include "cloudbow/core/parallel_errors.hpp"
 #include "transport/rays/march.hpp"
+#include "transport/system/arriving_sum.hpp"
 
 namespace cloudbow {
 namespace {
@@ -387,13 +388,6 @@ void gather_fluxes(const OrdinateShare& share, std::vector<OrdinateFluxes>& of_o
   }
 }
 
-// Only the few sweeps that find slopes need them.
-template <class Real>
-void drop_moments(SweepWorkspace<Real>& work) {
-  work.moment = {};
-  for (auto& thread : work.of_thread) thread.moment = thread.transposed_moment = {};
-}
-
 }  // namespace
 
 template <class Real>
@@ -425,20 +419,15 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
   const std::size_t n = system.cells->size();
   const bool mixed = slopes != nullptr && slopes->fitted;
   const bool new_slopes = slopes != nullptr && !slopes->frozen;
+  if (new_slopes && share != nullptr) slopes->of_radiance = {};
   if (new_slopes) {
     for (auto& axis : work.moment) axis.resize(n + lane_padding);
   }
   if (mixed) work.gradient = {};
-  // Light that arrives at a Lambertian ground is added up octant by octant; then its memory is that of the next.
   const bool adds_at_once = system.ground.is_lambertian();
   std::vector<double> arriving_flux(octants / 2 * columns, 0.);
+  ArrivingSum<Real> arriving_sum(ordinates, box, arriving_flux);
 
-  // Called by all threads of a team. Nothing throws here.
-  const auto add_up = [&](const std::vector<int>& group, bool upward) {
-    if (upward || !adds_at_once) return;
-#pragma omp single
-    for (std::size_t q = 0; q < group.size(); ++q) add_arriving(arriving[q], ordinates, group[q], box, arriving_flux);
-  };
   const auto march_ordinates = [&](bool upward) {
     const bool shared = !mixed && shares_gradients(system);
     auto groups = groups_side_by_side(system, slopes != nullptr || shared, upward);
@@ -455,11 +444,13 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
         const bool transposed = std::any_of(group.begin(), group.end(), [&](int d) {
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
         });
+#pragma omp single
+        arriving_sum.start(group);
         if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
         const auto march_one = [&](std::size_t q) {
           errors.run([&] {
             const int d = group[q];
-            ArrivingRays<Real>& landing = upward ? own.rays : arriving[adds_at_once ? q : static_cast<std::size_t>(d)];
+            ArrivingRays<Real>& landing = upward || adds_at_once ? own.rays : arriving[d];
             std::vector<Real>& rays = landing.radiance;
             if (upward) {
               const Real* const start_of_rays = ground.leaving.row(system.ground.leaving_row(d));
@@ -481,13 +472,13 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
             }
             march.cross_box(d, shared ? work.gradient : own.gradient, source, landing, record, new_slopes,
                             keep_columns ? passing[d].data() : nullptr, of_ordinate[d]);
+            if (!upward && adds_at_once) arriving_sum.add(q, own.rays);
             if (field.packed()) field.store(d, 0, n, source.data());
           });
         };
         if (!new_slopes) {
 #pragma omp for schedule(dynamic, 1)
           for (std::size_t q = 0; q < group.size(); ++q) march_one(q);
-          add_up(group, upward);
           continue;
         }
         // Moments are added in the order of the ordinates, whichever threads march them.
@@ -514,7 +505,6 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
           for (auto& axis : slopes->of_radiance[octant]) axis.resize(n + lane_padding);
         });
         system.slopes->team_fit(system.cells->rows, octant, work.moment, slopes->of_radiance[octant]);
-        add_up(group, upward);
       }
     }
     errors.rethrow();
@@ -537,7 +527,6 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
       fluxes.surface_arriving.push_back(rays.radiance.empty() ? std::vector<Real>() : rays.by_column(box));
   }
   march_ordinates(true);
-  if (new_slopes) drop_moments(work);
   if (share != nullptr) {
     gather_fluxes(*share, of_ordinate, record ? static_cast<std::size_t>(levels) : 0);
   } else if (new_slopes) {

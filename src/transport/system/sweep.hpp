@@ -39,7 +39,7 @@ struct TransportSystem {
   std::optional<SlopeTables<Real>> slopes = {};
   OrdinateScattering<Real> scattering;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
-  std::vector<double> absorption;           ///< [n] 1/m
+  std::vector<float> absorption;            ///< [n] 1/m
   SystemBeam<Real> beam;
   double sky_radiance = 0;
   Ground<Real> ground;
@@ -49,8 +49,8 @@ struct TransportSystem {
   std::vector<std::vector<Real>> side_radiance;
   /// [1 to low_moments][n] moments of a source beside the beam's; empty: none.
   std::vector<Real> emission = {};
-  bool thermal = false;             ///< that source is Cells::emitted
-  std::vector<double> planck = {};  ///< [n] of thermal emission, as OpticalGrid's; empty: none
+  bool thermal = false;            ///< that source is Cells::emitted
+  std::vector<float> planck = {};  ///< [n] of thermal emission, as OpticalGrid's; empty: none
   /// Their mean by absorption: light is counted from it in the first guess and in the gather (docs/theory.md, "Thermal
   /// emission").
   double mean_planck = 0;
@@ -103,11 +103,10 @@ struct SweepWorkspace {
     Slope<Real> moment, transposed_moment;  ///< of one ordinate's radiance
     SidewaysWorkspace<Real> sideways;
     GroupGradient<Real> gradient;  ///< of one ordinate, if none is shared
-    ArrivingRays<Real> rays;       ///< of one upward ordinate
+    ArrivingRays<Real> rays;       ///< of one ordinate
   };
   std::vector<Thread> of_thread;
-  /// [D] at the ground; those that travel up are empty. Lambertian: of the ordinates that are marched side by side.
-  std::vector<ArrivingRays<Real>> arriving;
+  std::vector<ArrivingRays<Real>> arriving;  ///< [D] at a ground that is not Lambertian; those that travel up are empty
   GroupGradient<Real> gradient;
   Slope<Real> moment;  ///< of an octant's radiance
 };

@@ -139,7 +139,7 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
           .slopes = std::move(slopes),
           .scattering = std::move(scattering),
           .truncated_asymmetry = std::move(asymmetry),
-          .absorption = {problem.grid.absorption.begin(), problem.grid.absorption.end()},
+          .absorption = problem.grid.absorption,
           .beam = std::move(beam),
           .sky_radiance = problem.sky_radiance,
           .ground = std::move(ground),
@@ -148,7 +148,7 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
           .side_radiance = std::move(side_radiance),
           .emission = std::move(emission),
           .thermal = thermal,
-          .planck = {problem.grid.planck.begin(), problem.grid.planck.end()},
+          .planck = problem.grid.planck,
           .mean_planck = mean_planck(problem.grid)};
 }
 

@@ -58,7 +58,7 @@ TEST(SourceSlopes, AMarchThroughLinearLightFindsItsSlope) {
                                  .slopes = field.tables(),
                                  .scattering = OrdinateScattering<double>(field.ordinates, field.isotropic),
                                  .truncated_asymmetry = {0.},
-                                 .absorption = std::vector<double>(field.cells.size()),
+                                 .absorption = std::vector<float>(field.cells.size()),
                                  .beam = {},
                                  .ground = Ground<double>({}, field.ordinates, std::nullopt),
                                  .side_radiance = {}};
