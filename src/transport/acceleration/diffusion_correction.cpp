@@ -182,12 +182,12 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
   const std::size_t places = columns.size() * nz;
   std::vector<double> source(places), correction(places);
   Flow flow;
-  for (std::vector<double>& along : flow) along.resize(places);
+  for (std::vector<float>& along : flow) along.resize(places);
   for (const Voxel& voxel : voxels_) {
     source[voxel.place] = voxel.power * static_cast<double>(change[voxel.cell]);
     for (std::size_t axis = 0; axis < 3; ++axis)
-      flow[axis][voxel.place] =
-          voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.);
+      flow[axis][voxel.place] = static_cast<float>(
+          voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.));
   }
   diverge(flow, source);
   operator_.solve(source, correction);
@@ -199,7 +199,7 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
     const double slide = voxel.current_share * operator_.diffusivity(at);
     const auto add = [&](std::size_t axis, double gradient) {
       moments[(axis + 1) * all_ + voxel.cell] +=
-          static_cast<Real>(voxel.share * std::sqrt(3.) * (flow[axis][at] - slide * gradient));
+          static_cast<Real>(voxel.share * std::sqrt(3.) * (static_cast<double>(flow[axis][at]) - slide * gradient));
     };
     // Columns at the sides are their own neighbours.
     const auto across = [&](ColumnSet::Side high, ColumnSet::Side low, double width) {
@@ -227,7 +227,7 @@ void DiffusionCorrection<Real>::diverge(const Flow& flow, std::vector<double>& s
   const auto nz = static_cast<std::size_t>(box_.nz());
   for (std::size_t column = 0; column < columns.size(); ++column) {
     const auto face = [&](std::size_t axis, std::size_t at, std::size_t other, double area) {
-      const double through = (flow[axis][at] + flow[axis][other]) / 2 * area;
+      const double through = (static_cast<double>(flow[axis][at]) + static_cast<double>(flow[axis][other])) / 2 * area;
       source[at] -= through;
       source[other] += through;
     };

@@ -37,7 +37,7 @@ class DiffusionCorrection {
     double current_share;  // of the correction of the current that is made
   };
 
-  using Flow = std::array<std::vector<double>, 3>;
+  using Flow = std::array<std::vector<float>, 3>;
   void diverge(const Flow& flow, std::vector<double>& source) const;
 
   bool independent_columns_;

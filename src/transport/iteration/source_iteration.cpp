@@ -222,6 +222,8 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
       system.moments(result.radiance, result.moments);
       if (share != nullptr && state.finds_slopes && slopes != nullptr)
         finish_slopes(system, *share, result.radiance, *slopes);
+      // A checkpoint has them for views of a later run.
+      if (slopes != nullptr && !system.keeps_radiance_slopes && checkpoints == nullptr) slopes->of_radiance = {};
     }
     const std::span<const Real> scalar_flux = std::span<const Real>(result.moments).first(n);
     if (share != nullptr) {

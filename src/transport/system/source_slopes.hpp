@@ -25,7 +25,7 @@ template <class Real>
 struct LightSlopes {
   /// Of the multiply scattered source towards each octant, relative to it.
   std::array<Slope<Real>, octants> of_octant;
-  /// Of the radiance in each octant, W m-2 sr-1 from face to face.
+  /// Of the radiance in each octant, W m-2 sr-1 from face to face; may be empty if sweeps leave them as they are.
   std::array<Slope<Real>, octants> of_radiance;
   bool fitted = false;  ///< false: sweeps take differences between neighbours in their place
   bool frozen = true;   ///< sweeps leave them as they are; false: they find them anew

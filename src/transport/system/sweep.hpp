@@ -37,6 +37,7 @@ struct TransportSystem {
   bool linear_source = true;        ///< within a cell; false: constant, and no gradient of any source is made
   /// For slopes of the source from the light's own moments; empty: from differences between neighbours.
   std::optional<SlopeTables<Real>> slopes = {};
+  bool keeps_radiance_slopes = true;  ///< after the iteration: views need them
   OrdinateScattering<Real> scattering;
   std::vector<double> truncated_asymmetry;  ///< [p] chi'_1
   std::vector<float> absorption;            ///< [n] 1/m

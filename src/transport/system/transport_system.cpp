@@ -130,26 +130,28 @@ TransportSystem<Real> make_system(const Problem& problem, const Discretisation& 
     if (!varying.y) std::fill(beam_slope[1].begin(), beam_slope[1].end(), Real(0));
     slopes.emplace(box, *cells, ordinates, paths, scattering.matrix(), std::move(beam_slope), varying);
   }
-  return {.box = box,
-          .independent_columns = independent,
-          .cells = cells,
-          .ordinates = ordinates,
-          .paths = std::move(paths),
-          .linear_source = options.linear_source,
-          .slopes = std::move(slopes),
-          .scattering = std::move(scattering),
-          .truncated_asymmetry = std::move(asymmetry),
-          .absorption = problem.grid.absorption,
-          .beam = std::move(beam),
-          .sky_radiance = problem.sky_radiance,
-          .ground = std::move(ground),
-          .power = power,
-          .incident = incident,
-          .side_radiance = std::move(side_radiance),
-          .emission = std::move(emission),
-          .thermal = thermal,
-          .planck = problem.grid.planck,
-          .mean_planck = mean_planck(problem.grid)};
+  return {
+      .box = box,
+      .independent_columns = independent,
+      .cells = cells,
+      .ordinates = ordinates,
+      .paths = std::move(paths),
+      .linear_source = options.linear_source,
+      .slopes = std::move(slopes),
+      .keeps_radiance_slopes = !options.views.empty() || !options.cameras.empty() || options.circumsolar_half_angle > 0,
+      .scattering = std::move(scattering),
+      .truncated_asymmetry = std::move(asymmetry),
+      .absorption = problem.grid.absorption,
+      .beam = std::move(beam),
+      .sky_radiance = problem.sky_radiance,
+      .ground = std::move(ground),
+      .power = power,
+      .incident = incident,
+      .side_radiance = std::move(side_radiance),
+      .emission = std::move(emission),
+      .thermal = thermal,
+      .planck = problem.grid.planck,
+      .mean_planck = mean_planck(problem.grid)};
 }
 
 template <class Real>

@@ -44,6 +44,7 @@ SolverOptions options_of(const Case& of) {
   options.max_sweeps = 9;
   options.half_precision_radiance = of.packed;
   options.linear_source = of.linear;
+  options.circumsolar_half_angle = .01;  // so that slopes of the radiance are kept
   return options;
 }
 
