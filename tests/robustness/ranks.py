@@ -4,7 +4,7 @@
 Truth: `cloudbow run` in one process. All values and attributes have the same bits, apart from times, memory and history. Errors are one message. A job of
 which a rank is killed ends, and leaves no result.
 
-usage: ranks.py --cloudbow PROGRAM [--mpirun MPIRUN] [--ranks 1 2 3 4] [--kills N] [--seed S] [--scenes NAME ...]
+usage: ranks.py --cloudbow PROGRAM [--mpirun MPIRUN] [--ranks 1 2 3 4] [--kills N] [--seed S] [--scenes FILE.toml[+key=value...] ...]
 """
 import argparse
 import os
@@ -185,6 +185,7 @@ def main():
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2, 3, 4])
     parser.add_argument("--kills", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--scenes", nargs="+", default=[], help="other scenes whose solves ranks share, each with values that follow a +")
     options = parser.parse_args()
     draw = random.Random(options.seed)
     with tempfile.TemporaryDirectory(prefix="cloudbow-ranks-") as name:
@@ -206,6 +207,10 @@ def main():
             check_ranks(checker, options.ranks, "g-points", broadband, checker.truth_of(*broadband))
             sweep = ["sweep", "scene.toml", "--set", "sun.zenith_deg=0:80:20"]
             check_ranks(checker, options.ranks, "sweep", sweep, checker.truth_of(*sweep))
+            for words in options.scenes:
+                scene, *changes = words.split("+")
+                command = ["run", Path(scene).resolve(), *(word for change in changes for word in ("--set", change))]
+                check_ranks(checker, options.ranks, words, command, checker.truth_of(*command))
             check_messages(checker)
             for words in (spectrum, single + ["--set", "solver.accuracy=balanced"]):
                 check_kills(checker, options.kills, draw, words)
