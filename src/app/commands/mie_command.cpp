@@ -113,7 +113,7 @@ int make_mie_file(const MieOptions& options) {
   std::vector<DropletTable> tables;
   std::vector<DropletTableInfo> infos;
   {
-    RunClock clock(1);
+    RunClock clock({1.});
     ProgressDisplay display(options.quiet, 1, &clock);
     for (const DropletRecipe& recipe : recipes) {
       MieTableOptions table_options;

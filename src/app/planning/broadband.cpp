@@ -18,6 +18,7 @@
 #include "cloudbow/core/thread_scope.hpp"
 #include "cloudbow/results/weighted_sum.hpp"
 #include "cloudbow/transport/probe_columns.hpp"
+#include "cloudbow/transport/solve_seconds.hpp"
 #include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
@@ -83,10 +84,9 @@ Points few_points(const std::vector<Scene>& scenes, const CostEstimate& cost, co
 
 // Measured on five fields: columns err by at most 2.2 times the residual of the choice, absorption by 4 times.
 constexpr double error_per_residual = 3;
-// Coarse solves of more g-points would hardly change the estimate: errors of strong ones are alike.
-constexpr std::size_t estimated_points = 2;
 
-/// Places in `points` of those that carry the most light.
+/// Places in `points` of those that carry the most light. Coarse solves of more g-points would hardly change the
+/// estimate: errors of strong ones are alike.
 std::vector<std::size_t> strongest(const Points& points, const GasModel& model) {
   const auto power = [&](std::size_t n) {
     constexpr double ground_k = 288;
@@ -202,6 +202,7 @@ class SummedErrors {
 /// @param estimates whether its error is estimated too
 SolveResult solve_point(const Scene& scene, const PlannedScene& planned, bool estimates, const RunOptions& options,
                         RunClock& clock) {
+  clock.begin_solve(predict_phases(planned.plan));
   ProgressDisplay display(options.quiet, planned.plan.options().tolerance, &clock);
   SolveResult result{solve(planned.plan, [&display](const SolverProgress& progress) {
     InterruptGuard::check();
@@ -242,13 +243,17 @@ BroadbandRun solve_broadband(const std::vector<Scene>& scenes, const CostEstimat
   if (scenes.front().output.bands) run.bands = band_profiles(*broadband.model);
   Solution sum;
   SummedErrors errors;
-  RunClock clock(points.point.size());
+  std::vector<double> seconds_here;
+  for (std::size_t n = 0; n < points.point.size(); ++n) {
+    if (options.share == nullptr || options.share->has(n))
+      seconds_here.push_back(cost.solve_seconds[static_cast<std::size_t>(points.point[n])]);
+  }
+  RunClock clock(std::move(seconds_here));
   for (std::size_t n = 0; n < points.point.size(); ++n) {
     const auto point = static_cast<std::size_t>(points.point[n]);
     const bool estimates = std::find(estimated.begin(), estimated.end(), n) != estimated.end();
     std::optional<SolveResult> result = shared_solve(options.share.get(), n, [&] {
-      Scene scene = scenes[point];
-      if (broadband.method == Method::columns) scene.solver.mode = SolveMode::independent_columns;
+      Scene scene = as_solved(scenes[point]);
       scene.broadband->largest_air_error = points.largest_air_error;
       if (!options.quiet) tell("g-point {}: {} of {} to solve\n", point, n + 1, points.point.size());
       return solve_point(scene, plan_scene(scene, available, files, cost.levels_m, options.threads), estimates, options,

@@ -117,10 +117,12 @@ CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, Solv
 
 double predict_coarse_seconds(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as) {
   if (coarse.by_polar_streams()) return predict_seconds(coarse);
-  double seconds = 2 * predict_seconds(coarse);
+  SolverOptions constant = coarse.whole_options();
+  constant.linear_source = false;
+  double seconds = predict_seconds(coarse) + predict_seconds(coarse.with(constant));
   if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
-    const auto columns = static_cast<double>(plan.whole().grid.box.columns());
-    seconds += std::min(1., most_probe_columns / columns) * predict_seconds(plan);
+    const Problem columns = probe_columns(plan);
+    seconds += predict_seconds(SolvePlan(columns, ordinates_of_columns(plan.whole_options())));
   }
   return seconds;
 }

@@ -55,6 +55,12 @@ void check_same_cells(const std::vector<Scene>& scenes, std::uint64_t available,
 
 }  // namespace
 
+std::string memory_text(std::size_t bytes) { return fmt::format("{:.3g} GB", static_cast<double>(bytes) / 1e9); }
+
+std::string time_text(double seconds) {
+  return seconds < 9.95 ? fmt::format("{:.2g} s", seconds) : fmt::format("{:.0f} s", seconds);
+}
+
 PlannedScene::PlannedScene(AssembledScene assembled, std::string level)
     : scene(std::make_shared<const AssembledScene>(std::move(assembled))),
       plan(scene->problem, scene->options),
@@ -70,6 +76,12 @@ PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles&
   return {std::move(assembled), scene.solver.accuracy};
 }
 
+Scene as_solved(Scene scene) {
+  if (scene.broadband && scene.broadband->method == SceneBroadband::Method::columns)
+    scene.solver.mode = SolveMode::independent_columns;
+  return scene;
+}
+
 SolverOptions with_independent_columns(SolverOptions options) {
   options.independent_columns = true;
   options.beam_crosses_columns = false;
@@ -82,23 +94,28 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
   CostEstimate cost;
   std::vector<std::vector<double>> levels;
   std::size_t kept = 0;
-  for (const Scene& scene : scenes) {
+  for (const Scene& given : scenes) {
+    const Scene scene = as_solved(given);
     PlannedScene planned = plan_scene(scene, available, files, {}, threads);
     const SolvePlan& plan = planned.plan;
     cost.memory = std::max(cost.memory, predicted_bytes(scene, *planned.scene, plan));
-    cost.seconds += predict_seconds(plan);
+    double seconds = predict_seconds(plan);
     if (scene.output.error_estimate) {
       const SolvePlan coarse = planned.coarse();
-      cost.seconds += predict_coarse_seconds(plan, coarse, planned.as);
+      // Of g-points two have an estimate.
+      seconds += predict_coarse_seconds(plan, coarse, planned.as) *
+                 (scene.broadband ? std::min(1., estimated_points / static_cast<double>(scenes.size())) : 1.);
       cost.memory =
           std::max(cost.memory, predicted_bytes(scene, *planned.scene, coarse) + solution_bytes(scene, *planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(with_independent_columns(plan.whole_options()));
       cost.memory = std::max(cost.memory, predict_memory(columns));
-      cost.seconds += predict_seconds(columns);
+      seconds += predict_seconds(columns);
       kept += solution_bytes(scene, *planned.scene);  // at most: of these, fluxes alone are kept
     }
+    cost.solve_seconds.push_back(seconds);
+    cost.seconds += seconds;
     levels.push_back(plan.whole().grid.box.z_edge_m);
     kept += solution_bytes(scene, *planned.scene);
     if (scenes.size() == 1) cost.only = std::move(planned);
@@ -110,6 +127,10 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     kept = static_cast<std::size_t>(2 * static_cast<double>(kept) / points);
     if (scenes.front().broadband->method == SceneBroadband::Method::few) cost.seconds *= std::min(1., few / points);
   }
+  // Reading and writing, measured on scenes of configs/.
+  constexpr double seconds_to_start = .06, seconds_of_scene = .01, seconds_of_byte = 1e-8;
+  cost.seconds += seconds_to_start + seconds_of_scene * static_cast<double>(scenes.size()) +
+                  seconds_of_byte * static_cast<double>(kept);
   if (scenes.size() > 1 || compare) cost.memory += kept;
   cost.seconds *= machine_slowness();
   if (scenes.size() > 1) {

@@ -32,13 +32,24 @@ struct PlannedScene {
 PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
                         const std::vector<double>& levels_m, int threads);
 
+/// The scene with its mode of solution: `spectrum.method` sets it too.
+Scene as_solved(Scene scene);
+
 /// Resources that a run needs, computed before the first solve.
 struct CostEstimate {
-  std::size_t memory = 0;            ///< bytes, of the most demanding wavelength, with the results of all
-  double seconds = 0;                ///< of all wavelengths, on this machine
-  std::vector<double> levels_m;      ///< that serve all wavelengths; empty: there is one scene only
-  std::optional<PlannedScene> only;  ///< that scene
+  std::size_t memory = 0;             ///< bytes, of the most demanding wavelength, with the results of all
+  double seconds = 0;                 ///< of all wavelengths, on this machine
+  std::vector<double> solve_seconds;  ///< of each wavelength or g-point, on the machine of predict_seconds()
+  std::vector<double> levels_m;       ///< that serve all wavelengths; empty: there is one scene only
+  std::optional<PlannedScene> only;   ///< that scene
 };
+
+/// Of the g-points of a broadband run that are solved, so many have an error estimate.
+inline constexpr std::size_t estimated_points = 2;
+
+/// "0.0684 GB", "1.5 s": digits that small runs have too.
+std::string memory_text(std::size_t bytes);
+std::string time_text(double seconds);
 
 /// Looks at every wavelength, so that none fails after others were solved.
 /// @param compare whether the same is solved as independent columns too

@@ -11,6 +11,7 @@
 #include "app/process/interrupt.hpp"
 #include "app/process/messages.hpp"
 #include "app/process/progress.hpp"
+#include "cloudbow/transport/solve_seconds.hpp"
 #include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
@@ -34,7 +35,9 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
   Ranks* const together = options.share ? options.share->together() : nullptr;
   if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
   const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {
-    ProgressDisplay display(options.quiet, plan.options().tolerance, &clock);
+    const bool is_main = &plan == &planned.plan;
+    if (is_main) clock.begin_solve(predict_phases(plan));
+    ProgressDisplay display(options.quiet, plan.options().tolerance, is_main ? &clock : nullptr);
     // Between sweeps a signal waits for the checkpoint.
     const bool kept = checkpoints != nullptr && !options.checkpoint.empty();
     return solve(
@@ -43,7 +46,7 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
           if (!kept || progress.phase != "sweep") InterruptGuard::check();
           display.show(progress);
         },
-        checkpoints, &plan == &planned.plan ? together : nullptr);
+        checkpoints, is_main ? together : nullptr);
   };
   std::optional<RunCheckpoints> checkpoints;
   if (!options.checkpoint.empty() || !options.resume.empty()) checkpoints.emplace(options, number, scenes);
@@ -79,7 +82,11 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
 Solved solve_all(const std::vector<Scene>& scenes, CostEstimate cost, const RunOptions& options,
                  std::uint64_t available, CloudFiles& files) {
   Solved solved;
-  RunClock clock(scenes.size() * (options.compare ? 2 : 1));
+  std::vector<double> seconds_here;
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    if (options.share == nullptr || options.share->has(n)) seconds_here.push_back(cost.solve_seconds[n]);
+  }
+  RunClock clock(std::move(seconds_here));
   for (std::size_t n = 0; n < scenes.size(); ++n) {
     const Scene& scene = scenes[n];
     std::optional<SolveResult> result = shared_solve(options.share.get(), n, [&] {

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -15,26 +14,52 @@ namespace cloudbow {
 
 namespace {
 
-constexpr double least_elapsed_seconds = 2, least_fraction = 0.03;
+constexpr double least_elapsed_seconds = 2, least_fraction = 0.01;
 
-struct Share {
-  const char* phase;
-  double from, to;
+/// Predicted seconds of a solve that are done and that are left.
+struct Work {
+  double done;
+  double left;
 };
-/// Of a solve of a field of clouds with few cameras: the order is right, the parts are rough.
-constexpr std::array<Share, 4> shares{
-    {{"tables", 0, 0.05}, {"beam", 0.05, 0.1}, {"sweep", 0.1, 0.6}, {"gather", 0.6, 1}}};
+
+/// @param fraction of the way to the tolerance
+Work work_of_sweeps(const SolveSeconds& phases, int sweeps, double fraction) {
+  const double left = (1 - fraction) * std::max(phases.sweeps, static_cast<double>(sweeps));
+  return {phases.before_sweeps + sweeps * phases.sweep, left * phases.sweep + phases.after_sweeps};
+}
+
+Work work_of(const SolveSeconds& phases, const SolverProgress& progress, double fraction) {
+  if (progress.phase == "tables" || progress.phase == "beam") return {0, phases.total()};
+  if (progress.phase == "sweep") return work_of_sweeps(phases, progress.sweep, fraction);
+  if (progress.phase == "gather") {
+    const double before = work_of_sweeps(phases, progress.sweep, 1).done;
+    return {before + fraction * phases.after_sweeps, (1 - fraction) * phases.after_sweeps};
+  }
+  return {fraction * phases.total(), (1 - fraction) * phases.total()};
+}
 
 }  // namespace
 
-std::optional<double> RunClock::seconds_left(double elapsed_seconds, double fraction) {
-  if (elapsed_seconds < least_elapsed_seconds || fraction < least_fraction) return std::nullopt;
-  return elapsed_seconds * (1 - std::min(fraction, 1.)) / fraction;
+void RunClock::finish_solve() {
+  if (finished_ < solves_.size()) done_ += solves_[finished_++];
+  phases_.reset();
 }
 
-std::optional<double> RunClock::seconds_left(double fraction) const {
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  return seconds_left(elapsed.count(), (static_cast<double>(finished_) + fraction) / static_cast<double>(solves_));
+std::optional<double> RunClock::seconds_left(const SolverProgress& progress, double fraction, Time now) {
+  if (!start_ && progress.phase != "tables") start_ = now;
+  if (!start_ || finished_ == solves_.size()) return std::nullopt;
+  const double solve = solves_[finished_];
+  const double inside = std::clamp(fraction, 0., 1.);
+  Work work{inside * solve, (1 - inside) * solve};
+  if (phases_) {
+    work = work_of(*phases_, progress, inside);
+    work.left += std::max(0., solve - phases_->total());
+  }
+  for (std::size_t later = finished_ + 1; later < solves_.size(); ++later) work.left += solves_[later];
+  work.done += done_;
+  const double elapsed = std::chrono::duration<double>(now - *start_).count();
+  if (elapsed < least_elapsed_seconds || work.done <= least_fraction * (work.done + work.left)) return std::nullopt;
+  return elapsed / work.done * work.left;
 }
 
 std::string time_left_text(double seconds) {
@@ -43,12 +68,6 @@ std::string time_left_text(double seconds) {
   const auto minutes = std::lround(seconds / 60);
   if (minutes < 60) return fmt::format("{} min left", minutes);
   return fmt::format("{} h {} min left", minutes / 60, minutes % 60);
-}
-
-double solve_fraction(const std::string& phase, double fraction) {
-  const auto share = std::ranges::find(shares, phase, &Share::phase);
-  const double inside = std::clamp(fraction, 0., 1.);
-  return share == shares.end() ? inside : share->from + inside * (share->to - share->from);
 }
 
 ProgressDisplay::ProgressDisplay(bool quiet, double tolerance, RunClock* clock)
@@ -91,8 +110,7 @@ void ProgressDisplay::show_bar(const SolverProgress& progress) {
     text += fmt::format(" {:3}  error {:.1e}  energy {:.1e}", progress.sweep, progress.estimated_error,
                         progress.energy_residual);
   }
-  const double done = solve_fraction(progress.phase, fraction);
-  if (const auto left = clock_ != nullptr ? clock_->seconds_left(done) : std::nullopt)
+  if (const auto left = clock_ != nullptr ? clock_->seconds_left(progress, fraction) : std::nullopt)
     text += "  " + time_left_text(*left);
   tell("{}\x1b[K", text);
   std::fflush(stderr);

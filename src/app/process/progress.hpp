@@ -5,33 +5,41 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cloudbow/transport/solution.hpp"
+#include "cloudbow/transport/solve_seconds.hpp"
 
 namespace cloudbow {
 
-/// Time that a run of several solves has left, as if all took equally long.
+/// Time that a run has left: its predicted time, at the pace of the sweeps and phases that are done.
 class RunClock {
  public:
-  explicit RunClock(std::size_t solves) : solves_(solves) {}
+  using Time = std::chrono::steady_clock::time_point;
 
-  void finish_solve() { ++finished_; }
-  /// Seconds left; none as long as too little is done. @param fraction of the present solve, 0 to 1
-  std::optional<double> seconds_left(double fraction) const;
-  /// The same from numbers. @param fraction of the run
-  static std::optional<double> seconds_left(double elapsed_seconds, double fraction);
+  /// @param solves predicted seconds of each solve of the run, with the coarse solves that follow it.
+  explicit RunClock(std::vector<double> solves) : solves_(std::move(solves)) {}
+
+  /// @param phases predicted seconds of the solve that begins. Without them, progress is a fraction of the whole solve.
+  void begin_solve(const SolveSeconds& phases) { phases_ = phases; }
+  /// The solve and its coarse solves count as done.
+  void finish_solve();
+  /// Seconds left; none as long as too little is done. Called with all progress of the present solve.
+  /// @param fraction of the phase, 0 to 1; of the sweeps, that of the way to the tolerance
+  std::optional<double> seconds_left(const SolverProgress& progress, double fraction,
+                                     Time now = std::chrono::steady_clock::now());
 
  private:
-  std::size_t solves_, finished_ = 0;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::vector<double> solves_;
+  std::optional<SolveSeconds> phases_;
+  std::size_t finished_ = 0;
+  double done_ = 0;            // predicted seconds of the finished solves
+  std::optional<Time> start_;  // of what they and the present solve measure: tables of phase functions do not count
 };
 
 /// "40 s left", "12 min left", "3 h 20 min left".
 std::string time_left_text(double seconds);
-
-/// Fraction of a solve that is done. Its phases have fixed shares of the time. @param phase as SolverProgress has it;
-/// another one is the whole. @param fraction of the phase
-double solve_fraction(const std::string& phase, double fraction);
 
 class ProgressDisplay {
  public:

@@ -180,9 +180,9 @@ std::string plan_text(const std::vector<Scene>& scenes, const PlannedScene& plan
     fmt::format_to(out, "spectrum  {} um\n", list);
   }
   if (first.phase_classes) fmt::format_to(out, "phase     {}\n", classes_text(*first.phase_classes));
-  fmt::format_to(out, "memory    {:.2f} GB predicted, {:.1f} GB available\n", static_cast<double>(cost.memory) / 1e9,
+  fmt::format_to(out, "memory    {} predicted, {:.1f} GB available\n", memory_text(cost.memory),
                  static_cast<double>(available) / 1e9);
-  fmt::format_to(out, "time      {:.1f} s predicted\n", cost.seconds);
+  fmt::format_to(out, "time      {} predicted\n", time_text(cost.seconds));
   return text;
 }
 

@@ -187,9 +187,9 @@ std::string plan_text(const SweepPlan& plan, const std::string& first, int jobs,
   text += fmt::format(": {}", plan.runs.size());
   if (const std::size_t done = done_runs(plan); done > 0) text += fmt::format(", of which {} are done", done);
   if (share) text += fmt::format("\nshare     {} of {}: {} runs to solve", share->number, share->of, plan.to_solve);
-  text += fmt::format("\nall       {:.2f} GB predicted, {} at a time; {:.1f} s predicted\n\nthe first run\n",
-                      static_cast<double>(plan.memory_bytes) / 1e9,
-                      std::min(static_cast<std::size_t>(jobs), plan.to_solve), plan.seconds);
+  text += fmt::format("\nall       {} predicted, {} at a time; {} predicted\n\nthe first run\n",
+                      memory_text(plan.memory_bytes), std::min(static_cast<std::size_t>(jobs), plan.to_solve),
+                      time_text(plan.seconds));
   return text + first;
 }
 

@@ -9,7 +9,7 @@ namespace cloudbow {
 
 /// First line of the file that keeps the factor. Its number increases when predict_seconds() or the solve that is
 /// measured changes: older factors then have another meaning (test_machine_speed.cpp notices the former).
-inline constexpr const char* machine_speed_header = "cloudbow machine 3";
+inline constexpr const char* machine_speed_header = "cloudbow machine 4";
 
 /// The solve that is measured.
 std::pair<Problem, SolverOptions> calibration_solve();

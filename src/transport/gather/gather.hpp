@@ -80,7 +80,11 @@ std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span
                                        const std::vector<GatherDirection>& directions,
                                        const OrdinateShare* share = nullptr);
 
-/// The most memory that gather_level_fluxes takes in float, with this many directions.
-std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions);
+/// The most memory that gather_level_fluxes takes, with this many directions.
+/// @param cells whose source and slopes each direction keeps: those of the largest level, or all if slopes are from
+/// differences.
+template <class Real>
+std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions,
+                               int threads);
 
 }  // namespace cloudbow

@@ -504,19 +504,21 @@ class LevelGather {
 
 }  // namespace
 
-std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions) {
+template <class Real>
+std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<const int> edges, int directions,
+                               int threads) {
   if (edges.empty()) return 0;
   const std::vector<bool> all(static_cast<std::size_t>(box.nz()), true);
   auto set = gather_directions(directions, true, std::nullopt);
   const MarchSchedule schedule = march_schedule(box, all, true, edges);
   const SumPlanes planes(schedule, box, edges.size(), spread_classes(set));
   const auto slots = static_cast<std::size_t>(schedule.slots);
-  const std::size_t of_quadrant =
-      planes.size() * box.columns() * sizeof(float) +
-      directions_together<float>(slots, box.columns(), cells) * march_bytes<float>(slots, box.columns(), cells);
-  const std::size_t in_all = planes.size() * box.columns() * sizeof(float);
-  return of_quadrant * static_cast<std::size_t>(quadrants_at_a_time(box)) + in_all +
-         edges.size() * box.columns() * sizeof(float);
+  const auto at_once = static_cast<std::size_t>(std::min(quadrants_at_a_time(box), threads));
+  const std::size_t sums = planes.size() * box.columns() * sizeof(Real);
+  const std::size_t marches =
+      directions_together<Real>(slots, box.columns(), cells) * march_bytes<Real>(slots, box.columns(), cells);
+  // The sums of all quadrants beside those of the quadrants that are marched.
+  return sums * (at_once + 1) + marches * at_once + edges.size() * box.columns() * sizeof(float);
 }
 
 template <class Real>
@@ -525,6 +527,8 @@ std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span
   return LevelGather<Real>(scene, upward, edges).flux(directions, share);
 }
 
+template std::size_t level_gather_bytes<float>(const BoxGrid&, std::size_t, std::span<const int>, int, int);
+template std::size_t level_gather_bytes<double>(const BoxGrid&, std::size_t, std::span<const int>, int, int);
 template std::vector<float> gather_level_fluxes<float>(const GatherScene<float>&, std::span<const int>, bool,
                                                        const std::vector<GatherDirection>&, const OrdinateShare*);
 template std::vector<float> gather_level_fluxes<double>(const GatherScene<double>&, std::span<const int>, bool,

@@ -7,13 +7,67 @@
 namespace cloudbow {
 namespace {
 
-TEST(RunClock, TheRestTakesAsLongAsWhatIsDone) {
-  EXPECT_DOUBLE_EQ(*RunClock::seconds_left(10, 0.25), 30);
-  EXPECT_DOUBLE_EQ(*RunClock::seconds_left(10, 1), 0);
-  EXPECT_DOUBLE_EQ(*RunClock::seconds_left(10, 1.5), 0);
-  EXPECT_FALSE(RunClock::seconds_left(1, 0.25)) << "too early to tell";
-  EXPECT_FALSE(RunClock::seconds_left(10, 0.001)) << "too little to tell";
-  EXPECT_FALSE(RunClock(3).seconds_left(0.5)) << "just begun";
+SolverProgress of_phase(const std::string& phase, int sweep = 0) {
+  SolverProgress progress;
+  progress.phase = phase;
+  progress.sweep = sweep;
+  progress.estimated_error = .25;
+  progress.energy_residual = .125;
+  return progress;
+}
+
+using Seconds = std::chrono::duration<double>;
+
+// A solve of 1 s before 10 sweeps of 2 s, and 9 s after them; 10 s of coarse solves follow.
+constexpr SolveSeconds phases{1, 2, 10, 9};
+
+// Progress of it on a clock that begins at 0.
+struct ShownRun {
+  RunClock clock;
+  RunClock::Time start{};
+
+  explicit ShownRun(std::vector<double> solves) : clock(std::move(solves)) { clock.begin_solve(phases); }
+  std::optional<double> left(double seconds, const SolverProgress& progress, double fraction) {
+    return clock.seconds_left(progress, fraction,
+                              start + std::chrono::duration_cast<RunClock::Time::duration>(Seconds(seconds)));
+  }
+};
+
+TEST(RunClock, TheRestGoesAtThePaceOfTheSweeps) {
+  ShownRun run({40});
+  EXPECT_FALSE(run.left(0, of_phase("tables"), 0));
+  EXPECT_FALSE(run.left(50, of_phase("beam"), 0)) << "nothing is measured";
+  // 3 s of prediction took 6 s: 39 s of ten sweeps and what follows take 78 s.
+  EXPECT_NEAR(*run.left(56, of_phase("sweep", 1), 0), 78, 1e-9);
+  EXPECT_NEAR(*run.left(77, of_phase("sweep", 4), .5), 3 * (10 + 9 + 10), 1e-9);
+}
+
+TEST(RunClock, MoreSweepsThanPredictedCountByTheWayToTheTolerance) {
+  ShownRun run({40});
+  run.left(0, of_phase("beam"), 0);
+  EXPECT_NEAR(*run.left(41, of_phase("sweep", 20), .75), .25 * 20 * 2 + 9 + 10, 1e-9);
+  EXPECT_NEAR(*run.left(41, of_phase("sweep", 20), 1), 9 + 10, 1e-9);
+  EXPECT_NEAR(*run.left(45.5, of_phase("gather", 20), .5), 4.5 + 10, 1e-9);
+}
+
+TEST(RunClock, OtherSolvesFollowWithTheirPredictedTimes) {
+  ShownRun run({40, 80, 20});
+  run.left(0, of_phase("beam"), 0);
+  EXPECT_NEAR(*run.left(3, of_phase("sweep", 1), 0), 39 + 80 + 20, 1e-9);
+  run.clock.finish_solve();
+  run.clock.begin_solve(phases);
+  // 40 s of prediction took 80 s.
+  EXPECT_NEAR(*run.left(80, of_phase("tables"), 0), 2 * (80 + 20), 1e-9);
+}
+
+TEST(RunClock, WithoutPhasesTheRestTakesAsLongAsWhatIsDone) {
+  RunClock clock({1});
+  const RunClock::Time start{};
+  EXPECT_FALSE(clock.seconds_left(of_phase("mie"), 0, start));
+  EXPECT_FALSE(clock.seconds_left(of_phase("mie"), .25, start + std::chrono::seconds(1))) << "too early to tell";
+  EXPECT_FALSE(clock.seconds_left(of_phase("mie"), .001, start + std::chrono::seconds(10))) << "too little to tell";
+  EXPECT_DOUBLE_EQ(*clock.seconds_left(of_phase("mie"), .25, start + std::chrono::seconds(10)), 30);
+  EXPECT_DOUBLE_EQ(*clock.seconds_left(of_phase("mie"), 1.5, start + std::chrono::seconds(10)), 0);
 }
 
 TEST(RunClock, TimesAreShort) {
@@ -23,26 +77,6 @@ TEST(RunClock, TimesAreShort) {
   EXPECT_EQ(time_left_text(3569), "59 min left");
   EXPECT_EQ(time_left_text(3600), "1 h 0 min left");
   EXPECT_EQ(time_left_text(12000), "3 h 20 min left");
-}
-
-TEST(RunClock, PhasesFollowEachOther) {
-  double before = 0;
-  for (const char* phase : {"tables", "beam", "sweep", "gather"}) {
-    EXPECT_DOUBLE_EQ(solve_fraction(phase, 0), before) << phase;
-    before = solve_fraction(phase, 1);
-  }
-  EXPECT_EQ(before, 1);
-  EXPECT_EQ(solve_fraction("droplets", 0.25), 0.25);
-  EXPECT_EQ(solve_fraction("sweep", 7), solve_fraction("sweep", 1));
-}
-
-SolverProgress of_phase(const std::string& phase, int sweep = 0) {
-  SolverProgress progress;
-  progress.phase = phase;
-  progress.sweep = sweep;
-  progress.estimated_error = .25;
-  progress.energy_residual = .125;
-  return progress;
 }
 
 std::string shown(bool quiet) {

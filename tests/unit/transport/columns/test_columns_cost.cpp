@@ -10,7 +10,9 @@ namespace {
 Problem field_of(int columns) {
   Problem problem;
   const BoxGrid box = make_box(columns, columns, 10);
-  problem.grid = make_grid(box, std::vector<float>(cells_of(box), 1.F), .9);
+  std::vector<float> extinction(cells_of(box));  // columns differ
+  for (std::size_t c = 0; c < extinction.size(); ++c) extinction[c] = 1 + .001F * static_cast<float>(c % box.columns());
+  problem.grid = make_grid(box, extinction, .9);
   problem.phase = {PhaseFunction::isotropic()};
   problem.sun = Sun{travel_along(-.6, 20), 1.};
   return problem;
@@ -27,6 +29,17 @@ TEST(ColumnsCost, TimeIsProportionalToCellsAndSharedByThreads) {
   SolverOptions more = options;
   more.column_streams *= 2;
   EXPECT_GT(columns_seconds(small, more, false, 1), 4 * seconds) << "matrices of streams";
+}
+
+TEST(ColumnsCost, EqualColumnsCountOnceUnlessTheBeamCrossesThem) {
+  Problem problem = field_of(10);
+  const SolverOptions options = coarse_options();
+  const double seconds = columns_seconds(problem, options, false, 1);
+  problem.grid = make_grid(problem.grid.box, std::vector<float>(cells_of(problem.grid.box), 1.F), .9);
+  EXPECT_NEAR(columns_seconds(problem, options, false, 1) / seconds, .01, 1e-12) << "of 100 columns";
+  SolverOptions slanted = options;
+  slanted.beam_crosses_columns = true;
+  EXPECT_GT(columns_seconds(problem, slanted, false, 1), seconds);
 }
 
 TEST(ColumnsCost, MemoryHoldsTheGridAndTheFieldsThatComeOut) {

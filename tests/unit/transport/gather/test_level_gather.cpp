@@ -45,6 +45,20 @@ TEST_F(GatherFlux, AnInterfaceIsTheSameWhateverOthersAreAskedFor) {
   }
 }
 
+// Eight directions of a group at a time keep five numbers per cell. Groups are four at most.
+TEST_F(GatherFlux, MemoryIsThatOfTheGroupsThatAreMarchedAtOnce) {
+  const BoxGrid box = unequal_box(true);
+  constexpr std::size_t cells = 1000;
+  constexpr std::size_t of_group = 8 * 5 * cells * sizeof(float);
+  const auto more = [&](int threads) {
+    return level_gather_bytes<float>(box, cells, inner_edges, 64, threads) -
+           level_gather_bytes<float>(box, 0, inner_edges, 64, threads);
+  };
+  EXPECT_EQ(more(1), of_group);
+  EXPECT_EQ(more(3), 3 * of_group);
+  EXPECT_EQ(more(64), 4 * of_group);
+}
+
 TEST_F(GatherFlux, InVacuumAboveCloudTheForwardMarchIsAsSmoothAsTheEnds) {
   // Scattered bright cells in two levels, seen 18 and 28 levels above. The two methods differ in the starting points of
   // their rays, and by a half in the width of their blur. Without blur the error of the forward march is .11 to .12 of
