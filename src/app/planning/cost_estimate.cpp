@@ -125,7 +125,9 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     constexpr double few = 7;
     const auto points = static_cast<double>(scenes.size());
     kept = static_cast<std::size_t>(2 * static_cast<double>(kept) / points);
-    if (scenes.front().broadband->method == SceneBroadband::Method::few) cost.seconds *= std::min(1., few / points);
+    constexpr double seconds_of_choice = .02;  // of each g-point, for columns
+    if (scenes.front().broadband->method == SceneBroadband::Method::few)
+      cost.seconds = cost.seconds * std::min(1., few / points) + seconds_of_choice * points;
   }
   // Reading and writing, measured on scenes of configs/.
   constexpr double seconds_to_start = .06, seconds_of_scene = .01, seconds_of_byte = 1e-8;
