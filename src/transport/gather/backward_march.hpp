@@ -230,8 +230,8 @@ void march_back(const GatherScene<Real>& scene, const PathPattern& pattern, cons
       for_source_of(cells, [&](auto linear) {
         const auto begin = [&](const Segment& segment) {
           // Without the attribute compilers may call it for each chunk, which takes a third longer.
-          return [=, g = SegmentGeometry<Real>(segment, chord)](
-                     std::size_t ray, std::size_t cell, int count) __attribute__((always_inline)) {
+          return [ =, g = SegmentGeometry<Real>(segment, chord) ](std::size_t ray, std::size_t cell, int count)
+              __attribute__((always_inline)) {
             meet_cells<linear, false>(g, count, cells, cell - first_cell, sent + (cell - first_cell), through + ray,
                                       of_band + ray, {{}, {}});
           };

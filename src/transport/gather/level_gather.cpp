@@ -15,6 +15,7 @@
 #include "transport/gather/light_slots.hpp"
 #include "transport/gather/march_schedule.hpp"
 #include "transport/gather/plane_blur.hpp"
+#include "transport/gather/plane_sums.hpp"
 #include "transport/gather/source_gradients.hpp"
 
 namespace cloudbow {
@@ -74,34 +75,6 @@ struct Booking {
   Real scale;
 };
 
-// Sums of light on planes. Planes without light that varies are empty.
-template <class Real>
-struct PlaneSums {
-  std::vector<std::vector<Real>> columns;  // [planes][columns + lane_padding]
-  std::vector<double> everywhere;          // [planes] light of all columns beside them
-
-  explicit PlaneSums(std::size_t planes) : columns(planes), everywhere(planes, 0.) {}
-
-  // Keeps the memory of the planes.
-  void clear() {
-    for (std::vector<Real>& plane : columns) plane.clear();
-    std::fill(everywhere.begin(), everywhere.end(), 0.);
-  }
-  // Adds other sums, whose planes may be taken.
-  void add(PlaneSums& other) {
-    for (std::size_t p = 0; p < columns.size(); ++p) add_plane(p, other);
-  }
-  void add_plane(std::size_t p, PlaneSums& other) {
-    everywhere[p] += other.everywhere[p];
-    if (columns[p].empty()) {
-      columns[p].swap(other.columns[p]);
-      return;
-    }
-    const std::vector<Real>& more = other.columns[p];
-    for (std::size_t c = 0; c < more.size(); ++c) columns[p][c] += more[c];
-  }
-};
-
 // Work arrays of a thread, and the sums of its present quadrant of directions.
 template <class Real>
 struct Workspace {
@@ -133,45 +106,31 @@ class LevelGather {
   std::vector<float> flux(std::vector<GatherDirection> directions, const OrdinateShare* share) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
     const SumPlanes planes(schedule_, box_, levels_, classes);
-    const auto slots = static_cast<std::size_t>(schedule_.slots);
-    const bool adds = share == nullptr || share->is_first();
+    double powers = 0;
+    for (const GatherDirection& direction : directions) powers += power(direction);
     std::vector<int> own;  // quadrants
     for (int quadrant = 0; quadrant < quadrants; ++quadrant) {
       if (share == nullptr || share->has_octant(octant(quadrant))) own.push_back(quadrant);
     }
+    const bool adds = share == nullptr || share->is_first();
+    const int at_a_time = quadrants_at_a_time(box_);
+    if (at_a_time == 1) return flux_one_by_one(directions, classes, planes, own, powers, share);
     PlaneSums<Real> all(adds ? planes.size() : 0);
     std::vector<PlaneSums<Real>> to_send;
-    ParallelErrors errors;
-    const int threads = std::min(omp_get_max_threads(), quadrants_at_a_time(box_));
-#pragma omp parallel num_threads(threads)
-    {
-      std::optional<Workspace<Real>> work;
-      // Quadrants are added in their order, whichever threads march them.
-#pragma omp for schedule(dynamic, 1) ordered
-      for (std::size_t q = 0; q < own.size(); ++q) {
-        errors.run([&] {
-          if (!work) work.emplace(slots, columns_, cells_kept(), planes.size());
-          work->sums.clear();
-          for (const SpreadClass& alike : classes) march_class(directions, alike, own[q], planes, *work);
-        });
-#pragma omp ordered
-        errors.run([&] {
-          if (!work) return;
-          if (adds) {
-            all.add(work->sums);
-          } else {
-            to_send.push_back(std::move(work->sums));
-            work->sums = PlaneSums<Real>(planes.size());
-          }
-        });
+    march_quadrants(directions, classes, planes, own, at_a_time, [&](PlaneSums<Real>& sums) {
+      if (adds) {
+        all.add(sums);
+      } else {
+        to_send.push_back(std::move(sums));
+        sums = PlaneSums<Real>(planes.size());
       }
-    }
-    errors.rethrow();
-    if (share != nullptr) collect(*share, planes.size(), to_send, all);
+    });
+    for (const PlaneSums<Real>& sums : to_send) send_sums(share->ranks(), 0, sums);
     if (!adds) return {};
-    double powers = 0;
-    for (const GatherDirection& direction : directions) powers += power(direction);
-    return blurred(planes, all, powers);
+    for_quadrants_of_others(share, [&](int owner) { receive_and_add(share->ranks(), owner, columns_, all); });
+    std::vector<float> flux(levels_ * columns_, static_cast<float>(powers * scene_.reference));
+    add_blurred(planes, all, flux);
+    return flux;
   }
 
  private:
@@ -203,47 +162,77 @@ class LevelGather {
     }
   }
 
-  // The first rank adds the sums of the quadrants that others have marched, in their order.
-  // @param own those of this rank, if it is another
-  void collect(const OrdinateShare& share, std::size_t planes, std::vector<PlaneSums<Real>>& own,
-               PlaneSums<Real>& all) const {
-    std::size_t next = 0;
-    for (int quadrant = 0; quadrant < quadrants; ++quadrant) {
-      const int owner = share.owner_of_octant(octant(quadrant));
-      if (owner == 0 || (!share.is_first() && !share.has_octant(octant(quadrant)))) continue;
-      if (share.is_first()) {
-        PlaneSums<Real> sums(planes);
-        std::vector<std::uint8_t> has_columns(planes);
-        const std::array<Ranks::Incoming, 2> kinds{{{owner, std::as_writable_bytes(std::span(has_columns))},
-                                                    {owner, std::as_writable_bytes(std::span(sums.everywhere))}}};
-        share.ranks().exchange({}, kinds);
-        for (std::size_t p = 0; p < planes; ++p) {  // one at a time, so that all of them are not kept twice
-          if (has_columns[p] != 0) {
-            sums.columns[p].resize(columns_ + lane_padding);
-            const std::array<Ranks::Incoming, 1> plane{{{owner, std::as_writable_bytes(std::span(sums.columns[p]))}}};
-            share.ranks().exchange({}, plane);
-          }
-          all.add_plane(p, sums);
-          std::vector<Real>().swap(sums.columns[p]);
-        }
-        continue;
+  // Calls take(sums) for each of these quadrants, in their order, whichever threads march them.
+  template <class Take>
+  void march_quadrants(std::span<const GatherDirection> directions, const std::vector<SpreadClass>& classes,
+                       const SumPlanes& planes, const std::vector<int>& own, int at_a_time, const Take& take) const {
+    const auto slots = static_cast<std::size_t>(schedule_.slots);
+    ParallelErrors errors;
+    const int threads = std::min(omp_get_max_threads(), at_a_time);
+#pragma omp parallel num_threads(threads)
+    {
+      std::optional<Workspace<Real>> work;
+#pragma omp for schedule(dynamic, 1) ordered
+      for (std::size_t q = 0; q < own.size(); ++q) {
+        errors.run([&] {
+          if (!work) work.emplace(slots, columns_, cells_kept(), planes.size());
+          work->sums.clear();
+          for (const SpreadClass& alike : classes) march_class(directions, alike, own[q], planes, *work);
+        });
+#pragma omp ordered
+        errors.run([&] {
+          if (work) take(work->sums);
+        });
       }
-      const PlaneSums<Real>& sums = own[next++];
-      std::vector<std::uint8_t> has_columns;
-      for (const auto& plane : sums.columns) has_columns.push_back(plane.empty() ? 0 : 1);
-      const std::array<Ranks::Outgoing, 2> kinds{
-          {{0, std::as_bytes(std::span(has_columns))}, {0, std::as_bytes(std::span(sums.everywhere))}}};
-      share.ranks().exchange(kinds, {});
-      for (const auto& plane : sums.columns) {
-        if (plane.empty()) continue;
-        const std::array<Ranks::Outgoing, 1> outgoing{{{0, std::as_bytes(std::span(plane))}}};
-        share.ranks().exchange(outgoing, {});
+    }
+    errors.rethrow();
+  }
+
+  // For boxes so large that the sums of one quadrant take much memory: they are blurred before the next quadrant is
+  // marched. Ranks then exchange fluxes, which are fewer than sums.
+  std::vector<float> flux_one_by_one(std::span<const GatherDirection> directions,
+                                     const std::vector<SpreadClass>& classes, const SumPlanes& planes,
+                                     const std::vector<int>& own, double powers, const OrdinateShare* share) const {
+    const bool adds = share == nullptr || share->is_first();
+    std::vector<float> flux(adds ? levels_ * columns_ : 0, static_cast<float>(powers * scene_.reference));
+    const auto add = [&](std::span<const float> of_quadrant) {
+      for (std::size_t c = 0; c < flux.size(); ++c) flux[c] += of_quadrant[c];
+    };
+    std::vector<std::vector<float>> to_send;
+    march_quadrants(directions, classes, planes, own, 1, [&](PlaneSums<Real>& sums) {
+      std::vector<float> of_quadrant(levels_ * columns_, 0.F);
+      add_blurred(planes, sums, of_quadrant);
+      if (adds) {
+        add(of_quadrant);
+      } else {
+        to_send.push_back(std::move(of_quadrant));
       }
+    });
+    for (const std::vector<float>& of_quadrant : to_send) {
+      const std::array<Ranks::Outgoing, 1> outgoing{{{0, std::as_bytes(std::span(of_quadrant))}}};
+      share->ranks().exchange(outgoing, {});
+    }
+    if (!adds) return {};
+    for_quadrants_of_others(share, [&](int owner) {
+      std::vector<float> of_quadrant(flux.size());
+      const std::array<Ranks::Incoming, 1> incoming{{{owner, std::as_writable_bytes(std::span(of_quadrant))}}};
+      share->ranks().exchange({}, incoming);
+      add(of_quadrant);
+    });
+    return flux;
+  }
+
+  // Calls receive(owner) for the quadrants that other ranks have marched, in their order. At the first rank.
+  template <class Receive>
+  void for_quadrants_of_others(const OrdinateShare* share, const Receive& receive) const {
+    for (int quadrant = 0; share != nullptr && quadrant < quadrants; ++quadrant) {
+      const int owner = share->owner_of_octant(octant(quadrant));
+      if (owner != 0) receive(owner);
     }
   }
 
-  // @param powers sum over the directions.
-  std::vector<float> blurred(const SumPlanes& planes, PlaneSums<Real>& sums, double powers) const {
+  // @param sums are blurred in place. @param flux [levels][columns]
+  void add_blurred(const SumPlanes& planes, PlaneSums<Real>& sums, std::vector<float>& flux) const {
     ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t p = 0; p < planes.size(); ++p) {
@@ -252,7 +241,6 @@ class LevelGather {
       });
     }
     errors.rethrow();
-    std::vector<float> flux(levels_ * columns_, static_cast<float>(powers * scene_.reference));
     for (std::size_t p = 0; p < planes.size(); ++p) {
       const std::vector<Real>& sum = sums.columns[p];
       float* __restrict const to = flux.data() + static_cast<std::size_t>(planes.level(p)) * columns_;
@@ -260,7 +248,6 @@ class LevelGather {
       for (std::size_t c = 0; c < columns_; ++c)
         to[c] += static_cast<float>(more + (sum.empty() ? 0. : static_cast<double>(sum[c])));
     }
-    return flux;
   }
 
   // Rays of one direction before they enter the box.
@@ -517,8 +504,9 @@ std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<
   const std::size_t sums = planes.size() * box.columns() * sizeof(Real);
   const std::size_t marches =
       directions_together<Real>(slots, box.columns(), cells) * march_bytes<Real>(slots, box.columns(), cells);
-  // The sums of all quadrants beside those of the quadrants that are marched.
-  return sums * (at_once + 1) + marches * at_once + edges.size() * box.columns() * sizeof(float);
+  // The sums of all quadrants beside those of the quadrants that are marched, or the fluxes of one.
+  return sums * (quadrants_at_a_time(box) > 1 ? at_once + 1 : 1) + marches * at_once +
+         edges.size() * box.columns() * sizeof(float);
 }
 
 template <class Real>
