@@ -88,7 +88,8 @@ class Bench:
 
     def predicted(self, scene, accuracy="balanced"):
         """Bytes and seconds that --dry-run promises."""
-        text = support.Cloudbow(self.program).call("run", scene, "--dry-run", "--threads", 1, "--set", f"solver.accuracy={accuracy}").stdout
+        text = support.Cloudbow(self.program).call("run", scene, "--dry-run", "--threads", 1, "--set", f"solver.accuracy={accuracy}",
+                                               "--set", "output.error_estimate=false").stdout
         gigabytes = float(re.search(r"memory\s+([\d.]+) GB predicted", text).group(1))
         return 1e9 * gigabytes, float(re.search(r"time\s+([\d.]+) s predicted", text).group(1))
 
