@@ -72,13 +72,16 @@ template <class Real>
 std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool upward,
                                 const std::vector<GatherDirection>& directions, const OrdinateShare* share = nullptr);
 
+inline constexpr double most_sum_bytes = 1e9;
 /// Diffuse fluxes [edges][columns] through the interfaces z_edge[edges], of those between bottom and top, ascending:
 /// one forward march for all of them, its light in distance bands that are smoothed as those of gather_flux.
 /// @param share as of gather_flux
+/// @param most_bytes sums of a quarter of the directions that may be kept twice; larger ones are kept once, which takes
+/// more time
 template <class Real>
 std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
                                        const std::vector<GatherDirection>& directions,
-                                       const OrdinateShare* share = nullptr);
+                                       const OrdinateShare* share = nullptr, double most_bytes = most_sum_bytes);
 
 /// The most memory that gather_level_fluxes takes, with this many directions.
 /// @param cells whose source and slopes each direction keeps: those of the largest level, or all if slopes are from

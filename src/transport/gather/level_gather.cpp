@@ -23,12 +23,16 @@ namespace {
 
 // Each quadrant of directions has sums of its own. So many are made at a time that they take no more than this, unless
 // one alone takes more.
-constexpr double most_sum_bytes = 1.5e8;
+constexpr double most_bytes_at_a_time = 1.5e8;
+
+// By the box alone, so that a level has the same bits whichever others are requested.
+double bytes_of_quadrant(const BoxGrid& box) {
+  constexpr double usual_planes = 10;  // of a level
+  return usual_planes * box.nz() * static_cast<double>(box.columns() * sizeof(float));
+}
 
 int quadrants_at_a_time(const BoxGrid& box) {
-  constexpr double usual_planes = 10;  // of a level
-  const double quadrant = usual_planes * box.nz() * static_cast<double>(box.columns() * sizeof(float));
-  return std::clamp(static_cast<int>(most_sum_bytes / quadrant), 1, quadrants);
+  return std::clamp(static_cast<int>(most_bytes_at_a_time / bytes_of_quadrant(box)), 1, quadrants);
 }
 
 // Directions of a quadrant that go through the levels together: a plane of sums is then fetched once for all of them.
@@ -103,7 +107,8 @@ class LevelGather {
         levels_(edges.size()),
         schedule_(march_schedule(scene.box, emitting_levels(scene), upward, edges)) {}
 
-  std::vector<float> flux(std::vector<GatherDirection> directions, const OrdinateShare* share) {
+  // @param one_by_one quadrants of directions
+  std::vector<float> flux(std::vector<GatherDirection> directions, bool one_by_one, const OrdinateShare* share) {
     const std::vector<SpreadClass> classes = spread_classes(directions);
     const SumPlanes planes(schedule_, box_, levels_, classes);
     double powers = 0;
@@ -113,11 +118,10 @@ class LevelGather {
       if (share == nullptr || share->has_octant(octant(quadrant))) own.push_back(quadrant);
     }
     const bool adds = share == nullptr || share->is_first();
-    const int at_a_time = quadrants_at_a_time(box_);
-    if (at_a_time == 1) return flux_one_by_one(directions, classes, planes, own, powers, share);
+    if (one_by_one) return flux_one_by_one(directions, classes, planes, own, powers, share);
     PlaneSums<Real> all(adds ? planes.size() : 0);
     std::vector<PlaneSums<Real>> to_send;
-    march_quadrants(directions, classes, planes, own, at_a_time, [&](PlaneSums<Real>& sums) {
+    march_quadrants(directions, classes, planes, own, quadrants_at_a_time(box_), [&](PlaneSums<Real>& sums) {
       if (adds) {
         all.add(sums);
       } else {
@@ -188,8 +192,8 @@ class LevelGather {
     errors.rethrow();
   }
 
-  // For boxes so large that the sums of one quadrant take much memory: they are blurred before the next quadrant is
-  // marched. Ranks then exchange fluxes, which are fewer than sums.
+  // For boxes so large that the sums of two quadrants take too much memory: those of one are blurred before the next is
+  // marched. That is four times as much to blur, a tenth of a run. Ranks then exchange fluxes, which are fewer.
   std::vector<float> flux_one_by_one(std::span<const GatherDirection> directions,
                                      const std::vector<SpreadClass>& classes, const SumPlanes& planes,
                                      const std::vector<int>& own, double powers, const OrdinateShare* share) const {
@@ -505,21 +509,24 @@ std::size_t level_gather_bytes(const BoxGrid& box, std::size_t cells, std::span<
   const std::size_t marches =
       directions_together<Real>(slots, box.columns(), cells) * march_bytes<Real>(slots, box.columns(), cells);
   // The sums of all quadrants beside those of the quadrants that are marched, or the fluxes of one.
-  return sums * (quadrants_at_a_time(box) > 1 ? at_once + 1 : 1) + marches * at_once +
+  return sums * (bytes_of_quadrant(box) > most_sum_bytes ? 1 : at_once + 1) + marches * at_once +
          edges.size() * box.columns() * sizeof(float);
 }
 
 template <class Real>
 std::vector<float> gather_level_fluxes(const GatherScene<Real>& scene, std::span<const int> edges, bool upward,
-                                       const std::vector<GatherDirection>& directions, const OrdinateShare* share) {
-  return LevelGather<Real>(scene, upward, edges).flux(directions, share);
+                                       const std::vector<GatherDirection>& directions, const OrdinateShare* share,
+                                       double most_bytes) {
+  return LevelGather<Real>(scene, upward, edges).flux(directions, bytes_of_quadrant(scene.box) > most_bytes, share);
 }
 
 template std::size_t level_gather_bytes<float>(const BoxGrid&, std::size_t, std::span<const int>, int, int);
 template std::size_t level_gather_bytes<double>(const BoxGrid&, std::size_t, std::span<const int>, int, int);
 template std::vector<float> gather_level_fluxes<float>(const GatherScene<float>&, std::span<const int>, bool,
-                                                       const std::vector<GatherDirection>&, const OrdinateShare*);
+                                                       const std::vector<GatherDirection>&, const OrdinateShare*,
+                                                       double);
 template std::vector<float> gather_level_fluxes<double>(const GatherScene<double>&, std::span<const int>, bool,
-                                                        const std::vector<GatherDirection>&, const OrdinateShare*);
+                                                        const std::vector<GatherDirection>&, const OrdinateShare*,
+                                                        double);
 
 }  // namespace cloudbow

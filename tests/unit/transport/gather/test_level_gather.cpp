@@ -45,18 +45,34 @@ TEST_F(GatherFlux, AnInterfaceIsTheSameWhateverOthersAreAskedFor) {
   }
 }
 
-// Eight directions of a group at a time keep five numbers per cell. Groups are four at most.
-TEST_F(GatherFlux, MemoryIsThatOfTheGroupsThatAreMarchedAtOnce) {
+// Blurring is linear: quadrants of directions that are blurred one by one have the same sum but for rounding.
+TEST_F(GatherFlux, QuadrantsOneByOneAreThoseTogether) {
+  const BoxGrid box = unequal_box(true);
+  Random random(8);
+  std::vector<double> value(cells_of(box));
+  for (double& v : value) v = random();
+  const SourceScene scene(box, random_extinction(box, .1, 3), value, 5, 3);
+  for (const bool upward : {true, false}) {
+    const auto directions = gather_directions(64, upward, std::nullopt);
+    const auto together = gather_level_fluxes(scene.gather, inner_edges, upward, directions);
+    const auto one_by_one = gather_level_fluxes(scene.gather, inner_edges, upward, directions, nullptr, 0.);
+    EXPECT_NE(one_by_one, together);
+    for (std::size_t c = 0; c < together.size(); ++c) EXPECT_NEAR(one_by_one[c] / together[c], 1, 3e-6);
+  }
+}
+
+// Eight directions of a quadrant at a time keep five numbers per cell.
+TEST_F(GatherFlux, MemoryIsThatOfTheQuadrantsThatAreMarchedAtOnce) {
   const BoxGrid box = unequal_box(true);
   constexpr std::size_t cells = 1000;
-  constexpr std::size_t of_group = 8 * 5 * cells * sizeof(float);
+  constexpr std::size_t of_quadrant = 8 * 5 * cells * sizeof(float);
   const auto more = [&](int threads) {
     return level_gather_bytes<float>(box, cells, inner_edges, 64, threads) -
            level_gather_bytes<float>(box, 0, inner_edges, 64, threads);
   };
-  EXPECT_EQ(more(1), of_group);
-  EXPECT_EQ(more(3), 3 * of_group);
-  EXPECT_EQ(more(64), 4 * of_group);
+  EXPECT_EQ(more(1), of_quadrant);
+  EXPECT_EQ(more(3), 3 * of_quadrant);
+  EXPECT_EQ(more(64), 4 * of_quadrant);
 }
 
 TEST_F(GatherFlux, InVacuumAboveCloudTheForwardMarchIsAsSmoothAsTheEnds) {
