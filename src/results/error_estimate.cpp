@@ -134,14 +134,16 @@ ByFlux flux_distance(const Solution& solution, const Solution& other) {
 }
 
 ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other) {
-  assert(solution.flux_level == other.flux_level);
   const double least = least_flux(solution);
   ByFlux distance;
-  for (std::size_t plane = 0; plane < planes(solution); ++plane) {
-    if (plane + 1 < planes(solution))
-      distance.up = std::max(distance.up, rms_over_mean(up(solution, plane), up(other, plane), least));
-    if (plane > 0)
-      distance.down = std::max(distance.down, rms_over_mean(down(solution, plane), down(other, plane), least));
+  for (std::size_t there = 0; there < planes(other); ++there) {
+    const auto found = std::find(solution.flux_level.begin(), solution.flux_level.end(), other.flux_level[there]);
+    assert(found != solution.flux_level.end());
+    const auto here = static_cast<std::size_t>(found - solution.flux_level.begin());
+    if (there + 1 < planes(other))
+      distance.up = std::max(distance.up, rms_over_mean(up(solution, here), up(other, there), least));
+    if (there > 0)
+      distance.down = std::max(distance.down, rms_over_mean(down(solution, here), down(other, there), least));
   }
   return distance;
 }

@@ -23,7 +23,8 @@ struct ByFlux {
 ByFlux flux_distance(const Solution& solution, const Solution& other);
 
 /// The largest distance of columns at the other levels and directions: up below the highest level that the solutions
-/// hold, down above the lowest. The domain is left 0. Both solutions hold the same levels.
+/// hold, down above the lowest. The domain is left 0.
+/// @param other holds the highest and the lowest of the solution's levels, and any of those between.
 ByFlux flux_distance_between_ends(const Solution& solution, const Solution& other);
 
 /// Error per unit of distance between solutions.

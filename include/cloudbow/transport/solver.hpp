@@ -4,21 +4,30 @@
 #include <cstddef>
 
 #include "cloudbow/core/ranks.hpp"
+#include "cloudbow/transport/cell_light.hpp"
 #include "cloudbow/transport/checkpoints.hpp"
 #include "cloudbow/transport/solution.hpp"
 #include "cloudbow/transport/solve_plan.hpp"
 
 namespace cloudbow {
 
+/// Beside the plan of a solve. Null: none.
+struct SolveMeans {
+  /// From which the iteration begins and to which it writes its state. Solves without iteration leave none.
+  Checkpoints* checkpoints = nullptr;
+  /// That share the solve, without checkpoints; all call solve() with equal plans. The first has the solution, the
+  /// others have an empty one.
+  Ranks* ranks = nullptr;
+  /// The iteration starts from it, if the plans are of the same problem and differ only in the parts of its cells. Then
+  /// it is the light of this solve, at all ranks. It stays as it is if light does not leave its column, or if cells
+  /// without matter are solved too.
+  CellLight* light = nullptr;
+};
+
 /// Solves the problem. @throws InputError for options out of range (names of ordinate sets, counts of control points);
 /// for light out of range; and for cells too thick to be solved (thick_cells.hpp).
 /// @throws std::runtime_error if a value of the solution is not finite, or the iteration diverges.
-/// @param checkpoints from which the iteration begins and to which it writes its state, or null; solves without
-/// iteration leave none.
-/// @param ranks that share the solve, without checkpoints; all call this with equal plans. The first has the solution,
-/// the others have an empty one. Null: this process alone.
-Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, Checkpoints* checkpoints = nullptr,
-               Ranks* ranks = nullptr);
+Solution solve(const SolvePlan& plan, const ProgressCallback& progress = {}, SolveMeans means = {});
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress = {},
                Checkpoints* checkpoints = nullptr);
 

@@ -204,14 +204,18 @@ SolveResult solve_point(const Scene& scene, const PlannedScene& planned, bool es
                         RunClock& clock) {
   clock.begin_solve(predict_phases(planned.plan));
   ProgressDisplay display(options.quiet, planned.plan.options().tolerance, &clock);
-  SolveResult result{solve(planned.plan, [&display](const SolverProgress& progress) {
-    InterruptGuard::check();
-    display.show(progress);
-  })};
-  if (scene.output.error_estimate && estimates) {
+  const bool is_estimated = scene.output.error_estimate && estimates;
+  CellLight light;
+  SolveResult result{solve(planned.plan,
+                           [&display](const SolverProgress& progress) {
+                             InterruptGuard::check();
+                             display.show(progress);
+                           },
+                           {.light = is_estimated ? &light : nullptr})};
+  if (is_estimated) {
     // The error of blocks is added for the sum: it differs much between g-points.
     const double of_air = std::exchange(result.solution.report.air_error, 0.);
-    result.error = estimate_of(scene, planned, result.solution);
+    result.error = estimate_of(scene, planned, result.solution, std::move(light));
     result.solution.report.air_error = of_air;
   }
   result.cloud_optical_depth = planned.scene->cloud_optical_depth;

@@ -1,9 +1,12 @@
 #include "app/planning/coarse_solves.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "cloudbow/transport/output_fields.hpp"
 #include "cloudbow/transport/probe_columns.hpp"
+#include "cloudbow/transport/solve_seconds.hpp"
 #include "cloudbow/transport/solver.hpp"
 
 namespace cloudbow {
@@ -66,7 +69,31 @@ SolverOptions streams_of_columns(const SolverOptions& options) {
   return columns;
 }
 
-}  // namespace
+// Levels between the ends at which the worst distance is looked for. That of the constant source changes evenly with
+// height, that of few directions does not.
+constexpr std::size_t most_levels_between = 16;
+constexpr std::size_t most_levels_of_constant = 6;
+
+// The ends, and some of the levels between that border matter: elsewhere light hardly changes.
+std::vector<int> some_levels(const OpticalGrid& grid, const std::vector<int>& levels, std::size_t most) {
+  if (levels.size() <= most + 2) return levels;
+  const auto has_matter = [&grid](int k) { return grid.first_cell(k + 1) > grid.first_cell(k); };
+  std::vector<int> between;
+  for (std::size_t n = 1; n + 1 < levels.size(); ++n) {
+    if (has_matter(levels[n] - 1) || has_matter(levels[n])) between.push_back(levels[n]);
+  }
+  std::vector<int> some{levels.front()};
+  const std::size_t count = std::min(between.size(), most);
+  for (std::size_t n = 0; n < count; ++n) some.push_back(between[(2 * n + 1) * between.size() / (2 * count)]);
+  some.push_back(levels.back());
+  return some;
+}
+
+void list_some_levels(const SolvePlan& plan, std::size_t most, SolverOptions& options) {
+  const OpticalGrid& grid = plan.whole().grid;
+  options.listed_levels = some_levels(grid, flux_levels(grid.box, options), most);
+  options.flux_levels = FluxLevels::listed;
+}
 
 SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
   SolverOptions other = options;
@@ -93,11 +120,21 @@ SolverOptions coarse_options(const SolverOptions& options, const std::string& ac
   return other;
 }
 
+}  // namespace
+
+SolvePlan coarse_plan(const SolvePlan& plan, const std::string& accuracy, SolvedAs as) {
+  SolverOptions options = coarse_options(plan.whole_options(), accuracy, as);
+  if (as == SolvedAs::field && !options.independent_columns) list_some_levels(plan, most_levels_between, options);
+  return plan.with(options);
+}
+
 CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as,
-                            const ProgressCallback& progress, Ranks* ranks) {
+                            const ProgressCallback& progress, CellLight light, Ranks* ranks) {
   CoarseSolves coarse_solves;
-  const auto solve_one = [&](const SolvePlan& one) { return solve(one, progress, nullptr, ranks); };
-  coarse_solves.linear = solve_one(coarse);
+  const auto solve_one = [&](const SolvePlan& one, CellLight* from) {
+    return solve(one, progress, {.ranks = ranks, .light = from});
+  };
+  coarse_solves.linear = solve_one(coarse, &light);
   if (coarse.by_polar_streams()) {  // exact in the vertical
     coarse_solves.constant = coarse_solves.linear;
     coarse_solves.constant.report = {};  // one solve
@@ -105,12 +142,15 @@ CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, Solv
   }
   SolverOptions constant = coarse.whole_options();
   constant.linear_source = false;
-  coarse_solves.constant = solve_one(coarse.with(constant));
+  if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
+  coarse_solves.constant = solve_one(coarse.with(constant), &light);
+  light = {};
   if (as == SolvedAs::field) {
     const Problem columns = probe_columns(plan);
     const SolverOptions& options = plan.whole_options();
     const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
-    coarse_solves.probe = {solve_one(by_ordinates), solve_one(by_ordinates.with(streams_of_columns(options)))};
+    coarse_solves.probe = {solve_one(by_ordinates, nullptr),
+                           solve_one(by_ordinates.with(streams_of_columns(options)), nullptr)};
   }
   return coarse_solves;
 }
@@ -119,7 +159,14 @@ double predict_coarse_seconds(const SolvePlan& plan, const SolvePlan& coarse, So
   if (coarse.by_polar_streams()) return predict_seconds(coarse);
   SolverOptions constant = coarse.whole_options();
   constant.linear_source = false;
-  double seconds = predict_seconds(coarse) + predict_seconds(coarse.with(constant));
+  if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
+  const auto seconds_of = [as](const SolvePlan& one) {
+    constexpr double sweeps_from_light = 5;  // those of fields start from the light of the solution
+    SolveSeconds seconds = predict_phases(one);
+    if (as == SolvedAs::field) seconds.sweeps = std::min(seconds.sweeps, sweeps_from_light);
+    return seconds.total();
+  };
+  double seconds = seconds_of(coarse) + seconds_of(coarse.with(constant));
   if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
     const Problem columns = probe_columns(plan);
     seconds += predict_seconds(SolvePlan(columns, ordinates_of_columns(plan.whole_options())));

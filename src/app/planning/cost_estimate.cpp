@@ -67,7 +67,7 @@ PlannedScene::PlannedScene(AssembledScene assembled, std::string level)
       as(solved_as(plan, scene->one_column)),
       accuracy(std::move(level)) {}
 
-SolvePlan PlannedScene::coarse() const { return plan.with(coarse_options(plan.whole_options(), accuracy, as)); }
+SolvePlan PlannedScene::coarse() const { return coarse_plan(plan, accuracy, as); }
 
 PlannedScene plan_scene(const Scene& scene, std::uint64_t available, CloudFiles& files,
                         const std::vector<double>& levels_m, int threads) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 
 #include "app/planning/coarse_solves.hpp"
 #include "app/planning/error_calibration.hpp"
@@ -16,9 +17,11 @@
 
 namespace cloudbow {
 
-ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution, Ranks* ranks) {
+ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution, CellLight light,
+                          Ranks* ranks) {
   const CoarseSolves coarse_solves = solve_coarsely(
-      planned.plan, planned.coarse(), planned.as, [](const SolverProgress&) { InterruptGuard::check(); }, ranks);
+      planned.plan, planned.coarse(), planned.as, [](const SolverProgress&) { InterruptGuard::check(); },
+      std::move(light), ranks);
   if (ranks != nullptr && !ranks->is_first()) return {};
   ErrorEstimate error =
       estimate_error(solution, coarse_solves, error_weights(scene.solver.accuracy, planned.as), scene.output.errors);
@@ -34,25 +37,28 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
   const AssembledScene& assembled = *planned.scene;
   Ranks* const together = options.share ? options.share->together() : nullptr;
   if (scene.wavelength_um && !options.quiet) tell("wavelength {} um\n", *scene.wavelength_um);
-  const auto solve_shown = [&](const SolvePlan& plan, Checkpoints* checkpoints) {
+  const auto solve_shown = [&](const SolvePlan& plan, const SolveMeans& means) {
     const bool is_main = &plan == &planned.plan;
     if (is_main) clock.begin_solve(predict_phases(plan));
     ProgressDisplay display(options.quiet, plan.options().tolerance, is_main ? &clock : nullptr);
     // Between sweeps a signal waits for the checkpoint.
-    const bool kept = checkpoints != nullptr && !options.checkpoint.empty();
+    const bool kept = means.checkpoints != nullptr && !options.checkpoint.empty();
     return solve(
         plan,
         [&display, kept](const SolverProgress& progress) {
           if (!kept || progress.phase != "sweep") InterruptGuard::check();
           display.show(progress);
         },
-        checkpoints, is_main ? together : nullptr);
+        means);
   };
   std::optional<RunCheckpoints> checkpoints;
   if (!options.checkpoint.empty() || !options.resume.empty()) checkpoints.emplace(options, number, scenes);
-  SolveResult result{solve_shown(planned.plan, checkpoints ? &*checkpoints : nullptr)};
+  CellLight light;
+  SolveResult result{solve_shown(planned.plan, {.checkpoints = checkpoints ? &*checkpoints : nullptr,
+                                                .ranks = together,
+                                                .light = scene.output.error_estimate ? &light : nullptr})};
   if (together != nullptr && !together->is_first()) {
-    if (scene.output.error_estimate) estimate_of(scene, planned, result.solution, together);
+    if (scene.output.error_estimate) estimate_of(scene, planned, result.solution, std::move(light), together);
     return result;
   }
   if (checkpoints && !checkpoints->used() && number == 0 && !options.quiet) {
@@ -61,13 +67,14 @@ SolveResult solve_scene(const Scene& scene, PlannedScene planned, std::size_t nu
          : options.resume.empty()   ? "--checkpoint is"
                                     : "--checkpoint and --resume are");
   }
-  if (scene.output.error_estimate) result.error = estimate_of(scene, planned, result.solution, together);
+  if (scene.output.error_estimate)
+    result.error = estimate_of(scene, planned, result.solution, std::move(light), together);
   if (options.compare) {
     // A single column is its own independent column.
     const bool alone = assembled.one_column && !assembled.options.beam_crosses_columns;
     if (!options.quiet && !alone) tell("independent columns\n");
     result.independent_columns =
-        alone ? result.solution : solve_shown(planned.plan.with(with_independent_columns(assembled.options)), nullptr);
+        alone ? result.solution : solve_shown(planned.plan.with(with_independent_columns(assembled.options)), {});
   }
   result.cloud_optical_depth = assembled.cloud_optical_depth;
   result.cloud_extinction = assembled.cloud_extinction;

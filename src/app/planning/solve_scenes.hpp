@@ -7,6 +7,7 @@
 #include "app/planning/cost_estimate.hpp"
 #include "app/planning/run_options.hpp"
 #include "cloudbow/results/error_estimate.hpp"
+#include "cloudbow/transport/cell_light.hpp"
 
 namespace cloudbow {
 
@@ -21,9 +22,10 @@ struct Solved {
   std::vector<std::vector<float>> cloud_extinction;     ///< of each, by cell, or none
 };
 
-/// Errors of a solution of the scene, from coarse solves. @param ranks that make them; the first has the estimate.
+/// Errors of a solution of the scene, from coarse solves. @param light of the solution, given up. @param ranks that
+/// make them; the first has the estimate.
 /// @throws Interrupted.
-ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution,
+ErrorEstimate estimate_of(const Scene& scene, const PlannedScene& planned, const Solution& solution, CellLight light,
                           Ranks* ranks = nullptr);
 
 /// @throws Interrupted.

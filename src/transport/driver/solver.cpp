@@ -15,8 +15,9 @@
 #include "cloudbow/medium/grid_map.hpp"
 #include "cloudbow/transport/thick_cells.hpp"
 #include "transport/columns/columns.hpp"
+#include "transport/driver/carried_light.hpp"
 #include "transport/driver/path_load.hpp"
-#include "transport/iteration/source_iteration.hpp"
+#include "transport/iteration/first_guess.hpp"
 #include "transport/observers/cell_fields.hpp"
 #include "transport/observers/circumsolar.hpp"
 #include "transport/observers/converged_field.hpp"
@@ -118,9 +119,10 @@ void observe(const ConvergedField<Real>& field, IterationResult<Real>& result, c
     share_source(field, options.radiance_field || within_blocks, *source);
   }
   fill_flux_fields(field, gathers ? &*source : nullptr, progress, solution);
+  const std::size_t cells = field.share != nullptr ? field.share->range().size() : field.system.cells->size();
+  std::vector<Real> scalar_flux(result.moments.begin(), result.moments.begin() + static_cast<std::ptrdiff_t>(cells));
   if (field.share != nullptr) {
-    result.moments.resize(field.share->range().size());  // the scalar flux
-    field.share->cells_to_first(result.moments);
+    field.share->cells_to_first(scalar_flux);
     if (result.slopes && (sees_sun || !options.views.empty() || !options.cameras.empty()))
       field.share->cells_to_first(result.slopes->of_radiance);
     if (result.slopes && (sees_sun || within_blocks)) field.share->rows_to_first(result.slopes->of_octant);
@@ -132,13 +134,14 @@ void observe(const ConvergedField<Real>& field, IterationResult<Real>& result, c
   } else if (options.circumsolar_half_angle > 0) {
     solution.circumsolar_flux.assign(solution.direct_flux.size(), 0.F);
   }
-  fill_cell_fields(field, source ? &*source : nullptr, solution);
+  fill_cell_fields<Real>(field, source ? &*source : nullptr, scalar_flux, solution);
   if (options.radiance_field) solution.radiance_field = make_radiance_field(field, *source);
 }
 
 template <class Real>
-Solution solve_as(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
-                  Checkpoints* checkpoints, Ranks* ranks) {
+Solution solve_as(const SolvePlan& plan, const Problem& problem, const ProgressCallback& progress,
+                  const SolveMeans& means) {
+  const SolverOptions& options = plan.options();
   const auto start = Clock::now();
   const double cpu_start = cpu_seconds();
   Solution solution;
@@ -167,13 +170,18 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
   report.seconds_beam = seconds_since(phase_start);
 
   std::optional<OrdinateShare> share;
-  if (ranks != nullptr) share.emplace(*ranks, system.ordinates, system.cells->size());
+  if (means.ranks != nullptr) share.emplace(*means.ranks, system.ordinates, system.cells->size());
+  FirstGuess<Real> guess;
+  if (means.light != nullptr && can_carry(*means.light, plan)) {
+    if (&means.light->plan->problem() != &problem) *means.light = carried_light(std::move(*means.light), plan);
+    guess = first_guess(system, problem.sun, std::move(*means.light), share ? &*share : nullptr);
+  }
   IterationResult<Real> solved = iterate_source<Real>(
       system, options,
       [&](int sweep, double error, double residual) {
         if (progress) progress({"sweep", sweep, error, residual, 0});
       },
-      checkpoints, share ? &*share : nullptr);
+      means.checkpoints, share ? &*share : nullptr, std::move(guess));
   report_iteration(solved, solution);
 
   phase_start = Clock::now();
@@ -185,6 +193,7 @@ Solution solve_as(const Problem& problem, const SolverOptions& options, const Pr
                                    lateral_boundary ? &*lateral_boundary : nullptr,
                                    share ? &*share : nullptr};
   observe(field, solved, progress, solution);
+  if (means.light != nullptr) *means.light = cell_light(system, plan, std::move(solved), field.share);
   if (!field.is_first()) return {};
   report.seconds_gather = seconds_since(phase_start);
 
@@ -266,19 +275,18 @@ void check_light(const Problem& problem) {
   check_emission(problem);
 }
 
-Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints,
-                            Ranks* ranks) {
-  const SolverOptions& options = plan.options();
+Solution solve_by_ordinates(const SolvePlan& plan, const ProgressCallback& progress, SolveMeans means) {
   check_cell_thickness(plan.problem());
   const FlushDenormals flush;
   std::optional<Problem> with_all_cells;
   if (plan.cells() > plan.problem().grid.active_cells()) {
     with_all_cells = plan.problem();
     with_all_cells->grid = with_empty_cells(plan.problem().grid);
+    means.light = nullptr;  // other solves do not have these cells
   }
   const Problem& problem = with_all_cells ? *with_all_cells : plan.problem();
-  return plan.in_double() ? solve_as<double>(problem, options, progress, checkpoints, ranks)
-                          : solve_as<float>(problem, options, progress, checkpoints, ranks);
+  return plan.in_double() ? solve_as<double>(plan, problem, progress, means)
+                          : solve_as<float>(plan, problem, progress, means);
 }
 
 // Light that stays in its column is solved in less time than it takes to send.
@@ -288,19 +296,20 @@ bool can_be_shared(const SolvePlan& plan) {
 
 }  // namespace
 
-Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoints* checkpoints, Ranks* ranks) {
+Solution solve(const SolvePlan& plan, const ProgressCallback& progress, SolveMeans means) {
   check_light(plan.whole());
-  const bool is_first = ranks == nullptr || ranks->is_first();
+  const bool is_first = means.ranks == nullptr || means.ranks->is_first();
   if (!can_be_shared(plan)) {
     if (!is_first) return {};
-    ranks = nullptr;
+    means.ranks = nullptr;
+    means.light = nullptr;  // which all ranks would need
   }
   Solution solution;
   {
     const ThreadScope threads(plan.threads());
     check_paths(plan);
-    solution = plan.by_polar_streams() ? solve_by_polar_streams(plan, progress)
-                                       : solve_by_ordinates(plan, progress, checkpoints, ranks);
+    solution =
+        plan.by_polar_streams() ? solve_by_polar_streams(plan, progress) : solve_by_ordinates(plan, progress, means);
   }
   if (!is_first) return {};
   if (plan.column_parts().any()) {
@@ -323,7 +332,7 @@ Solution solve(const SolvePlan& plan, const ProgressCallback& progress, Checkpoi
 
 Solution solve(const Problem& problem, const SolverOptions& options, const ProgressCallback& progress,
                Checkpoints* checkpoints) {
-  return solve(SolvePlan(problem, options), progress, checkpoints);
+  return solve(SolvePlan(problem, options), progress, {.checkpoints = checkpoints});
 }
 
 }  // namespace cloudbow

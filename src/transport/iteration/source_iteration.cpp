@@ -165,7 +165,7 @@ void check_meaningful(const IterationReport& report, const EnergyLedger& ledger,
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
                                      const IterationCallback& progress, Checkpoints* checkpoints,
-                                     const OrdinateShare* share) {
+                                     const OrdinateShare* share, FirstGuess<Real> guess) {
   const std::size_t all = system.cells->size();
   const std::size_t n = share != nullptr ? share->range().size() : all;
   IterationState<Real> state(AndersonMixer<Real>(anderson_depth, mixed_moments, share));
@@ -173,7 +173,12 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   result.radiance = share != nullptr ? share->own_cells<Real>(float16_unit(system, options))
                                      : AngularField<Real>(system.ordinates.size(), n, float16_unit(system, options));
   result.moments.assign(low_moments * n, Real(0));
-  if (system.slopes) result.slopes = share != nullptr ? LightSlopes<Real>{} : system.slopes->none(n);
+  if (system.slopes && guess.slopes) {
+    result.slopes = std::move(guess.slopes);
+    state.slope_sweeps = sweeps_with_new_slopes;
+  } else if (system.slopes) {
+    result.slopes = share != nullptr ? LightSlopes<Real>{} : system.slopes->none(n);
+  }
   IterationReport& report = result.report;
   const bool restored = checkpoints != nullptr && restore_state(system, options, state, *checkpoints);
   if (state.done) {
@@ -194,8 +199,14 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     low_order.emplace(system, share);
     if (StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes).diverges)
       low_order->drop_diffusion();
-    if (!restored) x.assign(low_moments * n, Real(0));
-    if (!restored && (!system.beam.source.empty() || system.thermal)) {
+    if (!guess.moments.empty()) {
+      x = std::move(guess.moments);
+      change = x;
+      state.nearly_done = true;
+    } else if (!restored) {
+      x.assign(low_moments * n, Real(0));
+    }
+    if (change.empty() && !restored && (!system.beam.source.empty() || system.thermal)) {
       low_order->guess(x);
       change = x;
     }
@@ -297,8 +308,10 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
 }
 
 template IterationResult<float> iterate_source<float>(const TransportSystem<float>&, const IterationOptions&,
-                                                      const IterationCallback&, Checkpoints*, const OrdinateShare*);
+                                                      const IterationCallback&, Checkpoints*, const OrdinateShare*,
+                                                      FirstGuess<float>);
 template IterationResult<double> iterate_source<double>(const TransportSystem<double>&, const IterationOptions&,
-                                                        const IterationCallback&, Checkpoints*, const OrdinateShare*);
+                                                        const IterationCallback&, Checkpoints*, const OrdinateShare*,
+                                                        FirstGuess<double>);
 
 }  // namespace cloudbow

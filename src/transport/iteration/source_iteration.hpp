@@ -34,15 +34,25 @@ struct IterationResult {
   IterationReport report;
 };
 
+/// Light with which an iteration starts.
+template <class Real>
+struct FirstGuess {
+  std::vector<Real>
+      moments{};  ///< [low_moments][own cells] of the diffuse radiance; empty: those of the low-order problem
+  /// Of the source alone, fitted. They stay, and of_radiance is empty. None: the iteration finds its own.
+  std::optional<LightSlopes<Real>> slopes{};
+};
+
 using IterationCallback = std::function<void(int sweep, double estimated_error, double energy_residual)>;
 
 /// @param checkpoints the first state is read from them; states are written to them when they are due, and at the end;
 /// or null.
 /// @param share this rank's part of an iteration that ranks share, without checkpoints; null: there is one rank
+/// @param guess of an iteration without checkpoints.
 /// @throws std::runtime_error if the iteration diverges, even after a restart without mixing and diffusion.
 template <class Real>
 IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const IterationOptions& options,
                                      const IterationCallback& progress, Checkpoints* checkpoints = nullptr,
-                                     const OrdinateShare* share = nullptr);
+                                     const OrdinateShare* share = nullptr, FirstGuess<Real> guess = {});
 
 }  // namespace cloudbow

@@ -35,11 +35,11 @@ bool needs_light_within_blocks(const TransportSystem<Real>& system, const Solver
 }
 
 template <class Real>
-void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>* source, Solution& solution) {
+void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>* source,
+                      std::span<const Real> scalar_flux, Solution& solution) {
   const Problem& problem = field.problem;
   const SolverOptions& options = field.options;
   const TransportSystem<Real>& system = field.system;
-  const IterationResult<Real>& solved = field.result;
   const std::size_t cells = system.box.columns() * static_cast<std::size_t>(system.box.nz());
   if (options.absorption) solution.absorbed_power.assign(cells, 0.F);
   if (options.actinic) solution.actinic_flux.assign(cells, std::numeric_limits<float>::quiet_NaN());
@@ -48,7 +48,7 @@ void fill_cell_fields(const ConvergedField<Real>& field, DirectionalSource<Real>
     within_blocks = light_within_blocks(field, *source);
   for_each_place(system.cells->rows, [&](std::uint32_t c, std::size_t place) {
     double actinic =
-        static_cast<double>(solved.moments[c]) + (problem.sun ? static_cast<double>(system.beam.irradiance[c]) : 0.);
+        static_cast<double>(scalar_flux[c]) + (problem.sun ? static_cast<double>(system.beam.irradiance[c]) : 0.);
     if (place < within_blocks.size()) actinic *= static_cast<double>(within_blocks[place]);
     const double emitted = system.planck.empty() ? 0. : 4 * std::numbers::pi * static_cast<double>(system.planck[c]);
     if (options.absorption)
@@ -104,9 +104,10 @@ RadianceField make_radiance_field(const ConvergedField<Real>& converged, Directi
   return field;
 }
 
-#define CLOUDBOW_INSTANTIATE(Real)                                                                        \
-  template bool needs_light_within_blocks<Real>(const TransportSystem<Real>&, const SolverOptions&);      \
-  template void fill_cell_fields<Real>(const ConvergedField<Real>&, DirectionalSource<Real>*, Solution&); \
+#define CLOUDBOW_INSTANTIATE(Real)                                                                                   \
+  template bool needs_light_within_blocks<Real>(const TransportSystem<Real>&, const SolverOptions&);                 \
+  template void fill_cell_fields<Real>(const ConvergedField<Real>&, DirectionalSource<Real>*, std::span<const Real>, \
+                                       Solution&);                                                                   \
   template RadianceField make_radiance_field<Real>(const ConvergedField<Real>&, DirectionalSource<Real>&)
 CLOUDBOW_INSTANTIATE(float);
 CLOUDBOW_INSTANTIATE(double);

@@ -9,17 +9,27 @@ namespace {
 Eigen::MatrixXd orthonormal_basis(const OrdinateSet& ordinates) {
   Eigen::MatrixXd y(low_moments, ordinates.size());
   for (int d = 0; d < ordinates.size(); ++d) {
-    const Direction& o = ordinates.direction[d];
-    const double first = std::sqrt(3.);
-    const double second = std::sqrt(15.);
-    y.col(d) << 1, first * o.x(), first * o.y(), first * o.z(), second * o.x() * o.y(), second * o.x() * o.z(),
-        second * o.y() * o.z(), second / 2 * (o.x() * o.x() - o.y() * o.y()),
-        std::sqrt(5.) / 2 * (3 * o.z() * o.z() - 1);
+    const LowMomentValues values = low_moments_along(ordinates.direction[d]);
+    y.col(d) = Eigen::Map<const Eigen::VectorXd>(values.data(), low_moments);
   }
   return y;
 }
 
 }  // namespace
+
+LowMomentValues low_moments_along(const Direction& o) {
+  const double first = std::sqrt(3.);
+  const double second = std::sqrt(15.);
+  return {1,
+          first * o.x(),
+          first * o.y(),
+          first * o.z(),
+          second * o.x() * o.y(),
+          second * o.x() * o.z(),
+          second * o.y() * o.z(),
+          second / 2 * (o.x() * o.x() - o.y() * o.y()),
+          std::sqrt(5.) / 2 * (3 * o.z() * o.z() - 1)};
+}
 
 template <class Real>
 LowMoments<Real>::LowMoments(const OrdinateSet& ordinates) {

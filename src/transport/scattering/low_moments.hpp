@@ -2,10 +2,17 @@
 // sphere up to 4 pi. The acceleration works on them.
 #pragma once
 
+#include <array>
+
 #include "cloudbow/sphere/ordinate_set.hpp"
 #include "transport/scattering/scattering.hpp"
 
 namespace cloudbow {
+
+using LowMomentValues = std::array<double, low_moments>;
+
+/// The basis in one direction: moments of a unit flux that travels along it.
+LowMomentValues low_moments_along(const Direction& travel);
 
 template <class Real>
 struct LowMoments {

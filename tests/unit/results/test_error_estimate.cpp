@@ -86,6 +86,17 @@ TEST(FluxDistance, BetweenTheEndsIsTheWorstOfTheOtherPlanes) {
   EXPECT_EQ(between.domain, 0);
 }
 
+TEST(FluxDistance, BetweenTheEndsIsThatOfLevelsThatTheOtherHolds) {
+  Solution solution = made_up(0, 0);
+  solution.flux_level = {0, 1, 2};
+  for (auto* field : {&solution.upwelling_flux, &solution.downwelling_diffuse_flux, &solution.direct_flux})
+    field->insert(field->begin(), 6, 100.F);  // a level that the other does not hold
+  Solution other = made_up(0, 0);
+  other.flux_level = {1, 2};
+  for (std::size_t c = 0; c < 6; ++c) other.upwelling_flux[c] += .1F;
+  EXPECT_NEAR(flux_distance_between_ends(solution, other).up, .1 / 2, rounding);
+}
+
 TEST(ErrorEstimate, OfLevelsBetweenTheEndsIsGivenOnlyIfThereAreAny) {
   const ErrorWeights weights{{1, 1, 1}, {1, 1, 1}, {0, 0, 0}};
   const auto three_levels = [](float offset) {

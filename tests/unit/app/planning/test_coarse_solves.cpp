@@ -9,9 +9,7 @@
 namespace cloudbow {
 namespace {
 
-SolvePlan coarse_plan(const SolvePlan& plan, SolvedAs as) {
-  return plan.with(coarse_options(plan.whole_options(), "balanced", as));
-}
+SolvePlan coarse_plan(const SolvePlan& plan, SolvedAs as) { return coarse_plan(plan, "balanced", as); }
 
 CoarseSolves coarse_solves_of(const SolvePlan& plan, SolvedAs as) {
   return solve_coarsely(plan, coarse_plan(plan, as), as, {});
@@ -39,17 +37,18 @@ TEST(CoarseSolves, OfColumnsAreOneSolve) {
   EXPECT_EQ(coarse_solves.linear.report.sweeps + coarse_solves.constant.report.sweeps, 1);
   EXPECT_EQ(coarse_solves.constant.report.cpu_seconds, 0);
   EXPECT_FALSE(coarse_solves.probe);
-  const SolverOptions other = coarse_options(options, "balanced", SolvedAs::field);
-  EXPECT_LT(other.column_streams, options.column_streams);
-  EXPECT_EQ(coarse_seconds_of(SolvePlan(problem, options)), predict_seconds(SolvePlan(problem, other)));
+  const SolvePlan plan(problem, options), other = coarse_plan(plan, SolvedAs::field);
+  EXPECT_LT(other.options().column_streams, options.column_streams);
+  EXPECT_EQ(coarse_seconds_of(plan), predict_seconds(other));
 }
 
 TEST(CoarseSolves, OfOneColumnByItsStreamsHaveOtherStreams) {
-  const auto coarse_streams = [](int streams) {
+  const Problem problem = small_field();
+  const auto coarse_streams = [&problem](int streams) {
     SolverOptions options = accuracy_options("balanced", HorizontalExtent::column, false);
     options.independent_columns = true;
     options.column_streams = streams;
-    return coarse_options(options, "balanced", SolvedAs::column_by_its_streams).column_streams;
+    return coarse_plan(SolvePlan(problem, options), SolvedAs::column_by_its_streams).options().column_streams;
   };
   EXPECT_EQ(coarse_streams(4), 8);
   EXPECT_EQ(coarse_streams(12), 16);
@@ -116,13 +115,46 @@ TEST(CoarseSolves, OfFieldsAreTwoAndAProbe) {
   const CoarseSolves coarse_solves = coarse_solves_of(SolvePlan(problem, options), SolvedAs::field);
   EXPECT_NE(coarse_solves.constant.upwelling_flux, coarse_solves.linear.upwelling_flux);
   EXPECT_GE(coarse_solves.constant.report.sweeps, 1);
-  const SolverOptions other = coarse_options(options, "balanced", SolvedAs::field);
+  const SolvePlan other = coarse_plan(SolvePlan(problem, options), SolvedAs::field);
   ASSERT_TRUE(coarse_solves.probe);
   EXPECT_EQ(coarse_solves.probe->by_ordinates.box.columns(), 8U);
   const double seconds = coarse_seconds_of(SolvePlan(problem, options));
-  EXPECT_GT(seconds, predict_seconds(SolvePlan(problem, other))) << "the constant source takes fewer sweeps";
-  EXPECT_LT(seconds, 2 * predict_seconds(SolvePlan(problem, other)) + predict_seconds(SolvePlan(problem, options)))
-      << "of 8 columns of 12";
+  EXPECT_GT(seconds, predict_seconds(other)) << "two solves of fewer sweeps, and the probe";
+  EXPECT_LT(seconds, 2 * predict_seconds(other) + predict_seconds(SolvePlan(problem, options))) << "of 8 columns of 12";
+}
+
+// Truth: the same without the light of the solution.
+TEST(CoarseSolves, StartFromTheLightOfTheSolution) {
+  const Problem problem = small_field();
+  const SolvePlan plan(problem, accuracy_options("balanced", HorizontalExtent::field, false));
+  CellLight light;
+  const Solution solution = solve(plan, {}, {.light = &light});
+  const CoarseSolves alone = coarse_solves_of(plan, SolvedAs::field);
+  const SolvePlan coarse = coarse_plan(plan, SolvedAs::field);
+  const CoarseSolves started = solve_coarsely(plan, coarse, SolvedAs::field, {}, std::move(light));
+  EXPECT_LT(started.linear.report.sweeps + 2, alone.linear.report.sweeps);
+  EXPECT_LE(started.constant.report.sweeps, alone.constant.report.sweeps);
+  const ByFlux angular = flux_distance(solution, started.linear), before = flux_distance(solution, alone.linear);
+  EXPECT_NEAR(angular.up, before.up, .1 * before.up);
+  EXPECT_NEAR(angular.down, before.down, .1 * before.down);
+}
+
+TEST(CoarseSolves, HaveFluxesAtSomeLevelsBetween) {
+  const BoxGrid box = make_box(4, 3, 30);
+  std::vector<float> extinction = random_extinction(box, 1, 5);
+  std::fill(extinction.begin(), extinction.begin() + 12 * 5, 0.F);  // five levels without cloud below
+  Problem problem = small_field();
+  problem.grid = make_grid(box, extinction, .99);
+  const SolvePlan plan(problem, accuracy_options("draft", HorizontalExtent::field, false));
+  const CoarseSolves coarse_solves = coarse_solves_of(plan, SolvedAs::field);
+  const std::vector<int>& linear = coarse_solves.linear.flux_level;
+  EXPECT_EQ(linear.size(), 18U);
+  EXPECT_EQ(coarse_solves.constant.flux_level.size(), 8U);
+  for (const int level : coarse_solves.constant.flux_level)
+    EXPECT_NE(std::find(linear.begin(), linear.end(), level), linear.end()) << level;
+  EXPECT_EQ(linear.front(), 0);
+  EXPECT_GE(linear[1], 5);
+  EXPECT_EQ(linear.back(), 30);
 }
 
 }  // namespace

@@ -98,13 +98,39 @@ TEST(SharedSolve, HasTheBitsOfOneProcess) {
       SCOPED_TRACE(size);
       std::mutex one_at_a_time;  // to compare
       ThreadRanks::run(size, [&](Ranks& ranks) {
-        const Solution solution = solve(plan, {}, nullptr, &ranks);
+        const Solution solution = solve(plan, {}, {.ranks = &ranks});
         const std::lock_guard lock(one_at_a_time);
         if (ranks.is_first()) {
           EXPECT_EQ(values_of(solution), truth);
         } else {
           EXPECT_TRUE(solution.upwelling_flux.empty());
         }
+      });
+    }
+  }
+}
+
+// With and without other parts of its cells, as coarse truncations have them.
+TEST(SharedSolve, HandsOnItsLightAsOneProcessDoes) {
+  const Problem problem = clouds(cases[0]);
+  const SolvePlan plan(problem, options_of(cases[0]));
+  SolverOptions others = options_of(cases[0]);
+  others.directions = "double-gauss-4x8";
+  for (const double depth : {0., .2}) {
+    others.max_level_optical_depth = depth;
+    const SolvePlan other = plan.with(others);
+    const auto values = [&](Ranks* ranks) {
+      CellLight light;
+      solve(plan, {}, {.ranks = ranks, .light = &light});
+      return values_of(solve(other, {}, {.ranks = ranks, .light = &light}));
+    };
+    const std::vector<double> truth = values(nullptr);
+    EXPECT_NE(truth, values_of(solve(other)));
+    for (const int size : {2, 4}) {
+      ThreadRanks::run(size, [&](Ranks& ranks) {
+        const std::vector<double> here = values(&ranks);
+        if (!ranks.is_first()) return;
+        EXPECT_EQ(here, truth) << size << ", " << depth;
       });
     }
   }

@@ -29,6 +29,21 @@ TEST(LowMoments, OfRadianceAlongAnAxisAreThatComponent) {
   EXPECT_LT((low.weights * radiance - expected).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+// The basis is orthonormal up to 4 pi: the same holds for the light of all ordinates, each as a beam.
+TEST(LowMoments, OfBeamsSumToThoseOfTheRadiance) {
+  const OrdinateSet ordinates = make_ordinate_set("double-gauss-8x16");
+  const LowMoments<double> low(ordinates);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(low_moments);
+  for (int d = 0; d < ordinates.size(); ++d) {
+    const LowMomentValues beam = low_moments_along(ordinates.direction[d]);
+    const double radiance = 1 + 3 * ordinates.direction[d].x();
+    for (int m = 0; m < low_moments; ++m) sum[m] += ordinates.weight[d] * radiance * beam[static_cast<std::size_t>(m)];
+  }
+  EXPECT_NEAR(sum[0], 4 * pi, 1e-12);
+  EXPECT_NEAR(sum[1], 4 * pi * std::sqrt(3.), 1e-12);
+  EXPECT_LT(sum.tail(low_moments - 2).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 TEST(LowMoments, AnAdditionOfOneMomentChangesThatMomentAlone) {
   for (const char* name : {"double-gauss-4x8", "double-gauss-8x16", "reduced-double-gauss-10x16"}) {
     const LowMoments<double> low(make_ordinate_set(name));
