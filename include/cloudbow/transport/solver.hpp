@@ -33,7 +33,8 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Progr
 
 /// Peak memory in bytes that solve() will need, within about 10 %. @throws InputError as solve() for rays that cross
 /// too many cells.
-std::size_t predict_memory(const SolvePlan& plan);
+/// @param ranks that share the solve: the memory is that of each.
+std::size_t predict_memory(const SolvePlan& plan, int ranks = 1);
 /// Wall seconds on this machine, a rough prediction from segment counts.
 double predict_seconds(const SolvePlan& plan);
 

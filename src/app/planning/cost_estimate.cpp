@@ -29,9 +29,9 @@ std::size_t solution_bytes(const Scene& read, const AssembledScene& scene) {
   return (floats + scene.cloud_extinction.size()) * sizeof(float);
 }
 
-std::size_t predicted_bytes(const Scene& scene, const AssembledScene& assembled, const SolvePlan& plan) {
+std::size_t predicted_bytes(const Scene& scene, const AssembledScene& assembled, const SolvePlan& plan, int ranks) {
   try {
-    return predict_memory(plan) + assembled.cloud_extinction.size() * sizeof(float);
+    return predict_memory(plan, ranks) + assembled.cloud_extinction.size() * sizeof(float);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scene.path.string(), error.what()));
   }
@@ -90,7 +90,7 @@ SolverOptions with_independent_columns(SolverOptions options) {
 }
 
 CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
-                           CloudFiles& files) {
+                           CloudFiles& files, int ranks) {
   CostEstimate cost;
   std::vector<std::vector<double>> levels;
   std::size_t kept = 0;
@@ -98,15 +98,15 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
     const Scene scene = as_solved(given);
     PlannedScene planned = plan_scene(scene, available, files, {}, threads);
     const SolvePlan& plan = planned.plan;
-    cost.memory = std::max(cost.memory, predicted_bytes(scene, *planned.scene, plan));
+    cost.memory = std::max(cost.memory, predicted_bytes(scene, *planned.scene, plan, ranks));
     double seconds = predict_seconds(plan);
     if (scene.output.error_estimate) {
       const SolvePlan coarse = planned.coarse();
       // Of g-points two have an estimate.
       seconds += predict_coarse_seconds(plan, coarse, planned.as) *
                  (scene.broadband ? std::min(1., estimated_points / static_cast<double>(scenes.size())) : 1.);
-      cost.memory =
-          std::max(cost.memory, predicted_bytes(scene, *planned.scene, coarse) + solution_bytes(scene, *planned.scene));
+      cost.memory = std::max(
+          cost.memory, predicted_bytes(scene, *planned.scene, coarse, ranks) + solution_bytes(scene, *planned.scene));
     }
     if (compare) {
       const SolvePlan columns = plan.with(with_independent_columns(plan.whole_options()));

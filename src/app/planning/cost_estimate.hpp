@@ -53,8 +53,9 @@ std::string time_text(double seconds);
 
 /// Looks at every wavelength, so that none fails after others were solved.
 /// @param compare whether the same is solved as independent columns too
+/// @param ranks that share each solve: memory is that of each
 CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t available, int threads, bool compare,
-                           CloudFiles& files);
+                           CloudFiles& files, int ranks = 1);
 
 /// Peak memory [bytes] of run() for the wavelengths of a scene.
 /// @param available bytes that the optical grid may take. @throws InputError as assemble().

@@ -434,6 +434,11 @@ std::map<std::string, std::vector<double>> coordinates_of(const std::vector<Scen
   return coordinates;
 }
 
+// Ranks that share the one solve of a run.
+int ranks_together(const std::vector<Scene>& scenes, const RunOptions& options) {
+  return options.ranks != nullptr && scenes.size() == 1 ? options.ranks->size() : 1;
+}
+
 }  // namespace
 
 std::uint64_t available_memory(const RunOptions& options) {
@@ -467,7 +472,8 @@ RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& opt
 
 RunEstimate estimate_run(const std::vector<Scene>& scenes, const RunOptions& options, CloudFiles& files) {
   const std::uint64_t available = available_memory(options);
-  CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
+  CostEstimate expected =
+      estimate_cost(scenes, available, options.threads, options.compare, files, ranks_together(scenes, options));
   check_memory(scenes.front(), expected, available);
   const PlannedScene planned = expected.only
                                    ? std::move(*expected.only)
@@ -499,7 +505,8 @@ SolvedRun solve_run(const std::vector<Scene>& scenes, const RunOptions& options,
     run.solved = std::move(done.solved);
     target = std::move(done.report);
   } else {
-    CostEstimate expected = estimate_cost(scenes, available, options.threads, options.compare, files);
+    CostEstimate expected =
+        estimate_cost(scenes, available, options.threads, options.compare, files, ranks_together(scenes, options));
     check_memory(scenes.front(), expected, available);
     if (scenes.front().broadband) {
       BroadbandRun broadband = solve_broadband(scenes, expected, options, available, files);

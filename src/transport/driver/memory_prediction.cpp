@@ -1,5 +1,6 @@
 // Memory of a solve, predicted before anything is allocated.
 #include <algorithm>
+#include <cmath>
 
 #include "cloudbow/transport/solver.hpp"
 #include "transport/columns/columns.hpp"
@@ -16,7 +17,25 @@ std::size_t grid_bytes(const Problem& problem) {
   return problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
 }
 
-std::size_t memory_of_solve(const SolvePlan& plan) {
+// What a rank keeps of arrays that ranks divide (docs/mpi.md, "Memory").
+struct RankShare {
+  double cells = 1;    // radiance, moments
+  double octants = 1;  // slopes
+  double points = 1;   // source at control points: those of the octants, and beside them
+
+  explicit RankShare(int ranks) {
+    if (ranks < 2) return;
+    cells = 1. / ranks;
+    octants = ranks >= 8 ? .125 : ranks >= 4 ? .25 : .5;
+    points = std::pow(octants, .6);  // 28 and 18 of 42 with two and four ranks
+  }
+};
+
+std::size_t part(double share, std::size_t bytes) {
+  return static_cast<std::size_t>(share * static_cast<double>(bytes));
+}
+
+std::size_t memory_of_solve(const SolvePlan& plan, int ranks) {
   const Problem& problem = plan.problem();
   const SolverOptions& options = plan.options();
   // Libraries; reading a cloud takes another one.
@@ -31,7 +50,7 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
            columns_memory(problem, options, plan.in_double(), threads_of(plan));
   }
   const BoxGrid& box = problem.grid.box;
-  const std::size_t dense = box.columns() * static_cast<std::size_t>(box.nz());
+  const RankShare share(ranks);
   const std::size_t active = plan.cells();
   const std::size_t real = plan.in_double() ? sizeof(double) : sizeof(float);
   const std::size_t phases = problem.phase.size();
@@ -42,22 +61,25 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t cell = real * (5 + phases) + 24 + 4 + 10;
   // With the slopes of light of each octant, of the radiance and of the source, and that of the beam.
   const bool slopes = options.linear_source && !options.independent_columns && box.columns() > 1;
-  const std::size_t system = real * (1 + phases) + 8 + (slopes ? real * 51 : 0);
+  const std::size_t system = real * (1 + phases) + 4 + (slopes ? real * 3 + part(share.octants, real * 48) : 0);
   const bool packed = options.half_precision_radiance && real == sizeof(float);
   const std::size_t stored = packed ? sizeof(std::uint16_t) : real;
   // Radiance at the ordinates, four sets of moments, four of these in eight sets more for the mixing, gradients; work
   // arrays of a direction on each thread. The low-order problem has a sixth of the cells if it is coarse.
   const std::size_t low_cell = real * (32 + 2 * 9 + 4 * 15) + 60;
   const bool coarse = coarsens(plan, medium_of(plan));
-  const std::size_t iteration = stored * ordinates + real * (4 * 9 + 8 * 4 + 7 + (packed ? 5 : 4) * threads) +
-                                (slopes ? real * (3 + 10 * threads) : 0) +
+  const std::size_t iteration = part(share.cells, stored * ordinates + real * (4 * 9 + 8 * 4)) +
+                                real * (7 + (packed ? 5 : 4) * threads) + (slopes ? real * (3 + 10 * threads) : 0) +
                                 (coarse ? low_cell / 6 + real + 7 : low_cell);
   // Source at the points in the place of the radiance; first orders of scattering, gradients.
-  const std::size_t gather = stored * std::max(ordinates, points) + real * (9 + 2 * phases + 4 * threads + 8);
+  const std::size_t gather =
+      part(share.points, stored * std::max(ordinates, points)) + real * (9 + 2 * phases + 4 * threads + 8);
   const std::size_t radiance_field = options.radiance_field ? points * 4 + 12 : 0;
-  // Fluxes, beams and bookkeeping of the box.
-  constexpr std::size_t place = 48;
-  const std::size_t program = libraries + (box.columns() > 1 ? reading : 0);
+  // Fluxes and beams of the columns at each level.
+  constexpr std::size_t place = 20;
+  const std::size_t places = box.columns() * flux_levels(box, options).size();
+  constexpr std::size_t messages = 25'000'000;  // of MPI
+  const std::size_t program = libraries + (box.columns() > 1 ? reading : 0) + (ranks > 1 ? messages : 0);
   // Scattering matrices of each phase function, as fitted, rounded and folded.
   const std::size_t tables = 3 * sizeof(double) * phases * ordinates * (points + ordinates);
   std::size_t pixels = 0;
@@ -94,13 +116,13 @@ std::size_t memory_of_solve(const SolvePlan& plan) {
   const std::size_t solving = tables + of_patterns + active * held + working + box.columns() * surface;
   // Images on their way into the file.
   const std::size_t writing = active * (grid + radiance_field) + pixels * 3 * sizeof(float);
-  return program + dense * place + std::max(solving, writing);
+  return program + places * place + std::max(solving, writing);
 }
 
 }  // namespace
 
-std::size_t predict_memory(const SolvePlan& plan) {
-  std::size_t bytes = memory_of_solve(plan);
+std::size_t predict_memory(const SolvePlan& plan, int ranks) {
+  std::size_t bytes = memory_of_solve(plan, ranks);
   if (plan.added_levels() > 0) bytes += grid_bytes(plan.collapsed());
   if (plan.column_parts().any()) bytes += grid_bytes(plan.with_levels());
   if (plan.collapsed_axes().any()) {
