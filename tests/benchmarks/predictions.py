@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Time and memory that `cloudbow run --dry-run` predicts, beside those of the run, for scenes made from configs/. The constants of the prediction
-were fitted to some of the scenes; the others test them.
+"""Time and memory that `cloudbow run --dry-run` predicts, beside those of the run. The scenes are made from configs/. The constants of the prediction
+were fitted to some of them; the others test it.
 
 The machine is calibrated first (`cloudbow verify --calibrate`), in a folder for caches of this program alone. Seconds are CPU seconds of the whole
-program on one thread, the least of three runs if one takes less than ten seconds. Scenes with a gas model need CLOUDBOW_REFERENCE_DIR and are left
-out without.
+program on one thread. They are the least of three runs if one takes less than ten seconds. Scenes with a gas model need
+CLOUDBOW_REFERENCE_DIR and are left out without.
 
 usage: predictions.py [NAME ...] [--set fitted|held-out] [--document docs/speed.md]
 """

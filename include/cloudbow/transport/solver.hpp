@@ -15,12 +15,12 @@ namespace cloudbow {
 struct SolveMeans {
   /// From which the iteration begins and to which it writes its state. Solves without iteration leave none.
   Checkpoints* checkpoints = nullptr;
-  /// That share the solve, without checkpoints; all call solve() with equal plans. The first has the solution, the
+  /// That share the solve, without checkpoints. All call solve() with equal plans. The first has the solution, the
   /// others have an empty one.
   Ranks* ranks = nullptr;
-  /// The iteration starts from it, if the plans are of the same problem and differ only in the parts of its cells. Then
-  /// it is the light of this solve, at all ranks. It stays as it is if light does not leave its column, or if cells
-  /// without matter are solved too.
+  /// The iteration starts from it, if both plans are of one problem. Only the parts of its cells may differ. Then it is
+  /// the light of this solve, at all ranks. It stays as it is if light does not leave its column. It also does if
+  /// cells without matter are solved too.
   CellLight* light = nullptr;
 };
 

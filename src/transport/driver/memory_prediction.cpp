@@ -17,7 +17,7 @@ std::size_t grid_bytes(const Problem& problem) {
   return problem.grid.active_cells() * (1 + problem.phase.size()) * sizeof(float);
 }
 
-// What a rank keeps of arrays that ranks divide (docs/mpi.md, "Memory").
+// Shares of a rank in arrays that ranks divide (docs/mpi.md, "Memory").
 struct RankShare {
   double cells = 1;    // radiance, moments
   double octants = 1;  // slopes

@@ -20,8 +20,7 @@ constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;   // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;     // each distance band ends this many times as far as the last
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
-// Directions of a quadrant are shared out over this many sums whatever the number of threads, so that sums have one
-// order.
+// Directions of a quadrant are shared out over this many sums for any number of threads: sums have one order.
 constexpr std::size_t groups_of_quadrant = 2;
 constexpr std::size_t groups = quadrants * groups_of_quadrant;
 

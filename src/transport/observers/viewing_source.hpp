@@ -36,8 +36,8 @@ Direction off_the_horizon(const Direction& travel);
 /// angles of little light. The forward peak, too narrow for the ordinates, is subtracted: with I_v the radiance along
 /// the direction itself (marched once) and f the fraction that transport counts as unscattered,
 ///     S = w/(4 pi) (sum_d w_d P(v . d) (I_d - I_v) + 4 pi (1 - f) I_v) / (1 - w f).
-/// @param field whose radiance is that at the ordinates, orders of scattering >= 1. All ranks that share it call this;
-/// the first has the source.
+/// @param field whose radiance is that at the ordinates, orders of scattering >= 1. All ranks that share it call this.
+/// The first has the source.
 template <class Real>
 AngularField<Real> higher_orders_seen(const ConvergedField<Real>& field, std::span<const Direction> travel);
 

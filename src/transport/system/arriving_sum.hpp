@@ -1,5 +1,5 @@
-// The flux of light that arrives at a Lambertian ground, added up in the order of the ordinates, whichever threads
-// march them. Rays are kept only until it is their turn: rays of all ordinates would take much memory.
+// The flux of light that arrives at a Lambertian ground. It is added up in the order of the ordinates, whichever
+// threads march them. Rays are kept only until it is their turn: those of all ordinates take much memory.
 #pragma once
 
 #include <map>

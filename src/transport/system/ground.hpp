@@ -37,8 +37,8 @@ struct ArrivingRays {
   std::vector<Real> by_column(const BoxGrid& box) const;
 };
 
-/// Adds light that arrives along an ordinate to the diffuse flux [4][columns] through the ground, by octant of light
-/// that travels down.
+/// Adds light that arrives along an ordinate to the diffuse flux through the ground.
+/// @param flux [4][columns] by octant of light that travels down
 template <class Real>
 void add_arriving(const ArrivingRays<Real>& rays, const OrdinateSet& ordinates, int ordinate, const BoxGrid& box,
                   std::span<double> flux);

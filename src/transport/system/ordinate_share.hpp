@@ -58,7 +58,7 @@ class OrdinateShare {
   template <class Real>
   void to_first(AngularField<Real>& field) const;
   /// A field of all rows of this rank's cells becomes one of some rows of all cells; other rows are empty.
-  /// @param needs [ranks][rows] whether a rank gets a row
+  /// @param needs [ranks][rows] whether that rank gets that row
   template <class Real>
   void to_needed_rows(AngularField<Real>& field, const std::vector<std::vector<bool>>& needs) const;
 

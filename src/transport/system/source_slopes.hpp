@@ -19,8 +19,8 @@ namespace cloudbow {
 template <class Real>
 using Slope = std::array<std::vector<Real>, 3>;
 
-/// Slopes in each octant between two sweeps, in all cells. If ranks share the solve, a rank has the slopes of the
-/// source in its octants alone, and those of the radiance in its cells alone.
+/// Slopes in each octant between two sweeps, in all cells. A rank that shares the solve has those of the source in its
+/// octants alone, and those of the radiance in its cells alone.
 template <class Real>
 struct LightSlopes {
   /// Of the multiply scattered source towards each octant, relative to it.
