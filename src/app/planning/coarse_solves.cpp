@@ -95,6 +95,13 @@ void list_some_levels(const SolvePlan& plan, std::size_t most, SolverOptions& op
   options.flux_levels = FluxLevels::listed;
 }
 
+SolvePlan with_constant_source(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as) {
+  SolverOptions constant = coarse.whole_options();
+  constant.linear_source = false;
+  if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
+  return coarse.with(constant);
+}
+
 SolverOptions coarse_options(const SolverOptions& options, const std::string& accuracy, SolvedAs as) {
   SolverOptions other = options;
   const int beyond = options.fit.beam_delta_m_order - options.fit.delta_m_order;
@@ -140,38 +147,29 @@ CoarseSolves solve_coarsely(const SolvePlan& plan, const SolvePlan& coarse, Solv
     coarse_solves.constant.report = {};  // one solve
     return coarse_solves;
   }
-  SolverOptions constant = coarse.whole_options();
-  constant.linear_source = false;
-  if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
-  coarse_solves.constant = solve_one(coarse.with(constant), &light);
+  coarse_solves.constant = solve_one(with_constant_source(plan, coarse, as), &light);
+  if (as != SolvedAs::field) return coarse_solves;
   light = {};
-  if (as == SolvedAs::field) {
-    const Problem columns = probe_columns(plan);
-    const SolverOptions& options = plan.whole_options();
-    const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
-    coarse_solves.probe = {solve_one(by_ordinates, nullptr),
-                           solve_one(by_ordinates.with(streams_of_columns(options)), nullptr)};
-  }
+  const Problem columns = probe_columns(plan);
+  const SolverOptions& options = plan.whole_options();
+  const SolvePlan by_ordinates(columns, ordinates_of_columns(options));
+  coarse_solves.probe = {solve_one(by_ordinates, nullptr),
+                         solve_one(by_ordinates.with(streams_of_columns(options)), nullptr)};
   return coarse_solves;
 }
 
 double predict_coarse_seconds(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as) {
   if (coarse.by_polar_streams()) return predict_seconds(coarse);
-  SolverOptions constant = coarse.whole_options();
-  constant.linear_source = false;
-  if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
   const auto seconds_of = [as](const SolvePlan& one) {
     constexpr double sweeps_from_light = 5;  // those of fields start from the light of the solution
     SolveSeconds seconds = predict_phases(one);
     if (as == SolvedAs::field) seconds.sweeps = std::min(seconds.sweeps, sweeps_from_light);
     return seconds.total();
   };
-  double seconds = seconds_of(coarse) + seconds_of(coarse.with(constant));
-  if (as == SolvedAs::field) {  // by ordinates; streams take next to nothing
-    const Problem columns = probe_columns(plan);
-    seconds += predict_seconds(SolvePlan(columns, ordinates_of_columns(plan.whole_options())));
-  }
-  return seconds;
+  const double seconds = seconds_of(coarse) + seconds_of(with_constant_source(plan, coarse, as));
+  if (as != SolvedAs::field) return seconds;
+  const Problem columns = probe_columns(plan);  // by ordinates; streams take next to nothing
+  return seconds + predict_seconds(SolvePlan(columns, ordinates_of_columns(plan.whole_options())));
 }
 
 }  // namespace cloudbow

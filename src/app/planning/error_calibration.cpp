@@ -17,8 +17,7 @@ struct Calibration {
 // follows the expected error of the level as a share of the draft's estimate. Fitted by
 // tests/validation/error_estimates.py --fit to half of its scenes: plane-parallel cases, step cloud, RICO, isolated
 // clouds, thick voxels. For thick voxels of the other half, spatial weights of the
-// domain's fluxes in fields were then raised by hand, at `draft` and `balanced`. Later a tenth
-// was added to both weights of the domain at `balanced`, as coarse solves start from other light. Of 234 estimates of
+// domain's fluxes in fields were then raised by hand, at `draft` and `balanced`. Of 234 estimates of
 // fields 98.7 % are no less than the true error. The three others are of thick voxels at `draft` and `balanced`. Fields
 // at `reference` were not examined. They have angular weights no smaller than those of `fine`, and spatial weights no
 // smaller either. Columns at `reference` were not examined and have the weights of `fine`. No level is expected to be

@@ -215,9 +215,10 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
     errors.rethrow();
     if (share != nullptr) collect_sums(*share, upward, bands, columns, sums);
     if (share != nullptr && !share->is_first()) continue;
+    ParallelErrors errors_of_bands;
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::size_t b = 0; b < bands.size(); ++b) {
-      errors.run([&] {
+      errors_of_bands.run([&] {
         if (bands[b].empty) return;
         std::vector<Real>& band = sums[0].of_band[b];
         for (std::size_t quadrant = 1; quadrant < quadrants; ++quadrant) {
@@ -228,7 +229,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
         if (!bands[b].same_everywhere) blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
       });
     }
-    errors.rethrow();
+    errors_of_bands.rethrow();
     for (std::size_t b = 0; b < bands.size(); ++b) {
       if (bands[b].empty) continue;
       for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);

@@ -39,6 +39,7 @@ FirstGuess<Real> first_guess(const TransportSystem<Real>& system, const std::opt
   const std::size_t n = system.cells->size();
   assert(light.moments.size() == low_moments * n);
   FirstGuess<Real> guess;
+  guess.is_given = true;
   guess.moments = converted<Real>(std::move(light.moments));
   add_beam(system, sun, Real(-1), guess.moments);
   for (std::size_t c = 0; c < n; ++c) {

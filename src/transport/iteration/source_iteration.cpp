@@ -199,16 +199,16 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
     low_order.emplace(system, share);
     if (StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes).diverges)
       low_order->drop_diffusion();
-    if (!guess.moments.empty()) {
+    if (guess.is_given) {
       x = std::move(guess.moments);
       change = x;
       state.nearly_done = true;
     } else if (!restored) {
       x.assign(low_moments * n, Real(0));
-    }
-    if (change.empty() && !restored && (!system.beam.source.empty() || system.thermal)) {
-      low_order->guess(x);
-      change = x;
+      if (!system.beam.source.empty() || system.thermal) {
+        low_order->guess(x);
+        change = x;
+      }
     }
   }
 

@@ -37,8 +37,8 @@ struct IterationResult {
 /// Light with which an iteration starts.
 template <class Real>
 struct FirstGuess {
-  std::vector<Real>
-      moments{};  ///< [low_moments][own cells] of the diffuse radiance; empty: those of the low-order problem
+  bool is_given = false;        ///< false: the iteration makes its own, by the low-order problem
+  std::vector<Real> moments{};  ///< [low_moments][own cells] of the diffuse radiance
   /// Of the source alone, fitted. They stay, and of_radiance is empty. None: the iteration finds its own.
   std::optional<LightSlopes<Real>> slopes{};
 };

@@ -131,7 +131,8 @@ TEST_P(DiffusionIn, AgreesWithADenseFactorisation) {
   diffusion.solve({source.data(), n}, {solved.data(), n}, 1e-11);
   // Residuals of 1e-11, magnified by the condition of the matrix (1e3 and more).
   EXPECT_LT((solved - truth).norm(), 1e-7 * truth.norm());
-  EXPECT_LT((matrix * solved - source).norm(), 2e-11 * source.norm());
+  // Couplings are rounded to float: each by 6e-8 of itself.
+  EXPECT_LT((matrix * solved - source).norm(), 6e-8 * matrix.norm() * solved.norm());
   // The few per cent that acceleration requires are met as well.
   diffusion.solve({source.data(), n}, {solved.data(), n});
   EXPECT_LT((matrix * solved - source).norm(), .02 * source.norm());

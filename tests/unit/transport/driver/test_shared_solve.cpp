@@ -128,7 +128,7 @@ TEST(SharedSolve, HandsOnItsLightAsOneProcessDoes) {
     };
     const std::vector<double> truth = values(nullptr);
     EXPECT_NE(truth, values_of(solve(other)));
-    for (const int size : {2, 4}) {
+    for (const int size : {2, 3, 4, 8, 9}) {
       ThreadRanks::run(size, [&](Ranks& ranks) {
         const std::vector<double> here = values(&ranks);
         if (!ranks.is_first()) return;
