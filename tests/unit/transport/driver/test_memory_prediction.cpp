@@ -44,5 +44,22 @@ TEST(SolveLimits, DoublePrecisionTakesTwiceTheMemoryOfItsCells) {
   EXPECT_GT(predicted_memory(problem, options), in_float + 36'000 * 88 * sizeof(float));
 }
 
+// Of the radiance at 48 ordinates, 68 numbers of moments and their mixing, and 48 of slopes, four ranks keep a quarter
+// each. Their messages take 25 MB.
+TEST(SolveLimits, RanksDivideTheMemoryOfCells) {
+  constexpr double messages = 25e6;
+  const BoxGrid box = make_box(60, 60, 10);
+  Problem problem = cloudy();
+  problem.grid = make_grid(box, random_extinction(box, 2., 1, true), .99);
+  SolverOptions options = quick();
+  options.threads = 1;
+  options.flux_levels = FluxLevels::boundaries;
+  const SolvePlan plan(problem, options);
+  const auto of_ranks = [&plan](int ranks) { return static_cast<double>(predict_memory(plan, ranks)); };
+  const double divided = 36'000. * (48 + 68 + 48) * sizeof(float);
+  EXPECT_NEAR(of_ranks(1) + messages - of_ranks(4), .75 * divided, 1);
+  EXPECT_LT(of_ranks(8), of_ranks(4));
+}
+
 }  // namespace
 }  // namespace cloudbow
