@@ -50,7 +50,9 @@ std::size_t memory_of_solve(const SolvePlan& plan, int ranks) {
            columns_memory(problem, options, plan.in_double(), threads_of(plan));
   }
   const BoxGrid& box = problem.grid.box;
-  const RankShare share(ranks);
+  // Columns on their own are solved by one rank.
+  const bool is_shared = !options.independent_columns && !plan.is_one_column();
+  const RankShare share(is_shared ? ranks : 1);
   const std::size_t active = plan.cells();
   const std::size_t real = plan.in_double() ? sizeof(double) : sizeof(float);
   const std::size_t phases = problem.phase.size();

@@ -21,8 +21,8 @@
 namespace cloudbow {
 namespace {
 
-// Each quadrant of directions has sums of its own. So many are made at a time that they take no more than this, unless
-// one alone takes more.
+// Each quadrant of directions has sums of its own. Those that are made at a time take no more than this. But one is
+// always made.
 constexpr double most_bytes_at_a_time = 1.5e8;
 
 // By the box alone, so that a level has the same bits whichever others are requested.

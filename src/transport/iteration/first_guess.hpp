@@ -16,7 +16,7 @@ FirstGuess<Real> first_guess(const TransportSystem<Real>& system, const std::opt
                              const OrdinateShare* share = nullptr);
 
 /// The light of a solution. Its memory is taken over. @param plan of the solve, whose problem has the system's cells.
-/// @param share whose ranks have the light of their cells: each gets that of all, with the slopes of its own octants
+/// @param share of the solve: each rank has the light of its cells, and gets that of all; slopes of its octants alone
 template <class Real>
 CellLight cell_light(const TransportSystem<Real>& system, const SolvePlan& plan, IterationResult<Real>&& solved,
                      const OrdinateShare* share = nullptr);

@@ -59,6 +59,9 @@ TEST(SolveLimits, RanksDivideTheMemoryOfCells) {
   const double divided = 36'000. * (48 + 68 + 48) * sizeof(float);
   EXPECT_NEAR(of_ranks(1) + messages - of_ranks(4), .75 * divided, 1);
   EXPECT_LT(of_ranks(8), of_ranks(4));
+  options.independent_columns = options.radiance_field = true;  // one rank solves these
+  const SolvePlan columns(problem, options);
+  EXPECT_EQ(static_cast<double>(predict_memory(columns, 4)), static_cast<double>(predict_memory(columns)) + messages);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST_F(GatherFlux, AnInterfaceIsTheSameWhateverOthersAreAskedFor) {
   }
 }
 
-// Blurring is linear: quadrants of directions that are blurred one by one have the same sum but for rounding.
+// A blur is linear: sums that are blurred one by one differ by rounding alone, of some thirty additions in float.
 TEST_F(GatherFlux, QuadrantsOneByOneAreThoseTogether) {
   const BoxGrid box = unequal_box(true);
   Random random(8);
