@@ -1,5 +1,6 @@
 // Parts of a solve, on a field of small clouds: one sweep, scattering, moments, the low-order correction, the
-// final gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one.
+// final gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one. Beside them, what one core
+// of the machine can do: products and sums in registers, and sums of arrays that no cache holds.
 #include <benchmark/benchmark.h>
 #include <omp.h>
 
@@ -85,6 +86,7 @@ struct Scene {
   Discretisation discretisation;
   TransportSystem<float> system;
   AngularField<float> field;
+  LightSlopes<float> slopes;  // of the first light
 
   explicit Scene(int n)
       : problem(lit_spheres(n)),
@@ -92,6 +94,11 @@ struct Scene {
         system(make_system<float>(problem, discretisation, options)),
         field(system.ordinates.size(), system.cells->size()) {
     system.scatter(field, {}, true);
+    slopes = system.slopes->none(system.cells->size());
+    slopes.frozen = false;
+    SweepWorkspace<float> work;
+    sweep(system, field, false, work, &slopes);
+    slopes.frozen = true;
   }
 
   std::int64_t pairs() const {
@@ -121,7 +128,7 @@ void sweep_all(benchmark::State& state) {
     state.PauseTiming();  // a sweep replaces the source by radiance
     scene.system.scatter(scene.field, {}, true);
     state.ResumeTiming();
-    benchmark::DoNotOptimize(sweep(scene.system, scene.field, false, work).up_top);
+    benchmark::DoNotOptimize(sweep(scene.system, scene.field, false, work, &scene.slopes).up_top);
   }
   scene.report(state, scene.pairs());
   double runs = 0;
@@ -159,7 +166,9 @@ void gather_plane(benchmark::State& state) {
       beam_with<float>(scene.problem, scene.system.cells->rows, scene.discretisation.gather_fraction(), scene.options);
   auto source = scattered_source<float>(scene.discretisation, scene.system, scene.field);
   set_first_order<float>(scene.problem, scene.discretisation, scene.system, &beam, source);
-  const GatherScene<float> gathered{scene.system.box, *scene.system.cells, &source, {}, 0, nullptr};
+  GatherScene<float> gathered{scene.system.box, *scene.system.cells, &source, {}, 0, nullptr};
+  gathered.beam_slope = &scene.system.slopes->beam();
+  gathered.slopes = &scene.slopes;
   const auto directions = gather_directions(128, false, scene.problem.sun->travel);
   for (auto _ : state) benchmark::DoNotOptimize(gather_flux<float>(gathered, 0, false, directions).data());
   scene.report(state, static_cast<std::int64_t>(scene.system.cells->size() * directions.size()));
@@ -175,12 +184,41 @@ void direct_light(benchmark::State& state) {
   scene.report(state, static_cast<std::int64_t>(scene.system.cells->size()) * scene.options.beam_rays);
 }
 
-BENCHMARK(sweep_all)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
-BENCHMARK(scatter_all)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
-BENCHMARK(moments_all)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
-BENCHMARK(low_order)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
-BENCHMARK(gather_plane)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
-BENCHMARK(direct_light)->Arg(32)->Arg(96)->Unit(benchmark::kMillisecond);
+// Rate of multiplications and additions in registers, 1/s.
+void arithmetic(benchmark::State& state) {
+  constexpr int chains = 10;  // enough to hide the latency of two units
+  constexpr int rounds = 1000;
+  Lanes<float> x[chains];
+  for (int i = 0; i < chains; ++i) x[i] = Lanes<float>{} + 1e-3F * static_cast<float>(i);
+  const Lanes<float> by = Lanes<float>{} + .999F, more = Lanes<float>{} + 1e-3F;
+  for (auto _ : state) {
+    for (int r = 0; r < rounds; ++r) {
+      for (Lanes<float>& value : x) value = value * by + more;
+    }
+    benchmark::DoNotOptimize(x);
+  }
+  state.SetItemsProcessed(state.iterations() * 2 * lanes * chains * rounds);
+}
+
+// Rate of bytes of to += from, two read and one written, 1/s.
+void memory(benchmark::State& state) {
+  constexpr std::size_t n = std::size_t{1} << 26;
+  std::vector<float> to(n, 1.F), from(n, 1.F);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < n; ++i) to[i] += from[i];
+    benchmark::ClobberMemory();
+  }
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(3 * n * sizeof(float)));
+}
+
+BENCHMARK(arithmetic);
+BENCHMARK(memory)->Unit(benchmark::kMillisecond);
+BENCHMARK(sweep_all)->Arg(32)->Arg(96)->Arg(224)->Unit(benchmark::kMillisecond);
+BENCHMARK(scatter_all)->Arg(32)->Arg(96)->Arg(224)->Unit(benchmark::kMillisecond);
+BENCHMARK(moments_all)->Arg(32)->Arg(96)->Arg(224)->Unit(benchmark::kMillisecond);
+BENCHMARK(low_order)->Arg(32)->Arg(96)->Arg(224)->Unit(benchmark::kMillisecond);
+BENCHMARK(gather_plane)->Arg(32)->Arg(96)->Arg(224)->Unit(benchmark::kMillisecond);
+BENCHMARK(direct_light)->Arg(32)->Arg(96)->Arg(224)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace cloudbow
