@@ -103,6 +103,7 @@ class VoxelMarch {
     const CellView<Real> cells = cells_along(scene_, travel, own_);
     scene_.source->query(travel, own_.value.data());
     const Real* const source = own_.value.data();
+    const MarchedCells<Real> marched{0, cells, source};
     const StartFraction start = start_for_centred_exit(box, travel, false, levels);
     const PathPattern pattern = make_path_pattern(box, travel, start.x, start.y, false, levels);
     rays_.assign(box.columns() + lane_padding, static_cast<Real>(field_.problem.sky_radiance));
@@ -114,8 +115,7 @@ class VoxelMarch {
       const int level = pattern.level(step);
       if (box.periodic && level >= end_ && rows.is_uniform(level)) {
         for_source_of(cells, [&](auto linear) {
-          cross_uniform_level<CrossingKind<false, false, linear>>(pattern, step, rows, cells, source, CellSums<Real>{},
-                                                                  all);
+          cross_uniform_level<CrossingKind<false, false, linear>>(pattern, step, rows, marched, all);
         });
         continue;
       }
@@ -132,7 +132,7 @@ class VoxelMarch {
         using Kind = CrossingKind<false, false, linear>;
         const auto begin = [&](const Segment& segment) {
           return [&, g = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-            cross_cells<Kind>(g, count, cells, cell, source, rays_.data() + ray, CellSums<Real>{}, PlainRays());
+            cross_cells<Kind>(g, count, marched, cell, rays_.data() + ray, PlainRays());
           };
         };
         const auto begin_air = [&](const Segment& segment) {

@@ -16,25 +16,21 @@ namespace cloudbow {
 template <class Kind, class Real>
 class AirCrossing {
  public:
-  /// @param extinction 1/m of the level's air. @param rays of the direction; the others as for cross_cells().
-  AirCrossing(const SegmentGeometry<Real>& geometry, Real extinction, const CellView<Real>& cells, const Real* source,
-              Real* rays, const CellSums<Real>& sums)
-      : source_(source),
-        rays_(rays),
-        sums_(sums),
-        cells_(cells),
-        crossing_(optical_path(extinction, geometry.length)),
-        g_(geometry) {
+  /// @param extinction 1/m of the level's air. @param rays of the direction.
+  AirCrossing(const SegmentGeometry<Real>& geometry, Real extinction, const MarchedCells<Real>& marched, Real* rays)
+      : marched_(marched), rays_(rays), crossing_(optical_path(extinction, geometry.length)), g_(geometry) {
     absorbed_ = crossing_.absorbed();
   }
 
-  void enter(std::size_t cell) {
-    cell_ = cell;
+  /// @param index of the block's cell, among all.
+  void enter(std::size_t index) {
+    cell_ = index - marched_.first;
     n_ = 0;
     in_ = 0;
-    entry_ = exit_ = source_[cell];
+    entry_ = exit_ = marched_.source[cell_];
     if constexpr (Kind::linear) {
-      const Real x = cells_.gradient[0][cell], y = cells_.gradient[1][cell], z = cells_.gradient[2][cell];
+      const auto& [gradient_x, gradient_y, gradient_z] = marched_.view.gradient;
+      const Real x = gradient_x[cell_], y = gradient_y[cell_], z = gradient_z[cell_];
       entry_ *= g_.at_entry(x, y, z);
       exit_ *= g_.at_exit(x, y, z);
     }
@@ -51,14 +47,15 @@ class AirCrossing {
     if constexpr (Kind::keep_mean) {
       finish_sum();
       const Real in = static_cast<Real>(in_ / n_);
-      const Real share = g_.share * static_cast<Real>(n_) * cells_.share_of_place[cell_];
+      const Real share = g_.share * static_cast<Real>(n_) * marched_.view.share_of_place[cell_];
       const Real held = share * crossing_.mean(in, entry_, exit_);
-      sums_.mean[cell_] += held;
+      marched_.sums.mean[cell_] += held;
       if constexpr (Kind::keep_moments) {
         const Real along = share * crossing_.first_moment(in, entry_, exit_);
-        sums_.moment[0][cell_] += g_.from_x * held + (g_.to_x - g_.from_x) * along;
-        sums_.moment[1][cell_] += g_.from_y * held + (g_.to_y - g_.from_y) * along;
-        sums_.moment[2][cell_] += g_.from_z * held + (g_.to_z - g_.from_z) * along;
+        const auto& [moment_x, moment_y, moment_z] = marched_.sums.moment;
+        moment_x[cell_] += g_.from_x * held + (g_.to_x - g_.from_x) * along;
+        moment_y[cell_] += g_.from_y * held + (g_.to_y - g_.from_y) * along;
+        moment_z[cell_] += g_.from_z * held + (g_.to_z - g_.from_z) * along;
       }
     }
   }
@@ -91,12 +88,10 @@ class AirCrossing {
   }
 
   typename Rays::Value sum_{};  // the last rays that enter
-  const Real* source_;
+  MarchedCells<Real> marched_;
   Real* rays_;
-  std::size_t cell_ = 0;
-  double in_ = 0;  // sum of the radiances that enter the block; sum_ is not yet in it
-  CellSums<Real> sums_;
-  CellView<Real> cells_;
+  std::size_t cell_ = 0;  // among the marched
+  double in_ = 0;         // sum of the radiances that enter the block; sum_ is not yet in it
   Real absorbed_ = 0;
   int n_ = 0;
   Real entry_ = 0, exit_ = 0, emission_ = 0;
@@ -146,15 +141,16 @@ class MarchedRays {
 template <class Kind, class Real>
 class AirInSegment {
  public:
-  /// @param cell of the air.
-  AirInSegment(const Segment& segment, double chord, const CellView<Real>& cells, const Real* source, std::size_t cell)
+  /// @param index of the air's cell, among all.
+  AirInSegment(const Segment& segment, double chord, const MarchedCells<Real>& marched, std::size_t index)
       : g_(segment, chord),
-        crossing_(optical_path(static_cast<double>(cells.extinction[cell]), g_.length)),
-        cell_(cell),
-        entry_(static_cast<double>(source[cell])),
+        cell_(index - marched.first),
+        crossing_(optical_path(static_cast<double>(marched.view.extinction[cell_]), g_.length)),
+        entry_(static_cast<double>(marched.source[cell_])),
         exit_(entry_) {
     if constexpr (Kind::linear) {
-      const double x = cells.gradient[0][cell], y = cells.gradient[1][cell], z = cells.gradient[2][cell];
+      const auto& [gradient_x, gradient_y, gradient_z] = marched.view.gradient;
+      const double x = gradient_x[cell_], y = gradient_y[cell_], z = gradient_z[cell_];
       entry_ *= g_.at_entry(x, y, z);
       exit_ *= g_.at_exit(x, y, z);
     }
@@ -178,29 +174,28 @@ class AirInSegment {
 
  private:
   SegmentGeometry<double> g_;
+  std::size_t cell_;  // among the marched
   Crossing<double> crossing_;
-  std::size_t cell_;
   double entry_, exit_;
 };
 
 /// All rays cross a uniform level.
 template <class Kind, class Real>
-void cross_uniform_level(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells,
-                         const Real* source, const CellSums<Real>& sums, MarchedRays<Real>& rays) {
+void cross_uniform_level(const PathPattern& pattern, int step, const ActiveRows& rows,
+                         const MarchedCells<Real>& marched, MarchedRays<Real>& rays) {
   const int level = pattern.level(step);
   if (rows.level_cell[level] == rows.level_cell[level + 1]) return;
   for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
-    const AirInSegment<Kind, Real> air(pattern.segments[s], pattern.chord_m[step], cells, source,
-                                       rows.level_cell[level]);
-    if constexpr (Kind::keep_mean) air.keep(rays.mean(), sums);
+    const AirInSegment<Kind, Real> air(pattern.segments[s], pattern.chord_m[step], marched, rows.level_cell[level]);
+    if constexpr (Kind::keep_mean) air.keep(rays.mean(), marched.sums);
     rays.cross_air(air.absorbed(), air.emission());
   }
 }
 
 /// Rays cross the cells of a level ray by ray, and its one block of air all at once.
 template <class Kind, class Real>
-void cross_level_in_air(const PathPattern& pattern, int step, const ActiveRows& rows, const CellView<Real>& cells,
-                        const Real* source, const CellSums<Real>& sums, Real* stored, MarchedRays<Real>& rays) {
+void cross_level_in_air(const PathPattern& pattern, int step, const ActiveRows& rows, const MarchedCells<Real>& marched,
+                        Real* stored, MarchedRays<Real>& rays) {
   const int level = pattern.level(step);
   const std::uint32_t block = rows.air[level].first_cell;
   const double n = rows.voxels_end(level) - rows.level_cell[level];
@@ -209,7 +204,7 @@ void cross_level_in_air(const PathPattern& pattern, int step, const ActiveRows& 
   for (std::uint32_t s = pattern.level_begin[step]; s < pattern.level_begin[step + 1]; ++s) {
     const Segment& segment = pattern.segments[s];
     if (segment.fraction <= 0) continue;
-    const AirInSegment<Kind, Real> air(segment, pattern.chord_m[step], cells, source, block);
+    const AirInSegment<Kind, Real> air(segment, pattern.chord_m[step], marched, block);
     const double all = rays.sum();
     StoredRays after = rays.how();
     after.cross_air(air.absorbed(), air.emission());
@@ -219,11 +214,12 @@ void cross_level_in_air(const PathPattern& pattern, int step, const ActiveRows& 
     for (std::size_t first = 0; first < chunks.size(); first += chunks_summed) {
       cross_chunks(chunks.subspan(first, std::min(chunks_summed, chunks.size() - first)), ox, oy, rows.nx, rows.ny,
                    [&](std::size_t ray, std::size_t cell, int count) {
-                     cross_cells<Kind>(geometry, count, cells, cell, source, stored + ray, sums, access);
+                     cross_cells<Kind>(geometry, count, marched, cell, stored + ray, access);
                    });
       access.finish_sums();
     }
-    if constexpr (Kind::keep_mean) air.keep((all - access.entered) / (static_cast<double>(rays.count()) - n), sums);
+    if constexpr (Kind::keep_mean)
+      air.keep((all - access.entered) / (static_cast<double>(rays.count()) - n), marched.sums);
     rays.cross_segment(after, n, access.entered, access.left);
   }
 }

@@ -84,6 +84,27 @@ struct CellSums {
   bool keeps_moments() const { return moment[0] != nullptr; }
 };
 
+/// Cells as a march reads them, with their source and sums. The index 0 of all arrays is that of the cell `first`.
+template <class Real>
+struct MarchedCells {
+  std::size_t first = 0;  ///< among all cells
+  CellView<Real> view;
+  const Real* source;
+  CellSums<Real> sums{};
+
+  /// The same from one of these cells on.
+  MarchedCells from(std::size_t cell) const {
+    const std::size_t by = cell - first;
+    const auto later = [by](auto* of) { return of != nullptr ? of + by : nullptr; };
+    CellView<Real> view_from(view.extinction + by, {});
+    for (std::size_t axis = 0; axis < 3; ++axis) view_from.gradient[axis] = later(view.gradient[axis]);
+    view_from.share_of_place = later(view.share_of_place);
+    CellSums<Real> sums_from{later(sums.mean), {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) sums_from.moment[axis] = later(sums.moment[axis]);
+    return {cell, view_from, source + by, sums_from};
+  }
+};
+
 /// The work of a kernel, known when it is compiled.
 template <bool with_mean, bool with_moments, bool with_linear_source>
 struct CrossingKind {
@@ -103,18 +124,22 @@ template <bool keep_mean, class Real, class Use>
 
 /// `count` <= lanes rays cross as many cells. In float all arrays can be read and written up to lane_padding elements
 /// beyond.
+/// @param index of the first cell, among all.
 /// @param access how rays are stored: PlainRays or RaysInAir.
 template <class Kind, class Real, class Access>
-[[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count, const CellView<Real>& cells,
-                                               std::size_t cell, const Real* source, Real* ray,
-                                               const CellSums<Real>& sums, Access&& access) {
+[[gnu::always_inline]] inline void cross_cells(const SegmentGeometry<Real>& g, int count,
+                                               const MarchedCells<Real>& marched, std::size_t index, Real* ray,
+                                               Access&& access) {
+  const CellView<Real>& cells = marched.view;
+  const CellSums<Real>& sums = marched.sums;
+  const std::size_t cell = index - marched.first;
   using Cell = Pack<Real>;
   using Value = typename Cell::Value;
   const auto active = Cell::first(count);
   for (int i = 0; i < Cell::steps(count); ++i) {
     const auto add = [&](const Value& more, Real* to) { Cell::store(active, Cell::load(to) + more, to); };
     const Crossing<Value> crossing(optical_path(Cell::load(cells.extinction + cell + i), g.length));
-    const Value s = Cell::load(source + cell + i);
+    const Value s = Cell::load(marched.source + cell + i);
     const Value in = access.radiance(Cell::load(ray + i));
     Value out, held;
     if constexpr (Kind::linear) {

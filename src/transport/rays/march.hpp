@@ -61,17 +61,16 @@ struct LinearSource {
 
 /// Prefetches the data of a later chunk in a list: the processor does not prefetch short runs of cells by itself.
 template <class Kind, class Real>
-[[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const CellView<Real>& cells, const Real* source,
-                                           const CellSums<Real>& sums) {
-  const std::size_t cell = chunk->cell;
-  __builtin_prefetch(cells.extinction + cell);
-  __builtin_prefetch(source + cell);
+[[gnu::always_inline]] inline void ask_for(const Chunk* chunk, const MarchedCells<Real>& marched) {
+  const std::size_t cell = chunk->cell - marched.first;
+  __builtin_prefetch(marched.view.extinction + cell);
+  __builtin_prefetch(marched.source + cell);
   if constexpr (Kind::linear) {
-    for (const Real* gradient : cells.gradient) __builtin_prefetch(gradient + cell);
+    for (const Real* gradient : marched.view.gradient) __builtin_prefetch(gradient + cell);
   }
-  if constexpr (Kind::keep_mean) __builtin_prefetch(sums.mean + cell, 1);
+  if constexpr (Kind::keep_mean) __builtin_prefetch(marched.sums.mean + cell, 1);
   if constexpr (Kind::keep_moments) {
-    for (const Real* moment : sums.moment) __builtin_prefetch(moment + cell, 1);
+    for (const Real* moment : marched.sums.moment) __builtin_prefetch(moment + cell, 1);
   }
 }
 
@@ -81,30 +80,34 @@ struct MarchTotals {
   double left_sides = 0;
 };
 
-/// One direction through the levels of its pattern. `source` [n] is that of the cells, `rays` [nx*ny] hold the radiance
-/// at the start and at the end; all arrays with lane_padding more behind them. at_level(step, rays, all) is called
-/// before the first level and after each. `rays` is null if they are not stored as they are; all.sum() is theirs.
+/// One direction through the levels of its pattern. `rays` [nx*ny] hold the radiance at the start and at the end, with
+/// lane_padding more behind them. at_level(step, rays, all) is called before the first level and after each. `rays` is
+/// null if they are not stored as they are; all.sum() is theirs.
+/// @param extinction [n] of all cells.
+/// @param of_level(level) gives the MarchedCells of a level. It is called when the march comes to the level: what it
+/// makes is then in the nearest caches. Arrays have lane_padding more behind the level's cells.
 /// @param side_radiance [levels + 1] in marching order: radiance coming in through open sides at each interface; empty:
 /// none.
 /// @param joins whether `rays` may be null then.
-/// @param sums read only if keep_mean.
-template <class Real, bool keep_mean, class AtLevel>
-MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
-                  std::span<const Real> side_radiance, const Real* source, Real* rays, bool joins,
-                  const CellSums<Real>& sums, const AtLevel& at_level) {
+template <class Real, bool keep_mean, class OfLevel, class AtLevel>
+MarchTotals march_by_level(const PathPattern& pattern, const ActiveRows& rows, const Real* extinction, bool periodic,
+                           std::span<const Real> side_radiance, const OfLevel& of_level, Real* rays, bool joins,
+                           const AtLevel& at_level) {
   MarchTotals totals;
   MarchedRays<Real> all(rays, rows);
+  const CellView<Real> all_cells(extinction, {});
   at_level(0, rays, all);
   for (int step = 0; step < pattern.levels(); ++step) {
     const int level = pattern.level(step);
-    if (joins && periodic && crosses_in_air(pattern, step, rows, cells)) {
+    const MarchedCells<Real> marched = of_level(level);
+    if (joins && periodic && crosses_in_air(pattern, step, rows, all_cells)) {
       const bool is_uniform = rows.is_uniform(level);
       if (!is_uniform && !keeps_digits(all)) all.write();
-      for_kind_of<keep_mean>(cells, sums, [&](auto kind) {
+      for_kind_of<keep_mean>(marched.view, marched.sums, [&](auto kind) {
         if (is_uniform) {
-          cross_uniform_level<decltype(kind)>(pattern, step, rows, cells, source, sums, all);
+          cross_uniform_level<decltype(kind)>(pattern, step, rows, marched, all);
         } else {
-          cross_level_in_air<decltype(kind)>(pattern, step, rows, cells, source, sums, rays, all);
+          cross_level_in_air<decltype(kind)>(pattern, step, rows, marched, rays, all);
         }
       });
       at_level(step + 1, nullptr, all);
@@ -124,16 +127,15 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
         rays[ray] = outside;
       });
     };
-    for_kind_of<keep_mean>(cells, sums, [&](auto kind) {
+    for_kind_of<keep_mean>(marched.view, marched.sums, [&](auto kind) {
       const auto begin = [&](const Segment& segment) {
         return [=, geometry = SegmentGeometry<Real>(segment, chord)](std::size_t ray, std::size_t cell, int count) {
-          cross_cells<decltype(kind)>(geometry, count, cells, cell, source, rays + ray, sums, PlainRays());
+          cross_cells<decltype(kind)>(geometry, count, marched, cell, rays + ray, PlainRays());
         };
       };
       const auto begin_air = [&](const Segment& segment) {
-        const Real extinction = cells.extinction[rows.air[pattern.level(step)].first_cell];
-        return AirCrossing<decltype(kind), Real>(SegmentGeometry<Real>(segment, chord), extinction, cells, source, rays,
-                                                 sums);
+        return AirCrossing<decltype(kind), Real>(SegmentGeometry<Real>(segment, chord),
+                                                 extinction[rows.air[level].first_cell], marched, rays);
       };
       cross_level(pattern, step, pattern.level(step), rows, begin, begin_air, enter);
     });
@@ -141,6 +143,16 @@ MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const Cell
   }
   all.write();
   return totals;
+}
+
+/// The same with arrays of all cells at hand. @param sums used only if keep_mean.
+template <class Real, bool keep_mean, class AtLevel>
+MarchTotals march(const PathPattern& pattern, const ActiveRows& rows, const CellView<Real>& cells, bool periodic,
+                  std::span<const Real> side_radiance, const Real* source, Real* rays, bool joins,
+                  const CellSums<Real>& sums, const AtLevel& at_level) {
+  const MarchedCells<Real> all{0, cells, source, sums};
+  return march_by_level<Real, keep_mean>(
+      pattern, rows, cells.extinction, periodic, side_radiance, [&](int) { return all; }, rays, joins, at_level);
 }
 
 }  // namespace cloudbow

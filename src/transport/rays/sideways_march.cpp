@@ -25,10 +25,8 @@ class SidewaysMarch {
       : path_(path),
         sheets_(sheets),
         gaps_(gaps),
-        cells_(cells),
-        source_(source),
+        marched_{0, cells, source, sums},
         planes_(planes),
-        sums_(sums),
         work_(work),
         levels_(path.levels.last - path.levels.first),
         columns_(sheets.columns),
@@ -162,17 +160,16 @@ class SidewaysMarch {
         const int slope = path_.upward ? 1 : -1;
         const int base = (path_.upward ? -path_.levels.first : path_.levels.last - 1) - crossed - first_row_;
         for (const Chunk& chunk : chunks) {
-          ask_for<Kind>(&chunk + ahead, cells_, source_, sums_);
+          ask_for<Kind>(&chunk + ahead, marched_);
           const std::size_t row = static_cast<std::size_t>(base + slope * chunk.row) * columns_;
           cross_run(row, chunk, shift, columns_, [&](std::size_t ray, std::size_t cell, int n) {
-            cross_cells<Kind>(geometry, n, cells_, cell, source_, work_.rays.data() + ray, sums_, PlainRays());
+            cross_cells<Kind>(geometry, n, marched_, cell, work_.rays.data() + ray, PlainRays());
           });
         }
         for (std::size_t g = 0; g < gaps.size();) {
           const int level = gaps[g].row;
           const std::size_t row = static_cast<std::size_t>(base + slope * level) * columns_;
-          AirCrossing<Kind, Real> air(geometry, cells_.extinction[gaps[g].cell], cells_, source_, work_.rays.data(),
-                                      sums_);
+          AirCrossing<Kind, Real> air(geometry, marched_.view.extinction[gaps[g].cell], marched_, work_.rays.data());
           while (g < gaps.size() && gaps[g].row == level) {
             const std::uint32_t block = gaps[g].cell;
             air.enter(block);
@@ -208,10 +205,8 @@ class SidewaysMarch {
   const SidewaysPath& path_;
   const Sheets& sheets_;
   const Sheets& gaps_;
-  const CellView<Real>& cells_;
-  const Real* source_;
+  MarchedCells<Real> marched_;
   SidewaysPlanes<Real>& planes_;
-  CellSums<Real> sums_;
   SidewaysWorkspace<Real>& work_;
   int levels_;
   int columns_;

@@ -247,7 +247,7 @@ void mix(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmissio
 template <class Real>
 void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
                 std::size_t first, std::size_t n, const Real* source, const Real* from_beam, Slope<Real>& slope) {
-  for (auto& axis : slope) axis.resize(n + lane_padding);
+  for (auto& axis : slope) axis.resize(std::max(axis.size(), n + lane_padding));
   if (emission.source != nullptr) {
     mix<true>(multiple, beam, emission, first, n, source, from_beam, slope);
   } else {

@@ -79,7 +79,7 @@ void make_relative(const Slope<Real>& beam, const CellEmission<Real>& emission, 
 /// source stays positive in every cell.
 /// @param multiple, beam, emission of all cells; `emission` is part of the source. @param first the cells' first.
 /// @param source, from_beam [n] of the cells [first, first + n): the source, and its part from the beam.
-/// @param slope [3][n + lane_padding] of these cells
+/// @param slope [3][n + lane_padding or more] of these cells; it grows if it has less.
 template <class Real>
 void mix_slopes(const Slope<Real>& multiple, const Slope<Real>& beam, const CellEmission<Real>& emission,
                 std::size_t first, std::size_t n, const Real* source, const Real* from_beam, Slope<Real>& slope);

@@ -136,20 +136,28 @@ void add_transposed(const Cells<Real>& cells, const Real* __restrict from, Real*
   for (std::size_t c = 0; c < cells.size(); ++c) to[cell[c]] += from[c];
 }
 
-// Slopes of an ordinate's source, from those of its octant, of the beam and of the Planck radiance.
+// Slopes of an ordinate's source in n cells from `first` on, from those of its octant, of the beam and of the Planck
+// radiance. @param source [n] of these cells.
 template <class Real>
-void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlopes<Real>& slopes, int d,
-                            const Real* source, typename SweepWorkspace<Real>::Thread& work) {
-  const std::size_t n = system.cells->size();
+void mix_slopes_of_cells(const TransportSystem<Real>& system, const LightSlopes<Real>& slopes, int d, std::size_t first,
+                         std::size_t n, const Real* source, typename SweepWorkspace<Real>::Thread& work) {
   work.from_beam.assign(n, Real(0));
   for (const BeamSource<Real>& beam : system.beam.source) {
     const Real phase = beam.direction[d];
-    const Real* __restrict const intensity = beam.intensity.data();
+    const Real* __restrict const intensity = beam.intensity.data() + first;
     Real* __restrict const to = work.from_beam.data();
     for (std::size_t c = 0; c < n; ++c) to[c] += phase * intensity[c];
   }
   mix_slopes(slopes.of_octant[octant_of(system.ordinates.direction[d])], system.slopes->beam(),
-             system.thermal_emission(), 0, n, source, work.from_beam.data(), work.gradient.axis);
+             system.thermal_emission(), first, n, source, work.from_beam.data(), work.gradient.axis);
+}
+
+// The same of all cells, also in the order of a march along x.
+template <class Real>
+void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlopes<Real>& slopes, int d,
+                            const Real* source, typename SweepWorkspace<Real>::Thread& work) {
+  const std::size_t n = system.cells->size();
+  mix_slopes_of_cells(system, slopes, d, 0, n, source, work);
   const bool along_x = system.paths[d].sideways && system.paths[d].sideways->axis == 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     work.gradient.transposed[axis].resize(along_x ? n + lane_padding : 0);
@@ -216,8 +224,10 @@ void transpose(const Real* from, int nx, int ny, Real* to) {
 template <class Real>
 class OrdinateMarch {
  public:
-  OrdinateMarch(const TransportSystem<Real>& system, typename SweepWorkspace<Real>::Thread& work)
-      : system_(system), work_(work) {}
+  // @param mixed slopes that ordinates without a march along x or y mix level by level; null: gradients are at hand.
+  OrdinateMarch(const TransportSystem<Real>& system, const LightSlopes<Real>* mixed,
+                typename SweepWorkspace<Real>::Thread& work)
+      : system_(system), mixed_(mixed), work_(work) {}
 
   // `rays` [columns + lane_padding] come in by column.
   // @param passing [levels + 1][columns] radiance at each interface; null: not kept.
@@ -226,12 +236,13 @@ class OrdinateMarch {
                  bool record, bool keep_moments, Real* passing, OrdinateFluxes& totals) {
     const OrdinatePath& path = system_.paths[d];
     std::vector<Real>& radiance = rays.radiance;
-    work_.mean.assign(source.size(), Real(0));
+    work_.mean.resize(source.size());
     sums_ = {work_.mean.data(), {}};
     for (std::size_t axis = 0; keep_moments && axis < 3; ++axis) {
-      work_.moment[axis].assign(source.size(), Real(0));
+      work_.moment[axis].resize(source.size());
       sums_.moment[axis] = work_.moment[axis].data();
     }
+    clear_sums(system_.cells->size(), source.size());
     if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
     go_along_z(d, path.along_z.front(), gradient, source, radiance, record, passing, totals);
     bool sum_alone = false;
@@ -249,6 +260,14 @@ class OrdinateMarch {
   }
 
  private:
+  // Levels along z are cleared as the march comes to them.
+  void clear_sums(std::size_t first, std::size_t last) {
+    std::fill(sums_.mean + first, sums_.mean + last, Real(0));
+    for (Real* const moment : sums_.moment) {
+      if (moment != nullptr) std::fill(moment + first, moment + last, Real(0));
+    }
+  }
+
   void go_along_z(int d, const PathPattern& pattern, const GroupGradient<Real>& gradient,
                   const std::vector<Real>& source, std::vector<Real>& rays, bool record, Real* passing,
                   OrdinateFluxes& totals) {
@@ -262,9 +281,23 @@ class OrdinateMarch {
       totals.profile[edge] = p != nullptr ? plane_sum(p, columns) : all.sum();
       if (p != nullptr && passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
     };
-    const CellView<Real> cells = view_along_z(*system_.cells, gradient);
-    const MarchTotals sides = march<Real, true>(pattern, system_.cells->rows, cells, system_.box.periodic, side,
-                                                source.data(), rays.data(), passing == nullptr, sums_, at_level);
+    const Cells<Real>& cells = *system_.cells;
+    const bool by_level = mixed_ != nullptr && !system_.paths[d].sideways;
+    const MarchedCells<Real> all{
+        0, by_level ? CellView<Real>(cells.view(cells.extinction, {}, {}, {})) : view_along_z(cells, gradient),
+        source.data(), sums_};
+    const auto of_level = [&](int level) {
+      const std::size_t first = cells.rows.level_cell[level], last = cells.rows.level_cell[level + 1];
+      clear_sums(first, last);
+      MarchedCells<Real> marched = all.from(first);
+      if (!by_level) return marched;
+      mix_slopes_of_cells(system_, *mixed_, d, first, last - first, marched.source, work_);
+      for (std::size_t axis = 0; axis < 3; ++axis) marched.view.gradient[axis] = work_.gradient.axis[axis].data();
+      return marched;
+    };
+    const MarchTotals sides =
+        march_by_level<Real, true>(pattern, cells.rows, cells.extinction.data(), system_.box.periodic, side, of_level,
+                                   rays.data(), passing == nullptr, at_level);
     totals.sides.entered_sides += sides.entered_sides;
     totals.sides.left_sides += sides.left_sides;
   }
@@ -300,6 +333,7 @@ class OrdinateMarch {
     std::vector<double> at_level(record ? path.levels.last - path.levels.first + 1 : 0, 0.);
     planes.at_level = at_level;
     const TransposedCells<Real>& transposed = cells.transposed[path.axis];
+    clear_sums(cells.rows.level_cell[path.levels.first], cells.rows.level_cell[path.levels.last]);
     if (along_x) {
       const std::size_t n = cells.size();
       work_.transposed_source.resize(n + lane_padding);
@@ -333,6 +367,7 @@ class OrdinateMarch {
   }
 
   const TransportSystem<Real>& system_;
+  const LightSlopes<Real>* mixed_;
   typename SweepWorkspace<Real>::Thread& work_;
   CellSums<Real> sums_;
 };
@@ -439,7 +474,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
 #pragma omp parallel
     {
       typename SweepWorkspace<Real>::Thread& own = work.of_thread[omp_get_thread_num()];
-      OrdinateMarch<Real> march(system, own);
+      OrdinateMarch<Real> march(system, mixed ? slopes : nullptr, own);
       for (const std::vector<int>& group : groups) {
         const bool transposed = std::any_of(group.begin(), group.end(), [&](int d) {
           return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
@@ -465,9 +500,9 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
               field.stored_row(d).read(0, n, own.unpacked.data());
             }
             std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
-            if (mixed) {
+            if (mixed && system.paths[d].sideways) {
               mix_slopes_of_ordinate(system, *slopes, d, source.data(), own);
-            } else if (system.linear_source && !shared) {
+            } else if (!mixed && system.linear_source && !shared) {
               gradient_of_ordinate(system, source.data(), own);
             }
             march.cross_box(d, shared ? work.gradient : own.gradient, source, landing, record, new_slopes,
