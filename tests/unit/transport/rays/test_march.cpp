@@ -207,6 +207,62 @@ TYPED_TEST(MarchOf, ConstantSourceIsALinearOneWithoutSlopes) {
   }
 }
 
+// Truth: the same march with arrays of all cells. Levels without cells, levels of air alone and levels of both.
+TYPED_TEST(MarchOf, LevelsCanHaveArraysOfTheirOwn) {
+  BoxGrid box = make_box(9, 7, 0);
+  box.z_edge_m = {0, 1, 2, 3, 4, 9};
+  std::vector<float> cloud = random_extinction(box, 3, 5);
+  for (std::size_t c = 0; c < cloud.size(); ++c) {
+    if (c / box.columns() != 2 || c % 5 != 0) cloud[c] = 0;
+  }
+  const Layers layers{{.01, .02, .02, 0, .01}, {.1, .1, .05, 0, .2}};
+  const auto cells = make_cells<TypeParam>(grid_in_blocks(box, cloud, layers, 0), std::vector<double>{0., 0.}, false);
+  Random random(4);
+  std::array<std::vector<TypeParam>, 4> given;  // source, and slopes of the next three
+  for (auto& of : given) {
+    for (std::size_t c = 0; c < cells.size() + lane_padding; ++c) of.push_back(static_cast<TypeParam>(.3 * random()));
+  }
+  const auto& [source, x, y, z] = given;
+  for (const Direction& travel : directions()) {
+    const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
+    for (const bool joins : {true, false}) {
+      std::array<std::vector<TypeParam>, 4> whole, by_level;
+      for (auto* sums : {&whole, &by_level}) {
+        for (auto& sum : *sums) sum.resize(cells.size() + lane_padding);
+      }
+      const std::vector<TypeParam> start(box.columns() + lane_padding, TypeParam(2));
+      std::vector<TypeParam> rays = start, rays_by_level = start;
+      const auto no_use = [](int, const TypeParam*, auto&) {};
+      march<TypeParam, true>(pattern, cells.rows, cells.view(cells.extinction, x, y, z), true, {}, source.data(),
+                             rays.data(), joins, {whole[0].data(), {whole[1].data(), whole[2].data(), whole[3].data()}},
+                             no_use);
+      const MarchedCells<TypeParam> all{
+          0,
+          cells.view(cells.extinction, {}, {}, {}),
+          source.data(),
+          {by_level[0].data(), {by_level[1].data(), by_level[2].data(), by_level[3].data()}}};
+      std::array<std::vector<TypeParam>, 3> own;
+      march_by_level<TypeParam, true>(
+          pattern, cells.rows, cells.extinction.data(), true, {},
+          [&](int level) {
+            const std::size_t first = cells.rows.level_cell[level], last = cells.rows.level_cell[level + 1];
+            MarchedCells<TypeParam> marched = all.from(first);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+              own[axis].assign(last - first + lane_padding, TypeParam(99));
+              std::copy(given[axis + 1].begin() + static_cast<std::ptrdiff_t>(first),
+                        given[axis + 1].begin() + static_cast<std::ptrdiff_t>(last), own[axis].begin());
+              marched.view.gradient[axis] = own[axis].data();
+            }
+            return marched;
+          },
+          rays_by_level.data(), joins, no_use);
+      EXPECT_EQ(rays_by_level, rays);
+      EXPECT_EQ(by_level, whole);
+      EXPECT_NE(rays, start);
+    }
+  }
+}
+
 // Truth: the same march with joins = false, in which each ray crosses the air separately.
 TYPED_TEST(MarchOf, RaysInAirAreThoseCrossedOneByOne) {
   // Float: differences of stored radiances lose up to a fifth of their digits.
