@@ -4,7 +4,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/file_library_lock.hpp"
@@ -13,6 +15,8 @@
 #include "cloudbow/medium/cloud_amounts.hpp"
 #include "cloudbow/medium/plausibility.hpp"
 #include "vdb_module.hpp"
+#include "vdb_plain_file.hpp"
+#include "vdb_read.hpp"
 
 namespace cloudbow {
 
@@ -35,15 +39,28 @@ const VdbModule& vdb_module() {
 
 }  // namespace
 
-VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
+VdbGrid read_grid_by_openvdb(const std::filesystem::path& path, const std::string& grid, std::uint64_t,
+                             const VdbGridChecks& checks) {
   const FileLibraryLock lock;
-  return vdb_module().read_cloud(path, options);
+  return vdb_module().read_grid(path, grid, checks);
+}
+
+VdbGrid read_grid(const std::filesystem::path& path, const std::string& grid, std::uint64_t memory_bytes,
+                  const VdbGridChecks& checks) {
+  std::optional<VdbGrid> plain = read_plain_vdb(path, grid, memory_bytes);
+  if (!plain) return read_grid_by_openvdb(path, grid, memory_bytes, checks);
+  checks.header(plain->header);
+  checks.voxels(static_cast<double>(plain->active_voxels()));
+  return std::move(*plain);
+}
+
+VdbCloud read_cloud_vdb(const std::filesystem::path& path, const VdbReadOptions& options) {
+  return read_cloud(read_grid, path, options);
 }
 
 std::vector<float> read_auxiliary_vdb(const std::filesystem::path& path, const CloudField& cloud,
                                       const VdbReadOptions& options, double lowest, double highest) {
-  const FileLibraryLock lock;
-  return vdb_module().read_auxiliary(path, cloud, options, lowest, highest);
+  return read_auxiliary(read_grid, path, cloud, options, lowest, highest);
 }
 
 namespace {

@@ -1,16 +1,16 @@
 // Functions of the module cloudbow_vdb, which uses OpenVDB, for vdb_file.cpp. OpenVDB takes longer to load than small
-// scenes take to solve. So it is loaded with the first VDB file.
+// scenes take to solve. So it is loaded with the first VDB file that is written, or is not ordinary.
 #pragma once
 
 #include "cloudbow/medium/vdb_file.hpp"
+#include "vdb_read.hpp"
 
 namespace cloudbow {
 
-/// Functions as the public ones of the same names, which document them.
+/// Functions that write are as the public ones of the same names, which document them.
 struct VdbModule {
-  VdbCloud (*read_cloud)(const std::filesystem::path& path, const VdbReadOptions& options);
-  std::vector<float> (*read_auxiliary)(const std::filesystem::path& path, const CloudField& cloud,
-                                       const VdbReadOptions& options, double lowest, double highest);
+  /// Parses the file in a sandbox, then calls the checks as soon as they can be, and reads the grid.
+  VdbGrid (*read_grid)(const std::filesystem::path& path, const std::string& grid, const VdbGridChecks& checks);
   /// The grids with their metadata; none is read as a cloud.
   std::vector<VdbGridInfo> (*list_grids)(const std::filesystem::path& path);
   void (*write_cloud)(const std::filesystem::path& path, const CloudField& field, const VdbWriteOptions& options,

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <openvdb/openvdb.h>
 
 #include <array>
 #include <cstdint>
@@ -14,6 +13,7 @@
 
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/vdb_file.hpp"
+#include "vdb_grid.hpp"
 
 namespace cloudbow {
 
@@ -46,13 +46,13 @@ struct Placement {
   std::array<int, 3> world_sign;
   std::array<double, 3> stretch;  ///< scene metres per metre of the file
 
-  std::array<std::int64_t, 3> cell(const openvdb::Coord& index) const {
+  std::array<std::int64_t, 3> cell(const VdbIndex& index) const {
     return {std::int64_t{sign[0]} * index[axis[0]], std::int64_t{sign[1]} * index[axis[1]],
             std::int64_t{sign[2]} * index[axis[2]]};
   }
-  openvdb::Coord index(const std::array<std::int64_t, 3>& cell) const {
-    openvdb::Coord result;
-    for (int a = 0; a < 3; ++a) result[axis[a]] = static_cast<openvdb::Int32>(sign[a] * cell[a]);
+  VdbIndex index(const std::array<std::int64_t, 3>& cell) const {
+    VdbIndex result{};
+    for (int a = 0; a < 3; ++a) result[axis[a]] = static_cast<std::int32_t>(sign[a] * cell[a]);
     return result;
   }
   double lower_face(int a, std::int64_t n) const { return centre[a] + (static_cast<double>(n) - 0.5) * size[a]; }
@@ -61,10 +61,10 @@ struct Placement {
 };
 
 /// @throws InputError unless the transform takes boxes along the axes to boxes along the axes.
-Placement place(const openvdb::math::Transform& transform, const VdbReadOptions& options, const Place& where);
+Placement place(const VdbGridHeader& grid, const VdbReadOptions& options, const Place& where);
 
 /// The domain of the grid's metadata in the scene's axes. @throws InputError if it is incomplete or not finite.
-std::optional<VdbDomain> metadata_domain(const openvdb::GridBase& grid, const Placement& placement, const Place& where);
+std::optional<VdbDomain> metadata_domain(const VdbGridHeader& grid, const Placement& placement, const Place& where);
 
 /// The face on which a corner of the domain lies. @param whose domain it is, for the message
 std::int64_t nearest_face(const Placement& placement, int a, double position, const char* whose, const Place& where);

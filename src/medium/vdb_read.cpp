@@ -1,20 +1,17 @@
+#include "vdb_read.hpp"
+
 #include <fmt/format.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include "cloudbow/core/available_memory.hpp"
 #include "cloudbow/core/error.hpp"
-#include "cloudbow/core/sandbox.hpp"
 #include "row_spans.hpp"
-#include "vdb_input.hpp"
-#include "vdb_module.hpp"
 #include "vdb_placement.hpp"
-#include "vdb_write.hpp"
 
 namespace cloudbow {
 
@@ -45,8 +42,7 @@ void check_options(const VdbReadOptions& options) {
   }
 }
 
-void check_memory(double bytes, const VdbReadOptions& options, const Place& where, const std::string& found) {
-  const auto limit = memory_limit(options);
+void check_memory(double bytes, std::uint64_t limit, const Place& where, const std::string& found) {
   if (bytes > static_cast<double>(limit)) {
     where.fail(
         "too large ({}: {:.3g} GB to read, {:.3g} GB are allowed); clip or coarsen the grid (vdb_tool -clip, "
@@ -55,60 +51,43 @@ void check_memory(double bytes, const VdbReadOptions& options, const Place& wher
   }
 }
 
-// Bytes per voxel: in the tree 4 and its share of the leaf, in the list of voxels 16, in the rows 8, in the field 4.
-void check_voxels(double voxels, const VdbReadOptions& options, const Place& where) {
+// In the tree 4 and its share of the leaf, in the list of voxels 16, in the rows 8, in the field 4.
+constexpr double bytes_per_voxel = 40;
+
+void check_voxels(double voxels, std::uint64_t limit, const Place& where) {
   const std::string found = fmt::format("{:.0f} active voxels", voxels);
-  check_memory(40.0 * voxels, options, where, found);
+  check_memory(bytes_per_voxel * voxels, limit, where, found);
   if (voxels > std::numeric_limits<std::uint32_t>::max()) where.fail("too large ({}; 4294967295 are allowed)", found);
 }
 
 // Rows and columns are stored densely, here and in every result.
-void check_box(const std::array<std::int64_t, 3>& cells, const VdbReadOptions& options, const Place& where) {
+void check_box(const std::array<std::int64_t, 3>& cells, std::uint64_t limit, const Place& where) {
   const auto [nx, ny, nz] = cells;
   const double faces =
       static_cast<double>(nx) * static_cast<double>(ny) + static_cast<double>(ny) * static_cast<double>(nz);
   const std::string found = fmt::format("a box of {} x {} x {} cells", nx, ny, nz);
-  check_memory(16.0 * faces, options, where, found);
+  check_memory(16.0 * faces, limit, where, found);
   for (const auto n : cells) {
     if (n > std::numeric_limits<std::int32_t>::max())
       where.fail("too large ({}; 2147483647 along an axis are allowed)", found);
   }
 }
 
-void check_metadata(const openvdb::GridBase& grid, const Placement& placement, const VdbReadOptions& options,
-                    const Place& where) {
-  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
+void check_metadata(const VdbGridHeader& grid, const Placement& placement, std::uint64_t limit, const Place& where) {
+  if (grid.is_level_set) {
     where.fail(
         "is a level set (distances to a surface; densities are allowed); make a fog volume of it, 0 outside to 1 "
         "inside, with OpenVDB's tool (vdb_tool -read {} -ls2fog -write fog.vdb) and set cloud.scale",
         where.path.string());
   }
-  if (const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT)) {
-    check_voxels(static_cast<double>(count->value()), options, where);
-  }
-  const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
-  const auto high = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
-  if (low && high) {
+  if (grid.voxel_count) check_voxels(static_cast<double>(*grid.voxel_count), limit, where);
+  if (grid.first_voxel && grid.last_voxel) {
     std::array<std::int64_t, 3> cells{};
     for (int a = 0; a < 3; ++a) {
       const int axis = placement.axis[a];
-      cells[a] = std::max<std::int64_t>(0, std::int64_t{high->value()[axis]} - low->value()[axis] + 1);
+      cells[a] = std::max<std::int64_t>(0, std::int64_t{(*grid.last_voxel)[axis]} - (*grid.first_voxel)[axis] + 1);
     }
-    check_box(cells, options, where);
-  }
-}
-
-/// Calls function(index, value) for every active voxel, tiles expanded.
-template <class Function>
-void for_each_active_voxel(const openvdb::FloatTree& tree, Function function) {
-  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
-    for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) function(voxel.getCoord(), *voxel);
-  }
-  auto tile = tree.cbeginValueOn();
-  tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1);
-  for (; tile; ++tile) {
-    const openvdb::CoordBBox box = tile.getBoundingBox();
-    for (auto index = box.begin(); index; ++index) function(*index, *tile);
+    check_box(cells, limit, where);
   }
 }
 
@@ -123,7 +102,7 @@ class VoxelCollector {
 
   void reserve(std::size_t voxels) { voxels_.reserve(voxels); }
 
-  void add(const openvdb::Coord& index, float stored) {
+  void add(const VdbIndex& index, float stored) {
     const auto value = static_cast<float>(scale_ * static_cast<double>(stored));
     if (!std::isfinite(value)) {
       where_.fail("voxel ({}, {}, {}) has the value {}{} (finite numbers >= 0 are allowed)", index[0], index[1],
@@ -171,7 +150,7 @@ class VoxelCollector {
   float largest_ = 0;
   std::size_t negative_ = 0;
   float least_ = 0;
-  openvdb::Coord least_at_;
+  VdbIndex least_at_{};
 };
 
 struct CellBox {
@@ -240,28 +219,21 @@ void fill_rows(CloudField& field, const std::vector<Voxel>& voxels, const CellBo
   }
 }
 
-std::string text_metadata(const openvdb::GridBase& grid, const char* name) {
-  const auto item = grid.getMetadata<openvdb::StringMetadata>(name);
-  return item ? item->value() : "";
-}
-
 std::string numbers(const std::array<double, 3>& n) {
   return fmt::format("[{:.10g}, {:.10g}, {:.10g}]", n[0], n[1], n[2]);
 }
 
 /// Cells that hold the background: those of the grid's own domain, else of the scene's, that are not active. The
 /// background has no bounds of its own.
-void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomain>& domain,
-                    const VdbReadOptions& options, const Placement& placement, const Place& where,
-                    VoxelCollector& voxels) {
-  if (!std::isfinite(grid.background())) {
-    where.fail("the background is {} (a finite number is allowed); give the grid the background 0", grid.background());
+void add_background(const VdbGrid& grid, const std::optional<VdbDomain>& domain, const VdbReadOptions& options,
+                    const Placement& placement, std::uint64_t limit, const Place& where, VoxelCollector& voxels) {
+  if (!std::isfinite(grid.background)) {
+    where.fail("the background is {} (a finite number is allowed); give the grid the background 0", grid.background);
   }
   if (!domain && !options.domain_m) {
-    const auto active = grid.evalActiveVoxelBoundingBox();
     std::string box;
-    if (!active.empty()) {
-      const auto low = placement.cell(active.min()), high = placement.cell(active.max());
+    if (const auto active = active_box(grid)) {
+      const auto low = placement.cell((*active)[0]), high = placement.cell((*active)[1]);
       VdbDomain of_active{};
       for (int a = 0; a < 3; ++a) {
         of_active.min_m[a] = placement.lower_face(a, std::min(low[a], high[a]));
@@ -274,35 +246,28 @@ void add_background(const openvdb::FloatGrid& grid, const std::optional<VdbDomai
         "the background is {} and nothing says how far it reaches (found neither metadata domain_min_m, "
         "domain_max_m nor both corners in the scene's [domain], allowed a background of 0 or one of these); set "
         "[domain] min_m and max_m{}",
-        grid.background(), box);
+        grid.background, box);
   }
   const CellBox box = box_of(domain ? *domain : *options.domain_m, placement, domain ? "metadata" : "scene", where);
-  check_voxels(box.volume(), options, where);
-  const auto accessor = grid.getConstAccessor();
+  check_voxels(box.volume(), limit, where);
+  VdbLookup lookup(grid);
   for (auto k = box.first[2]; k < box.end[2]; ++k) {
     for (auto j = box.first[1]; j < box.end[1]; ++j) {
       for (auto i = box.first[0]; i < box.end[0]; ++i) {
-        const openvdb::Coord index = placement.index({i, j, k});
-        if (!accessor.isValueOn(index)) voxels.add(index, grid.background());
+        const VdbIndex index = placement.index({i, j, k});
+        if (!lookup.at(index).is_active) voxels.add(index, grid.background);
       }
     }
   }
 }
 
 /// Values that are stored but not active count as the background: what renderers see there may be something else.
-void note_inactive_values(const openvdb::FloatGrid& grid, const Place& where, std::vector<std::string>& notes) {
-  std::uint64_t voxels = 0;
-  float example = 0;
-  for (auto value = grid.tree().cbeginValueOff(); value; ++value) {
-    if (*value == grid.background() || (std::isnan(*value) && std::isnan(grid.background()))) continue;
-    if (voxels == 0) example = *value;
-    voxels += value.getVoxelCount();
-  }
-  if (voxels > 0) {
+void note_inactive_values(const VdbGrid& grid, const Place& where, std::vector<std::string>& notes) {
+  if (grid.inactive.voxels > 0) {
     notes.push_back(
         where.text("{} voxels that are not active hold other values than the background (such as {}); they "
                    "count as the background, {}",
-                   voxels, example, grid.background()));
+                   grid.inactive.voxels, grid.inactive.example, grid.background));
   }
 }
 
@@ -342,27 +307,36 @@ void note_stray_voxels(const std::vector<Voxel>& voxels, const CellBox& box, con
       most[0], most[1], most[2], index[0], index[1], index[2], stray->value, all[0], all[1], all[2]));
 }
 
-VdbCloud read_cloud(const std::filesystem::path& path, const VdbReadOptions& options) {
-  const Place where{path, options.grid};
-  VdbInput input(path, options.grid);
-  const auto& entry = input.find(options.grid);
-  const Placement placement = place(entry.grid->transform(), options, where);
-  check_metadata(*entry.grid, placement, options, where);
-  const auto domain = metadata_domain(*entry.grid, placement, where);
+}  // namespace
 
+VdbCloud read_cloud(const VdbGridReader& reader, const std::filesystem::path& path, const VdbReadOptions& options) {
+  check_options(options);
+  const std::uint64_t limit = memory_limit(options);
+  const Place where{path, options.grid};
+  std::optional<Placement> placed;
+  std::optional<VdbDomain> domain;
+  VdbGridChecks checks;
+  checks.header = [&](const VdbGridHeader& header) {
+    placed = place(header, options, where);
+    check_metadata(header, *placed, limit, where);
+    domain = metadata_domain(header, *placed, where);
+  };
+  checks.voxels = [&](double active_voxels) { check_voxels(active_voxels, limit, where); };
+
+  VdbGrid grid = reader(path, options.grid, limit, checks);
+  const Placement placement = placed.value();
   VdbCloud field;
-  auto grid = input.load(entry);
-  check_voxels(static_cast<double>(grid->activeVoxelCount()), options, where);
   VoxelCollector collector(placement, options.scale, where);
-  collector.reserve(grid->activeVoxelCount());
-  for_each_active_voxel(grid->tree(), [&](const openvdb::Coord& index, float stored) { collector.add(index, stored); });
+  collector.reserve(grid.active_voxels());
+  for_each_active_voxel(grid, [&](const VdbIndex& index, float stored) { collector.add(index, stored); });
   collector.check_negative();
-  const bool has_background = !(grid->background() == 0) && !options.ignores_background;
-  if (has_background) add_background(*grid, domain, options, placement, where, collector);
+  const bool has_background = !(grid.background == 0) && !options.ignores_background;
+  if (has_background) add_background(grid, domain, options, placement, limit, where, collector);
   collector.check_negative();
   collector.note_negative(field.notes);
-  note_inactive_values(*grid, where, field.notes);
-  grid.reset();
+  note_inactive_values(grid, where, field.notes);
+  const VdbGridHeader header = std::move(grid.header);
+  grid = {};
   const std::vector<Voxel>& voxels = collector.voxels();
   if (voxels.empty()) {
     where.fail("is empty (no {}voxel has a value > 0{})", has_background ? "" : "active ",
@@ -385,7 +359,7 @@ VdbCloud read_cloud(const std::filesystem::path& path, const VdbReadOptions& opt
     }
   }
   const auto cells = box.cells();
-  check_box(cells, options, where);
+  check_box(cells, limit, where);
   if (!domain) note_stray_voxels(voxels, box, placement, where, field.notes);
 
   for (int a = 0; a < 3; ++a) {
@@ -393,23 +367,16 @@ VdbCloud read_cloud(const std::filesystem::path& path, const VdbReadOptions& opt
     field.cell_size_m[a] = placement.size[a];
     field.min_m[a] = domain ? domain->min_m[a] : placement.lower_face(a, box.first[a]);
   }
-  field.quantity = text_metadata(*entry.grid, "quantity");
-  field.units = text_metadata(*entry.grid, "units");
+  field.quantity = header.quantity;
+  field.units = header.units;
   fill_rows(field, voxels, box);
   return field;
 }
 
-std::vector<float> read_auxiliary(const std::filesystem::path& path, const CloudField& cloud,
-                                  const VdbReadOptions& options, double lowest, double highest) {
-  const Place where{path, options.grid};
-  VdbInput input(path, options.grid);
-  const auto& entry = input.find(options.grid);
-  const std::string quantity = text_metadata(*entry.grid, "quantity");
-  if (!options.auxiliary_quantity.empty() && !quantity.empty() && quantity != options.auxiliary_quantity) {
-    where.fail("holds something else by its metadata (found the quantity {}, allowed {}); name the grid that holds it",
-               quantity, options.auxiliary_quantity);
-  }
-  const Placement placement = place(entry.grid->transform(), options, where);
+namespace {
+
+/// Index of the cloud's first cell in the grid of this placement. @throws InputError unless their voxels coincide.
+std::array<std::int64_t, 3> first_cell(const Placement& placement, const CloudField& cloud, const Place& where) {
   std::array<std::int64_t, 3> first{};
   for (int a = 0; a < 3; ++a) {
     const double faces = placement.faces(a, cloud.min_m[a]);
@@ -425,10 +392,35 @@ std::vector<float> read_auxiliary(const std::filesystem::path& path, const Cloud
     }
     first[a] = static_cast<std::int64_t>(std::nearbyint(faces));
   }
+  return first;
+}
 
-  const auto grid = input.load(entry);
-  const auto accessor = grid->getConstAccessor();
-  const bool background_counts = grid->background() != 0;
+}  // namespace
+
+std::vector<float> read_auxiliary(const VdbGridReader& reader, const std::filesystem::path& path,
+                                  const CloudField& cloud, const VdbReadOptions& options, double lowest,
+                                  double highest) {
+  check_options(options);
+  const Place where{path, options.grid};
+  std::optional<Placement> placed;
+  std::array<std::int64_t, 3> first{};
+  VdbGridChecks checks;
+  checks.header = [&](const VdbGridHeader& header) {
+    if (!options.auxiliary_quantity.empty() && !header.quantity.empty() &&
+        header.quantity != options.auxiliary_quantity) {
+      where.fail(
+          "holds something else by its metadata (found the quantity {}, allowed {}); name the grid that holds it",
+          header.quantity, options.auxiliary_quantity);
+    }
+    placed = place(header, options, where);
+    first = first_cell(*placed, cloud, where);
+  };
+  checks.voxels = [](double) {};
+
+  const VdbGrid grid = reader(path, options.grid, memory_limit(options), checks);
+  const Placement placement = placed.value();
+  VdbLookup lookup(grid);
+  const bool background_counts = grid.background != 0 && !std::isnan(grid.background);
   std::vector<float> values;
   values.reserve(cloud.active_voxels());
   const std::int64_t ny = cloud.cells[1];
@@ -437,14 +429,14 @@ std::vector<float> read_auxiliary(const std::filesystem::path& path, const Cloud
       const auto& span = cloud.spans[s];
       for (std::int32_t i = span.i; i < span.i + span.n; ++i) {
         const auto index = placement.index({first[0] + i, first[1] + row % ny, first[2] + row / ny});
-        float stored = 0;
-        const bool active = accessor.probeValue(index, stored);
-        if (!active && !(background_counts && stored == grid->background())) {
+        const auto found = lookup.at(index);
+        if (!found.is_active && !(background_counts && found.is_background)) {
           where.fail(
               "voxel ({}, {}, {}) has no value (the cloud has one there, and the background is {}) give it one, or "
               "the grid a background that holds elsewhere",
-              index[0], index[1], index[2], grid->background());
+              index[0], index[1], index[2], grid.background);
         }
+        const float stored = found.is_active ? found.value : grid.background;
         const double value = options.scale * static_cast<double>(stored);
         if (!(value >= lowest && value <= highest)) {
           where.fail("voxel ({}, {}, {}) has the value {} ({} to {} are allowed)", index[0], index[1], index[2], value,
@@ -457,60 +449,4 @@ std::vector<float> read_auxiliary(const std::filesystem::path& path, const Cloud
   return values;
 }
 
-/// Some damaged files make OpenVDB overflow its heap, loop endlessly or request all memory: the file is first parsed in
-/// a child process. OpenVDB uses one thread in both processes: a child inherits no others, and would wait for them.
-template <class Parse, class Read>
-auto after_parsing(const std::filesystem::path& path, Parse parse, Read read) {
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  std::error_code error;
-  const auto bytes = std::filesystem::file_size(path, error);
-  // A grid of constant leaves takes 30 MB for each megabyte of the file; then something to spare.
-  read_in_sandbox(path, {.library = "OpenVDB", .memory_bytes = 64 * (error ? 0 : bytes) + 512000000}, parse);
-  return read();
-}
-
-template <class Read>
-auto after_parsing_grid(const std::filesystem::path& path, const std::string& grid, Read read) {
-  const auto parse = [&] {
-    VdbInput input(path, grid);
-    input.load(input.find(grid));
-  };
-  return after_parsing(path, parse, read);
-}
-
-std::vector<VdbGridInfo> grids_of(const VdbInput& input) {
-  std::vector<VdbGridInfo> grids;
-  for (const auto& entry : input.entries()) {
-    VdbGridInfo grid;
-    grid.name = entry.name;
-    grid.type = entry.type;
-    grid.quantity = text_metadata(*entry.grid, "quantity");
-    grid.units = text_metadata(*entry.grid, "units");
-    grids.push_back(std::move(grid));
-  }
-  return grids;
-}
-
-VdbCloud read_cloud_safely(const std::filesystem::path& path, const VdbReadOptions& options) {
-  check_options(options);
-  return after_parsing_grid(path, options.grid, [&] { return read_cloud(path, options); });
-}
-
-std::vector<float> read_auxiliary_safely(const std::filesystem::path& path, const CloudField& cloud,
-                                         const VdbReadOptions& options, double lowest, double highest) {
-  check_options(options);
-  return after_parsing_grid(path, options.grid, [&] { return read_auxiliary(path, cloud, options, lowest, highest); });
-}
-
-std::vector<VdbGridInfo> list_grids_safely(const std::filesystem::path& path) {
-  const auto list = [&] { return grids_of(VdbInput(path, "")); };
-  return after_parsing(path, list, list);
-}
-
-}  // namespace
-
 }  // namespace cloudbow
-
-const cloudbow::VdbModule cloudbow_vdb_module = {cloudbow::read_cloud_safely, cloudbow::read_auxiliary_safely,
-                                                 cloudbow::list_grids_safely, cloudbow::vdb::write_cloud,
-                                                 cloudbow::vdb::write_fields};
