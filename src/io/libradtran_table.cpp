@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloudbow/core/error.hpp"
+#include "cloudbow/medium/netcdf_library.hpp"
 #include "cloudbow/optics/legendre_series.hpp"
 #include "io/droplet_table_readers.hpp"
 #include "io/hdf5_handle.hpp"
@@ -20,29 +21,32 @@ namespace {
 void check(int status, const std::string& what) {
   if (status == NC_ENOMEM) throw std::bad_alloc();
   if (status != NC_NOERR)
-    throw InputError(fmt::format("{}: damaged, or not such a table ({})", what, nc_strerror(status)));
+    throw InputError(fmt::format("{}: damaged, or not such a table ({})", what, netcdf_library().strerror(status)));
 }
 
 class NetcdfFile {
  public:
-  explicit NetcdfFile(const std::filesystem::path& path) { check(nc_open(path.c_str(), NC_NOWRITE, &id_), "netCDF"); }
-  ~NetcdfFile() { nc_close(id_); }
+  explicit NetcdfFile(const std::filesystem::path& path) {
+    check(netcdf_library().open(path.c_str(), NC_NOWRITE, &id_), "netCDF");
+  }
+  ~NetcdfFile() { netcdf_library().close(id_); }
   NetcdfFile(const NetcdfFile&) = delete;
   NetcdfFile& operator=(const NetcdfFile&) = delete;
 
   bool has(const char* name) const {
     int variable = 0;
-    return nc_inq_varid(id_, name, &variable) == NC_NOERR;
+    return netcdf_library().inq_varid(id_, name, &variable) == NC_NOERR;
   }
 
   std::vector<std::size_t> shape(const char* name) const {
     const int variable = find(name);
     int rank = 0;
-    check(nc_inq_varndims(id_, variable, &rank), name);
+    check(netcdf_library().inq_varndims(id_, variable, &rank), name);
     std::vector<int> dimension(static_cast<std::size_t>(rank));
-    check(nc_inq_vardimid(id_, variable, dimension.data()), name);
+    check(netcdf_library().inq_vardimid(id_, variable, dimension.data()), name);
     std::vector<std::size_t> length(dimension.size());
-    for (std::size_t n = 0; n < length.size(); ++n) check(nc_inq_dimlen(id_, dimension[n], &length[n]), name);
+    for (std::size_t n = 0; n < length.size(); ++n)
+      check(netcdf_library().inq_dimlen(id_, dimension[n], &length[n]), name);
     return length;
   }
 
@@ -59,7 +63,7 @@ class NetcdfFile {
       size *= length;
     }
     std::vector<double> value(size);
-    check(nc_get_vara_double(id_, find(name), start.data(), count.data(), value.data()), name);
+    check(netcdf_library().get_vara_double(id_, find(name), start.data(), count.data(), value.data()), name);
     return value;
   }
 
@@ -71,10 +75,11 @@ class NetcdfFile {
   std::string text_attribute(const char* name, const char* attribute) const {
     std::size_t length = 0;
     nc_type type = NC_NAT;
-    if (nc_inq_att(id_, find(name), attribute, &type, &length) != NC_NOERR || type != NC_CHAR || length > 4096)
+    if (netcdf_library().inq_att(id_, find(name), attribute, &type, &length) != NC_NOERR || type != NC_CHAR ||
+        length > 4096)
       return {};
     std::string value(length, '\0');
-    check(nc_get_att_text(id_, find(name), attribute, value.data()), name);
+    check(netcdf_library().get_att_text(id_, find(name), attribute, value.data()), name);
     return value;
   }
 
@@ -87,7 +92,7 @@ class NetcdfFile {
 
   int find(const char* name) const {
     int variable = 0;
-    if (nc_inq_varid(id_, name, &variable) != NC_NOERR) {
+    if (netcdf_library().inq_varid(id_, name, &variable) != NC_NOERR) {
       throw InputError(
           fmt::format("no variable '{}' (allowed: wavelen, reff, ext, ssa, pmom, as libRadtran's mie writes)", name));
     }

@@ -9,6 +9,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/core/input_file.hpp"
 #include "cloudbow/core/sandbox.hpp"
+#include "cloudbow/medium/netcdf_library.hpp"
 
 namespace cloudbow {
 namespace {
@@ -84,6 +85,7 @@ void overlaps(int old_count, int new_count, Use&& use) {
 GroundMap read_albedo_map(const std::filesystem::path& file) {
   check_input(file, "a map of albedo as PNG or netCDF");
   const bool png = is_png(file);
+  if (!png) netcdf_library();
   return after_sandbox(file, {.library = png ? "libpng" : "netCDF"}, [&] {
     GroundMap map = png ? read_png_map(file) : read_netcdf_map(file, albedo_quantity);
     check_values(file, map);
@@ -94,6 +96,7 @@ GroundMap read_albedo_map(const std::filesystem::path& file) {
 GroundMap read_temperature_map(const std::filesystem::path& file) {
   check_input(file, "a map of temperature as netCDF");
   if (is_png(file)) fail_import(file, "a picture (found PNG, allowed netCDF or HDF5) grey levels are no temperatures");
+  netcdf_library();
   return after_sandbox(file, {.library = "netCDF"}, [&] {
     GroundMap map = read_netcdf_map(file, temperature_quantity);
     check_temperatures(file, map);

@@ -13,6 +13,7 @@
 #include "classic_header.hpp"
 #include "cloudbow/core/hdf5_file.hpp"
 #include "cloudbow/core/input_file.hpp"
+#include "cloudbow/medium/netcdf_library.hpp"
 #include "import_parts.hpp"
 #include "text_tokens.hpp"
 
@@ -53,7 +54,9 @@ bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed) {
   std::array<char, 4> begin{};
   stream.read(begin.data(), begin.size());
   const std::string_view text(begin.data(), begin.size());
-  return text.starts_with("CDF") || text == "\x89HDF";
+  if (!text.starts_with("CDF") && text != "\x89HDF") return false;
+  netcdf_library();
+  return true;
 }
 
 struct ValidValues {
@@ -77,14 +80,14 @@ NetcdfInput::OpenFile::OpenFile(const std::filesystem::path& file) : path(file) 
                 bytes, NC_MAX_NAME);
   }
   stream.close();
-  check(nc_open(path.c_str(), NC_NOWRITE, &id), "not netCDF, or damaged");
+  check(netcdf_library().open(path.c_str(), NC_NOWRITE, &id), "not netCDF, or damaged");
 }
 
-NetcdfInput::OpenFile::~OpenFile() { nc_close(id); }
+NetcdfInput::OpenFile::~OpenFile() { netcdf_library().close(id); }
 
 void NetcdfInput::OpenFile::check(int status, const std::string& what) const {
   if (status == NC_ENOMEM) throw std::bad_alloc();
-  if (status != NC_NOERR) fail_import(path, "{} (the library says: {})", what, nc_strerror(status));
+  if (status != NC_NOERR) fail_import(path, "{} (the library says: {})", what, netcdf_library().strerror(status));
 }
 
 NetcdfInput::NetcdfInput(const std::filesystem::path& path, bool has_groups) { open(path, has_groups); }
@@ -105,21 +108,21 @@ void NetcdfInput::list_variables(int group, const std::string& path) {
   OpenFile& file = *files_.back();
   const std::size_t file_index = files_.size() - 1;
   int count = 0;
-  file.check(nc_inq_nvars(group, &count), "damaged");
+  file.check(netcdf_library().inq_nvars(group, &count), "damaged");
   for (int id = 0; id < count; ++id) {
     std::array<char, NC_MAX_NAME + 1> name{};
     int rank = 0;
-    file.check(nc_inq_varname(group, id, name.data()), "damaged");
-    file.check(nc_inq_varndims(group, id, &rank), "damaged");
+    file.check(netcdf_library().inq_varname(group, id, name.data()), "damaged");
+    file.check(netcdf_library().inq_varndims(group, id, &rank), "damaged");
     nc_type type = NC_NAT;
-    file.check(nc_inq_vartype(group, id, &type), "damaged");
+    file.check(netcdf_library().inq_vartype(group, id, &type), "damaged");
     const bool is_taken = find_in(file_index, name.data()) != nullptr;
     NetcdfVariable variable{id, (is_taken ? path : "") + name.data(), {}, {}, {}, type == NC_FLOAT, group, file_index};
     std::vector<int> dimension(static_cast<std::size_t>(rank));
-    file.check(nc_inq_vardimid(group, id, dimension.data()), "damaged");
+    file.check(netcdf_library().inq_vardimid(group, id, dimension.data()), "damaged");
     for (const int d : dimension) {
       std::size_t length = 0;
-      file.check(nc_inq_dim(group, d, name.data(), &length), "damaged");
+      file.check(netcdf_library().inq_dim(group, d, name.data(), &length), "damaged");
       variable.dimension.emplace_back(name.data());
       variable.length.push_back(length);
     }
@@ -127,13 +130,13 @@ void NetcdfInput::list_variables(int group, const std::string& path) {
     variables_.push_back(std::move(variable));
   }
   int groups = 0;
-  if (file.groups_left <= 0 || nc_inq_grps(group, &groups, nullptr) != NC_NOERR || groups <= 0) return;
+  if (file.groups_left <= 0 || netcdf_library().inq_grps(group, &groups, nullptr) != NC_NOERR || groups <= 0) return;
   std::vector<int> inner(static_cast<std::size_t>(groups));
-  file.check(nc_inq_grps(group, &groups, inner.data()), "damaged");
+  file.check(netcdf_library().inq_grps(group, &groups, inner.data()), "damaged");
   for (const int id : inner) {
     if (file.groups_left-- <= 0) return;
     std::array<char, NC_MAX_NAME + 1> name{};
-    file.check(nc_inq_grpname(id, name.data()), "damaged");
+    file.check(netcdf_library().inq_grpname(id, name.data()), "damaged");
     list_variables(id, path + name.data() + "/");
   }
 }
@@ -141,16 +144,17 @@ void NetcdfInput::list_variables(int group, const std::string& path) {
 /// Bytes that a classic header takes for the attributes of a variable, or of the file.
 double NetcdfInput::attribute_bytes(const OpenFile& file, int variable) {
   int count = 0;
-  file.check(variable == NC_GLOBAL ? nc_inq_natts(file.id, &count) : nc_inq_varnatts(file.id, variable, &count),
+  file.check(variable == NC_GLOBAL ? netcdf_library().inq_natts(file.id, &count)
+                                   : netcdf_library().inq_varnatts(file.id, variable, &count),
              "damaged");
   double bytes = 2 * word_bytes;
   for (int n = 0; n < count; ++n) {
     std::array<char, NC_MAX_NAME + 1> name{};
     nc_type type = NC_NAT;
     std::size_t length = 0, size = 0;
-    file.check(nc_inq_attname(file.id, variable, n, name.data()), "damaged");
-    file.check(nc_inq_att(file.id, variable, name.data(), &type, &length), "damaged");
-    file.check(nc_inq_type(file.id, type, nullptr, &size), "damaged");
+    file.check(netcdf_library().inq_attname(file.id, variable, n, name.data()), "damaged");
+    file.check(netcdf_library().inq_att(file.id, variable, name.data(), &type, &length), "damaged");
+    file.check(netcdf_library().inq_type(file.id, type, nullptr, &size), "damaged");
     bytes += name_bytes(name.data()) + 2 * word_bytes + padded(static_cast<double>(length * size));
   }
   return bytes;
@@ -162,21 +166,21 @@ double NetcdfInput::attribute_bytes(const OpenFile& file, int variable) {
 void NetcdfInput::check_length(std::size_t index) const {
   const OpenFile& file = *files_[index];
   int format = 0, dimensions = 0;
-  file.check(nc_inq_format(file.id, &format), "damaged");
+  file.check(netcdf_library().inq_format(file.id, &format), "damaged");
   if (format == NC_FORMAT_NETCDF4 || format == NC_FORMAT_NETCDF4_CLASSIC) return;
-  file.check(nc_inq_ndims(file.id, &dimensions), "damaged");
+  file.check(netcdf_library().inq_ndims(file.id, &dimensions), "damaged");
   double least = 6 * word_bytes + attribute_bytes(file, NC_GLOBAL) - (word_bytes - 1);
   for (int d = 0; d < dimensions; ++d) {
     std::array<char, NC_MAX_NAME + 1> name{};
-    file.check(nc_inq_dimname(file.id, d, name.data()), "damaged");
+    file.check(netcdf_library().inq_dimname(file.id, d, name.data()), "damaged");
     least += name_bytes(name.data()) + word_bytes;
   }
   for (const NetcdfVariable& variable : variables_) {
     if (variable.file != index) continue;
     nc_type type = NC_NAT;
     std::size_t bytes = 0;
-    file.check(nc_inq_vartype(variable.group, variable.id, &type), variable.name);
-    file.check(nc_inq_type(file.id, type, nullptr, &bytes), variable.name);
+    file.check(netcdf_library().inq_vartype(variable.group, variable.id, &type), variable.name);
+    file.check(netcdf_library().inq_type(file.id, type, nullptr, &bytes), variable.name);
     auto size = static_cast<double>(bytes);
     for (const std::size_t length : variable.length) size *= static_cast<double>(length);
     const auto rank = static_cast<double>(variable.length.size());
@@ -208,17 +212,17 @@ std::string NetcdfInput::global_text(const char* name) const {
 std::string NetcdfInput::text_of(const OpenFile& file, int group, int variable, const char* name) {
   std::size_t length = 0;
   nc_type type = NC_NAT;
-  if (nc_inq_att(group, variable, name, &type, &length) != NC_NOERR) return {};
+  if (netcdf_library().inq_att(group, variable, name, &type, &length) != NC_NOERR) return {};
   constexpr std::size_t longest = 4096;
   std::string text;
   if (type == NC_CHAR && length <= longest) {
     text.assign(length, '\0');
-    file.check(nc_get_att_text(group, variable, name, text.data()), name);
+    file.check(netcdf_library().get_att_text(group, variable, name, text.data()), name);
   } else if (type == NC_STRING && length == 1) {
     char* string = nullptr;
-    file.check(nc_get_att_string(group, variable, name, &string), name);
+    file.check(netcdf_library().get_att_string(group, variable, name, &string), name);
     if (string != nullptr) text = string;
-    nc_free_string(1, &string);
+    netcdf_library().free_string(1, &string);
   }
   return text.substr(0, text.find('\0'));
 }
@@ -228,12 +232,12 @@ std::vector<double> NetcdfInput::numbers_of(const OpenFile& file, int group, int
                                             const char* name) {
   std::size_t length = 0;
   nc_type type = NC_NAT;
-  if (nc_inq_att(group, variable, name, &type, &length) != NC_NOERR) return {};
+  if (netcdf_library().inq_att(group, variable, name, &type, &length) != NC_NOERR) return {};
   constexpr std::size_t longest = 4096;
   if (length > longest) fail_import(file.path, "{}: attribute {} is too long (found {} values)", owner, name, length);
   if (type != NC_CHAR && type != NC_STRING) {
     std::vector<double> number(length);
-    file.check(nc_get_att_double(group, variable, name, number.data()),
+    file.check(netcdf_library().get_att_double(group, variable, name, number.data()),
                fmt::format("{}: attribute {} is not numbers", owner, name));
     return number;
   }
@@ -272,14 +276,15 @@ std::optional<double> NetcdfInput::global_number(const char* name) const {
 
 double NetcdfInput::packing_step(const NetcdfVariable& variable) const {
   nc_type type = NC_NAT;
-  file_of(variable).check(nc_inq_vartype(variable.group, variable.id, &type), variable.name);
+  file_of(variable).check(netcdf_library().inq_vartype(variable.group, variable.id, &type), variable.name);
   return is_integer(type) ? std::abs(number_attribute(variable, "scale_factor").value_or(0)) : 0;
 }
 
 std::size_t NetcdfInput::chunk_length(const NetcdfVariable& variable, std::size_t dimension) const {
   int storage = NC_CONTIGUOUS;
   std::vector<std::size_t> chunk(variable.length.size(), 1);
-  if (nc_inq_var_chunking(variable.group, variable.id, &storage, chunk.data()) != NC_NOERR || storage != NC_CHUNKED)
+  if (netcdf_library().inq_var_chunking(variable.group, variable.id, &storage, chunk.data()) != NC_NOERR ||
+      storage != NC_CHUNKED)
     return 1;
   return std::max<std::size_t>(1, chunk[dimension]);
 }
@@ -288,13 +293,13 @@ std::size_t NetcdfInput::chunk_length(const NetcdfVariable& variable, std::size_
 /// range of floating type for packed integers is of the unpacked ones.
 ValidValues NetcdfInput::valid_values(const NetcdfVariable& variable) const {
   nc_type type = NC_NAT;
-  file_of(variable).check(nc_inq_vartype(variable.group, variable.id, &type), variable.name);
+  file_of(variable).check(netcdf_library().inq_vartype(variable.group, variable.id, &type), variable.name);
   const double scale = number_attribute(variable, "scale_factor").value_or(1);
   const double offset = number_attribute(variable, "add_offset").value_or(0);
   const auto as_stored = [&](double number) { return type == NC_FLOAT ? static_cast<float>(number) : number; };
   const auto bound = [&](double number, const char* name) {
     nc_type of_bound = NC_NAT;
-    file_of(variable).check(nc_inq_atttype(variable.group, variable.id, name, &of_bound), variable.name);
+    file_of(variable).check(netcdf_library().inq_atttype(variable.group, variable.id, name, &of_bound), variable.name);
     const bool is_unpacked = is_integer(type) && !is_integer(of_bound) && (scale != 1 || offset != 0);
     return is_unpacked ? (number - offset) / scale : as_stored(number);
   };
@@ -326,8 +331,9 @@ std::vector<double> NetcdfInput::read(const NetcdfVariable& variable, const std:
     fail_import(file_of(variable).path, "'{}': too large ({:.3g} numbers)", variable.name, size);
   std::vector<double> value(static_cast<std::size_t>(size));
   if (value.empty()) return value;
-  file_of(variable).check(nc_get_vara_double(variable.group, variable.id, start.data(), count.data(), value.data()),
-                          fmt::format("'{}' cannot be read", variable.name));
+  file_of(variable).check(
+      netcdf_library().get_vara_double(variable.group, variable.id, start.data(), count.data(), value.data()),
+      fmt::format("'{}' cannot be read", variable.name));
 
   if (text_attribute(variable, "_Unsigned") == "true") {
     fail_import(file_of(variable).path,

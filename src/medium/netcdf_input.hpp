@@ -20,7 +20,8 @@ struct NetcdfVariable {
   std::size_t file = 0;  ///< index of the file, if several are open
 };
 
-/// Whether the first bytes are those of netCDF, classic or netCDF-4; such a file may still be damaged.
+/// Whether the first bytes are those of netCDF, classic or netCDF-4; such a file may still be damaged. Loads the
+/// library if they are, so that the sandbox in which the file is read first has it.
 /// @param allowed what the file should be, for messages. @throws InputError if it cannot be read.
 bool begins_as_netcdf(const std::filesystem::path& file, const char* allowed);
 

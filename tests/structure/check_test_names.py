@@ -18,6 +18,7 @@ WITHOUT_TEST = {
     "the order of calls, seen in the images of test_view.cpp and test_camera_view.cpp": ("transport/observers/images.cpp",),
     "the source towards views and cameras, compared with single scattering by the same two": ("transport/observers/viewing_source.cpp",),
     "calls of the library that draws, whose pictures test_drawing.cpp measures": ("plots/drawing_module.cpp",),
+    "the functions of netCDF, which test_netcdf_library.cpp calls": ("medium/netcdf_module.cpp",),
     "calls of MPI, which tests/robustness/ranks.py runs": ("core/mpi_module.cpp",),
     "results as they were written, which test_sweep_file.cpp reads": ("io/stored_result.cpp",),
     "scenes of the checks below": ("app/verify/scenes.cpp",),
