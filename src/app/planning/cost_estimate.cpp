@@ -130,7 +130,7 @@ CostEstimate estimate_cost(const std::vector<Scene>& scenes, std::uint64_t avail
       cost.seconds = cost.seconds * std::min(1., few / points) + seconds_of_choice * points;
   }
   // Reading and writing, measured on scenes of configs/.
-  constexpr double seconds_to_start = .06, seconds_of_scene = .01, seconds_of_byte = 1e-8;
+  constexpr double seconds_to_start = .03, seconds_of_scene = .01, seconds_of_byte = 1e-8;
   cost.seconds += seconds_to_start + seconds_of_scene * static_cast<double>(scenes.size()) +
                   seconds_of_byte * static_cast<double>(kept);
   if (scenes.size() > 1 || compare) cost.memory += kept;

@@ -38,16 +38,14 @@ std::size_t part(double share, std::size_t bytes) {
 std::size_t memory_of_solve(const SolvePlan& plan, int ranks) {
   const Problem& problem = plan.problem();
   const SolverOptions& options = plan.options();
-  // Libraries; reading a cloud takes another one.
+  // Files that OpenVDB must read take 33 MB more.
   constexpr std::size_t libraries = 24'500'000;
-  constexpr std::size_t reading = 33'000'000;
   check_paths(plan);
   const auto threads = static_cast<std::size_t>(threads_of(plan));
   const auto of_patterns = static_cast<std::size_t>(path_load(plan).bytes(static_cast<int>(threads)));
   if (plan.by_polar_streams()) {
     constexpr std::size_t program_of_columns = 22'000'000;
-    return program_of_columns + (problem.grid.box.columns() > 1 ? reading : 0) + of_patterns +
-           columns_memory(problem, options, plan.in_double(), threads_of(plan));
+    return program_of_columns + of_patterns + columns_memory(problem, options, plan.in_double(), threads_of(plan));
   }
   const BoxGrid& box = problem.grid.box;
   // Columns on their own are solved by one rank.
@@ -81,7 +79,7 @@ std::size_t memory_of_solve(const SolvePlan& plan, int ranks) {
   constexpr std::size_t place = 20;
   const std::size_t places = box.columns() * flux_levels(box, options).size();
   constexpr std::size_t messages = 25'000'000;  // of MPI
-  const std::size_t program = libraries + (box.columns() > 1 ? reading : 0) + (ranks > 1 ? messages : 0);
+  const std::size_t program = libraries + (ranks > 1 ? messages : 0);
   // Scattering matrices of each phase function, as fitted, rounded and folded.
   const std::size_t tables = 3 * sizeof(double) * phases * ordinates * (points + ordinates);
   std::size_t pixels = 0;
