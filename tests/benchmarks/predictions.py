@@ -6,7 +6,7 @@ The machine is calibrated first (`cloudbow verify --calibrate`), in a folder for
 program on one thread. They are the least of three runs if one takes less than ten seconds. Scenes with a gas model need
 CLOUDBOW_REFERENCE_DIR and are left out without.
 
-usage: predictions.py [NAME ...] [--set fitted|held-out] [--document docs/speed.md]
+usage: predictions.py [NAME ...] [--set fitted|held-out]
 """
 import os
 import re
@@ -179,7 +179,6 @@ def main():
     parser = support.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help="scenes by name (default: all)")
     parser.add_argument("--set", choices=("fitted", "held-out"), help="those scenes alone")
-    parser.add_argument("--document", type=Path, help="write the table between the markers `predictions` of this document")
     options = parser.parse_args()
     if unknown := set(options.names) - {case.name for case in CASES}:
         parser.error(f"no scene has the name {sorted(unknown)[0]!r} (allowed: {', '.join(case.name for case in CASES)})")
@@ -204,8 +203,6 @@ def main():
             print(" | ".join(lines[-1]), flush=True)
     table = support.markdown_table(["scene", "of `configs/`", "set", "s predicted", "s measured", "ratio", "MB predicted", "MB measured", "ratio"], lines)
     print(f"\n{table}\n{summary(rows)}")
-    if options.document:
-        support.write_between_markers(options.document, "predictions", table)
     return 0
 
 
