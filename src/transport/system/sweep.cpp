@@ -136,8 +136,8 @@ void add_transposed(const Cells<Real>& cells, const Real* __restrict from, Real*
   for (std::size_t c = 0; c < cells.size(); ++c) to[cell[c]] += from[c];
 }
 
-// Slopes of an ordinate's source in n cells from `first` on, from those of its octant, of the beam and of the Planck
-// radiance. @param source [n] of these cells.
+// Slopes of an ordinate's source in n cells from `first` on. They are mixed of those of its octant, of the beam and of
+// the Planck radiance. @param source [n] of these cells.
 template <class Real>
 void mix_slopes_of_cells(const TransportSystem<Real>& system, const LightSlopes<Real>& slopes, int d, std::size_t first,
                          std::size_t n, const Real* source, typename SweepWorkspace<Real>::Thread& work) {
