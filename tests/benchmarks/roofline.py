@@ -77,7 +77,7 @@ def draw(kernels, arithmetic, memory, path):
     figure, axes = plt.subplots(figsize=(6.4, 4))
     intensity = np.geomspace(.5, 32, 100)
     axes.loglog(intensity, np.minimum(arithmetic, memory * intensity), color="black")
-    axes.text(12, arithmetic * 1.06, f"arithmetic, {arithmetic:.0f} per ns")
+    axes.text(5, arithmetic * 1.06, f"arithmetic, {arithmetic:.0f} per ns")
     axes.text(.55, memory * .55 * 1.35, f"memory, {memory:.0f} bytes per ns", rotation=38)
     for kernel, marker in zip(kernels, "osDv"):
         axes.plot(kernel.intensity, kernel.rate, marker, label=kernel.name)
