@@ -1,6 +1,6 @@
 // Parts of a solve, on a field of small clouds: one sweep, scattering, moments, the low-order correction, the
-// final gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one. Beside them, what one core
-// of the machine can do: products and sums in registers, and sums of arrays that no cache holds.
+// final gather. Items are (cell, ordinate) pairs, so that the inverse rate is the time of one. Beside them, what one
+// core of the machine can do: products and sums in registers, and sums of arrays that no cache holds.
 #include <benchmark/benchmark.h>
 #include <omp.h>
 
