@@ -49,7 +49,7 @@ struct VdbTile {
   }
 };
 
-/// 8 x 8 x 8 voxels, each with a value of its own. Bit 64 x + 8 y + z of a mask belongs to voxel (x, y, z).
+/// A leaf of the tree: 8 x 8 x 8 voxels and their values. Bit 64 x + 8 y + z of a mask belongs to voxel (x, y, z).
 struct VdbLeaf {
   static constexpr int edge = 8;
   static constexpr int voxels = 512;

@@ -47,9 +47,14 @@ TEST(PlainVdb, FilesOfTheProjectAreOrdinary) {
 TEST(PlainVdb, FilesOfTheReferenceAreOrdinary) {
   const char* const reference = std::getenv("CLOUDBOW_REFERENCE_DIR");
   if (reference == nullptr) GTEST_SKIP() << "CLOUDBOW_REFERENCE_DIR is not set";
+  std::size_t files = 0;
   for (const char* const folder : {"fields", "thick_clouds"}) {
-    for (const fs::path& path : vdb_files(fs::path(reference) / folder)) expect_same_file(path);
+    for (const fs::path& path : vdb_files(fs::path(reference) / folder)) {
+      expect_same_file(path);
+      ++files;
+    }
   }
+  EXPECT_GE(files, 2U);
 }
 
 TEST_F(VdbFile, AllLinearTransformsAreRead) {
@@ -243,12 +248,17 @@ TEST_F(VdbFile, DamagedListsOfBlockSizesChangeNoVoxel) {
   ASSERT_TRUE(sound);
   const auto [begin, length] = load_list(bytes);
   ASSERT_GT(length, 10U);
+  std::size_t ordinary = 0;
   for (std::size_t at = begin; at < begin + length; ++at) {
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(~damaged[at]);
     write_bytes(file(), damaged);
-    if (const auto read = read_plain_vdb(file(), "density", gigabyte)) expect_same_grid(*read, *sound);
+    const auto read = read_plain_vdb(file(), "density", gigabyte);
+    if (!read) continue;
+    expect_same_grid(*read, *sound);
+    ++ordinary;
   }
+  EXPECT_GT(ordinary, 0U) << "none was read";
 }
 
 }  // namespace
