@@ -37,6 +37,7 @@ gas_model = "sun.nc"
 method = "all"
 """
 SECONDS_TO_END = 5  # of a job of which a rank was killed
+MOST_HANGS = 3
 
 
 class Checker:
@@ -150,12 +151,18 @@ def is_running(processes):
 
 
 def check_kills(checker, kills, draw, words):
-    """A rank is killed at a random moment: the job ends soon, with an exit code and without a result."""
+    """A rank is killed at a random moment: the job ends soon, with an exit code and without a result.
+
+    If a rank is killed within MPI_Init, mpiexec of Open MPI 4.1.4 sometimes does not end, though no rank is left. Another moment is drawn then, at most
+    MOST_HANGS times.
+    """
     output = checker.folder / "killed.h5"
     start = time.monotonic()
     checker.succeed(*words, "--quiet", "-o", output, ranks=3)
     seconds = time.monotonic() - start
-    for kill in range(kills):
+    hangs = 0
+    kill = 0
+    while kill < kills:
         output.unlink(missing_ok=True)
         process = subprocess.Popen(checker.command(3, *words, "--quiet", "-o", output), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=checker.folder)
         time.sleep(draw.uniform(0.1, 0.8) * seconds)
@@ -167,15 +174,25 @@ def check_kills(checker, kills, draw, words):
                 os.kill(rank, signal.SIGKILL)
             except ProcessLookupError:
                 rank = None
-        code = process.wait(timeout=120)
+        try:
+            code = process.wait(timeout=120 if rank is None else 2 * SECONDS_TO_END)
+        except subprocess.TimeoutExpired:
+            if is_running(ranks) or output.exists() or hangs == MOST_HANGS:
+                raise
+            process.kill()
+            process.wait()
+            hangs += 1
+            print("     mpiexec did not end: another moment")
+            continue
+        kill += 1
         needed = time.monotonic() - killed
         if rank is None or code == 0:
-            print(f"     kill {kill + 1}: came too late")
+            print(f"     kill {kill}: came too late")
             continue
         while is_running(ranks) and time.monotonic() - killed < SECONDS_TO_END:
             time.sleep(0.05)
         left = is_running(ranks)
-        checker.expect(f"kill {kill + 1}", not output.exists() and needed < SECONDS_TO_END and not left, f"exit code {code}, {needed:.1f} s, result {output.exists()}, left {left}")
+        checker.expect(f"kill {kill}", not output.exists() and needed < SECONDS_TO_END and not left, f"exit code {code}, {needed:.1f} s, result {output.exists()}, left {left}")
 
 
 def main():
