@@ -153,7 +153,7 @@ void moments_all(benchmark::State& state) {
 
 void low_order(benchmark::State& state) {
   Scene& scene = scene_of(state);
-  LowOrderCorrection<float> correction(scene.system);
+  LowOrderCorrection<float> correction(scene.system, .1);
   std::vector<float> moments(low_moments * scene.system.cells->size());
   for (auto _ : state) correction.guess(moments);
   scene.report(state, scene.pairs());

@@ -13,7 +13,7 @@ namespace cloudbow {
 namespace {
 
 // The iteration and the final gather of a coarse solve need only be good compared with its few directions.
-constexpr double coarse_tolerance = 1e-2;
+constexpr double coarse_tolerance = 1.5e-2;
 constexpr double coarse_energy_tolerance = 1e-3;
 
 // Columns without azimuths. A field of them takes the fewest streams that still show the error, to save time. One

@@ -59,7 +59,7 @@ class DiffusionOperator {
 
   /// Solves A e = source to relative residual `tolerance`.
   /// @param source [cells] power released in each cell; @param correction [cells] out: scalar flux e.
-  void solve(std::span<const double> source, std::span<double> correction, double tolerance = .02) const;
+  void solve(std::span<const double> source, std::span<double> correction, double tolerance) const;
 
   const ColumnSet& columns() const;
   /// Diffusivity of a cell [m]: all of (23), or its first term alone.

@@ -15,6 +15,8 @@ constexpr int columns_beside = 2;
 // Optical depth of a cell beyond which its current is not corrected: light hardly crosses it within a sweep, and the
 // correction would overshoot.
 constexpr double thick_for_currents = 50;
+// A finer solution does not spare sweeps of the low-order problem.
+constexpr double diffusion_tolerance = .1;
 
 // Part of the extinction of a cell that scatters light out of its direction, 1/m.
 template <class Real>
@@ -190,7 +192,7 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
           voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.));
   }
   diverge(flow, source);
-  operator_.solve(source, correction);
+  operator_.solve(source, correction, diffusion_tolerance);
   for (const Voxel& voxel : voxels_) {
     const std::size_t at = voxel.place;
     const std::size_t column = at / nz;

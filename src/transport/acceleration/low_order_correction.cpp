@@ -17,8 +17,6 @@ namespace {
 constexpr const char* low_directions = "double-gauss-4x8";
 constexpr int low_mixing_depth = 5;
 constexpr std::size_t low_mixed_moments = 4;  // l <= 1
-// The correction is worth no more than its few directions are: it need not converge.
-constexpr double low_tolerance = .1;
 constexpr int most_low_sweeps = 12;
 // Below this transport optical depth diffusion does not pay: light leaves within the few sweeps that are needed anyway.
 constexpr double thin_for_diffusion = 2.5;
@@ -71,8 +69,13 @@ TransportSystem<Real> low_order_system(const TransportSystem<Real>& full,
 }  // namespace
 
 template <class Real>
-LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system, const OrdinateShare* share)
-    : coarse_(coarsen(system)), low_(low_order_system(system, coarse_)), full_(&system), share_(share) {
+LowOrderCorrection<Real>::LowOrderCorrection(const TransportSystem<Real>& system, double tolerance,
+                                             const OrdinateShare* share)
+    : coarse_(coarsen(system)),
+      low_(low_order_system(system, coarse_)),
+      full_(&system),
+      share_(share),
+      tolerance_(tolerance) {
   const LowMoments<double> full(system.ordinates);
   for (const Eigen::MatrixXd& moments : scattered_moments(system))
     scattered_moments_.push_back(moments.template cast<Real>());
@@ -227,7 +230,7 @@ std::vector<Real> LowOrderCorrection<Real>::iterate() {
     const auto flux = [n](const std::vector<Real>& of) { return std::span<const Real>(of).first(n); };
     const double size = ordered_dot<Real>(flux(g), flux(g));
     const double step = ordered_dot<Real>(flux(change), flux(change));
-    if (step <= low_tolerance * low_tolerance * size || sweeps == most_low_sweeps) break;
+    if (step <= tolerance_ * tolerance_ * size || sweeps == most_low_sweeps) break;
     mixer.advance(x, g);
     correction.resize(mixed);
     for (std::size_t i = 0; i < mixed; ++i) correction[i] = x[i] - moments[i];

@@ -15,8 +15,9 @@ namespace cloudbow {
 template <class Real>
 class LowOrderCorrection {
  public:
+  /// @param tolerance relative, of each correction.
   /// @param share of the solve, whose ranks all make the same low-order solution; null: there is one rank
-  explicit LowOrderCorrection(const TransportSystem<Real>& system, const OrdinateShare* share = nullptr);
+  LowOrderCorrection(const TransportSystem<Real>& system, double tolerance, const OrdinateShare* share = nullptr);
   ~LowOrderCorrection();
   LowOrderCorrection(LowOrderCorrection&&) noexcept;
   LowOrderCorrection& operator=(LowOrderCorrection&&) noexcept;
@@ -48,6 +49,7 @@ class LowOrderCorrection {
   const OrdinateShare* share_;
   std::unique_ptr<DiffusionCorrection<Real>> diffusion_;
   Ground<Real> guess_ground_;  // with its emission, if there is thermal emission
+  double tolerance_;
   int sweeps_ = 0;
 };
 

@@ -20,9 +20,11 @@ constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;   // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;     // each distance band ends this many times as far as the last
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
+constexpr double width_growth = 1.25;   // of rounded widths: finer than the classes of spread
 // Directions of a quadrant are shared out over this many sums for any number of threads: sums have one order.
 constexpr std::size_t groups_of_quadrant = 2;
 constexpr std::size_t groups = quadrants * groups_of_quadrant;
+constexpr std::size_t worth_threads = 10000;  // fewer columns are added in less time than threads take to start
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -121,13 +123,15 @@ std::vector<GatherDirection> peak_directions(std::span<const PeakAngle> angles, 
 namespace {
 
 // The sums of quadrants that other ranks have marched come to the first rank.
+// @param lit quadrants in which there are directions.
 // @param sums the first of each quadrant is that of the quadrant.
 template <class Real>
-void collect_sums(const OrdinateShare& share, bool upward, const std::vector<Band>& bands, std::size_t columns,
-                  std::vector<Gathered<Real>>& sums) {
+void collect_sums(const OrdinateShare& share, bool upward, const std::array<bool, quadrants>& lit,
+                  const std::vector<Band>& bands, std::size_t columns, std::vector<Gathered<Real>>& sums) {
   std::vector<Ranks::Outgoing> outgoing;
   std::vector<Ranks::Incoming> incoming;
   for (int quadrant = 0; quadrant < quadrants; ++quadrant) {
+    if (!lit[static_cast<std::size_t>(quadrant)]) continue;
     const int octant = quadrant + (upward ? octants / 2 : 0);
     const int owner = share.owner_of_octant(octant);
     if (owner == 0 || (!share.is_first() && !share.has_octant(octant))) continue;
@@ -170,11 +174,19 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   for (const GatherDirection& direction : sorted) powers += power(direction);
   std::vector<double> flux(columns, powers * scene.reference);
   std::vector<Gathered<Real>> sums(groups);
+  const BlurWidths widths(box, width_growth);
+  std::vector<std::vector<Real>> planes(static_cast<std::size_t>(widths.count()));  // light by the width of its blur
   const auto is_here = [&](int quadrant) {
     return share == nullptr || share->has_octant(quadrant + (upward ? octants / 2 : 0));
   };
   for (const SpreadClass& alike : classes) {
     const auto of_quadrant = by_quadrant(sorted, alike.first, alike.last);
+    const auto directions_of = [&](std::size_t g) {
+      const std::size_t all = of_quadrant[g / groups_of_quadrant].size();
+      return (all + groups_of_quadrant - 1 - g % groups_of_quadrant) / groups_of_quadrant;
+    };
+    std::array<bool, quadrants> lit{};
+    for (std::size_t quadrant = 0; quadrant < quadrants; ++quadrant) lit[quadrant] = !of_quadrant[quadrant].empty();
     ParallelErrors errors;
 #pragma omp parallel
     {
@@ -183,9 +195,9 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
           const std::size_t quadrant = g / groups_of_quadrant;
-          if (!is_here(static_cast<int>(quadrant))) return;
-          sums[g].clear(bands.size(), columns);
+          if (!is_here(static_cast<int>(quadrant)) || directions_of(g) == 0) return;
           const std::vector<std::size_t>& own = of_quadrant[quadrant];
+          sums[g].clear(bands.size(), columns);
           for (std::size_t i = g % groups_of_quadrant; i < own.size(); i += groups_of_quadrant) {
             const std::size_t q = own[i];
             const Direction& travel = sorted[q].travel;
@@ -200,12 +212,13 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
 #pragma omp for collapse(2) schedule(dynamic, 1)
       for (std::size_t quadrant = 0; quadrant < quadrants; ++quadrant) {
         for (std::size_t b = 0; b <= bands.size(); ++b) {
-          if (!is_here(static_cast<int>(quadrant)) || (b < bands.size() && bands[b].empty)) continue;
+          if (!is_here(static_cast<int>(quadrant)) || !lit[quadrant] || (b < bands.size() && bands[b].empty)) continue;
           const auto values = [&](Gathered<Real>& sum) {
             return b < bands.size() ? sum.of_band[b].data() : sum.beyond.data();
           };
           Real* __restrict const to = values(sums[quadrant * groups_of_quadrant]);
           for (std::size_t g = 1; g < groups_of_quadrant; ++g) {
+            if (directions_of(quadrant * groups_of_quadrant + g) == 0) continue;
             const Real* __restrict const more = values(sums[quadrant * groups_of_quadrant + g]);
             for (std::size_t c = 0; c < columns; ++c) to[c] += more[c];
           }
@@ -213,33 +226,36 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
       }
     }
     errors.rethrow();
-    if (share != nullptr) collect_sums(*share, upward, bands, columns, sums);
+    if (share != nullptr) collect_sums(*share, upward, lit, bands, columns, sums);
     if (share != nullptr && !share->is_first()) continue;
-    ParallelErrors errors_of_bands;
-#pragma omp parallel for schedule(dynamic, 1)
-    for (std::size_t b = 0; b < bands.size(); ++b) {
-      errors_of_bands.run([&] {
-        if (bands[b].empty) return;
-        std::vector<Real>& band = sums[0].of_band[b];
-        for (std::size_t quadrant = 1; quadrant < quadrants; ++quadrant) {
-          const Real* __restrict const more = sums[quadrant * groups_of_quadrant].of_band[b].data();
-          for (std::size_t c = 0; c < columns; ++c) band[c] += more[c];
-        }
-        band.resize(columns);
-        if (!bands[b].same_everywhere) blur_plane(band, box, blur_per_spread * alike.spread * bands[b].distance_m);
-      });
-    }
-    errors_of_bands.rethrow();
-    for (std::size_t b = 0; b < bands.size(); ++b) {
-      if (bands[b].empty) continue;
-      for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sums[0].of_band[b][c]);
-    }
     for (std::size_t quadrant = 0; quadrant < quadrants; ++quadrant) {
-      const std::vector<Real>& beyond = sums[quadrant * groups_of_quadrant].beyond;
-      for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(beyond[c]);
+      if (!lit[quadrant]) continue;
+      const Gathered<Real>& sum = sums[quadrant * groups_of_quadrant];
+      for (std::size_t b = 0; b < bands.size(); ++b) {
+        if (bands[b].empty) continue;
+        const double width_m = bands[b].same_everywhere ? 0 : blur_per_spread * alike.spread * bands[b].distance_m;
+        std::vector<Real>& plane = planes[static_cast<std::size_t>(widths.number(width_m))];
+        plane.resize(columns);
+        const Real* __restrict const band = sum.of_band[b].data();
+        // Nothing throws here.
+#pragma omp parallel for simd schedule(static) if (columns > worth_threads)
+        for (std::size_t c = 0; c < columns; ++c) plane[c] += band[c];
+      }
+      for (std::size_t c = 0; c < columns; ++c) flux[c] += static_cast<double>(sum.beyond[c]);
     }
   }
-  if (share != nullptr && !share->is_first()) flux.clear();
+  if (share != nullptr && !share->is_first()) return {};
+  ParallelErrors errors;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t width = 0; width < planes.size(); ++width) {
+    errors.run([&] {
+      if (!planes[width].empty()) blur_plane(planes[width], box, widths.width_m(static_cast<int>(width)));
+    });
+  }
+  errors.rethrow();
+  for (const std::vector<Real>& plane : planes) {
+    for (std::size_t c = 0; c < plane.size(); ++c) flux[c] += static_cast<double>(plane[c]);
+  }
   return flux;
 }
 

@@ -18,6 +18,7 @@ constexpr int boundary_slot = 0;         // light from beyond the box
 /// Gaussian width as a fraction of the beam's spread: less than in gather_flux, because rays start in other places for
 /// each direction, which smooths as well.
 constexpr double level_blur_per_spread = .2;
+constexpr double level_width_growth = 2;
 
 /// State and sums of the rays of every direction in one level of the march. A slot is an array of rays.
 struct LevelStep {
@@ -87,14 +88,12 @@ inline MarchSchedule march_schedule(const BoxGrid& box, const std::vector<bool>&
   return schedule;
 }
 
-/// Planes of sums: for each wanted interface one without blur and one for each width of blur that occurs there. Widths
-/// are rounded to powers of 2 above the least that is seen.
+/// Planes of sums: for each wanted interface one without blur and one for each rounded width of blur that occurs there.
 class SumPlanes {
  public:
   SumPlanes(const MarchSchedule& schedule, const BoxGrid& box, std::size_t levels, std::span<const SpreadClass> classes)
-      : least_m_(least_blur_m(box)),
-        widest_(number(std::max(box.nx * box.dx_m, box.ny * box.dy_m), least_m_)),
-        plane_(levels, std::vector<int>(static_cast<std::size_t>(widest_) + 1, -1)) {
+      : widths_(box, level_width_growth),
+        plane_(levels, std::vector<int>(static_cast<std::size_t>(widths_.count()), -1)) {
     for (std::size_t level = 0; level < levels; ++level) plane_[level][0] = add(static_cast<int>(level), 0);
     for (const SpreadClass& alike : classes) {
       for (const LevelStep& step : schedule.steps) {
@@ -109,7 +108,7 @@ class SumPlanes {
 
   std::size_t size() const { return level_.size(); }
   int level(std::size_t plane) const { return level_[plane]; }
-  double width_m(std::size_t plane) const { return width_[plane] == 0 ? 0 : std::ldexp(least_m_, width_[plane] - 1); }
+  double width_m(std::size_t plane) const { return widths_.width_m(width_[plane]); }
   /// Plane for light in a direction of this spread.
   int plane(int level, double spread, double distance_m) const {
     return plane_[static_cast<std::size_t>(level)][static_cast<std::size_t>(rounded(spread, distance_m))];
@@ -121,18 +120,12 @@ class SumPlanes {
     width_.push_back(width);
     return static_cast<int>(level_.size()) - 1;
   }
-  // From 1 for the least width on; 0: below it.
-  static int number(double width_m, double least_m) {
-    if (!(width_m >= least_m)) return 0;
-    return 1 + static_cast<int>(std::lround(std::log2(width_m / least_m)));
-  }
   int rounded(double spread, double distance_m) const {
-    return std::min(number(level_blur_per_spread * spread * distance_m, least_m_), widest_);
+    return widths_.number(level_blur_per_spread * spread * distance_m);
   }
 
-  double least_m_;
-  int widest_;                           // as wide as the box: wider blurs are the same
-  std::vector<std::vector<int>> plane_;  // [level][rounded width]; -1: does not occur
+  BlurWidths widths_;
+  std::vector<std::vector<int>> plane_;  // [level][number of the width]; -1: does not occur
   std::vector<int> level_, width_;       // [planes]
 };
 

@@ -104,7 +104,20 @@ void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m) {
   if (along_y.reach > 0) blur_along_y(field, box.nx, box.ny, box.periodic, along_y);
 }
 
-double least_blur_m(const BoxGrid& box) { return least_blur * std::min(box.dx_m, box.dy_m); }
+BlurWidths::BlurWidths(const BoxGrid& box, double growth)
+    : least_m_(least_blur * std::min(box.dx_m, box.dy_m)), growth_(growth) {
+  const double widest_m = std::max(box.nx * box.dx_m, box.ny * box.dy_m);
+  widest_ = 1 + static_cast<int>(std::lround(std::log(widest_m / least_m_) / std::log(growth_)));
+}
+
+int BlurWidths::number(double width_m) const {
+  if (!(width_m >= least_m_)) return 0;
+  // Widths may be beyond any int: the logarithm is bounded first.
+  const double steps = std::min<double>(std::log(width_m / least_m_) / std::log(growth_), widest_);
+  return std::min(1 + static_cast<int>(std::lround(steps)), widest_);
+}
+
+double BlurWidths::width_m(int number) const { return number == 0 ? 0 : least_m_ * std::pow(growth_, number - 1); }
 
 template void blur_plane<float>(std::vector<float>&, const BoxGrid&, double);
 template void blur_plane<double>(std::vector<double>&, const BoxGrid&, double);

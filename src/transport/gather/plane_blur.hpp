@@ -13,7 +13,21 @@ namespace cloudbow {
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 
-/// Narrower blurs change nothing.
-double least_blur_m(const BoxGrid& box);
+/// Widths of blurs, rounded to powers of a factor, so that sums of light with nearly the same blur are blurred
+/// together.
+class BlurWidths {
+ public:
+  /// @param growth factor between one width and the next, above 1.
+  BlurWidths(const BoxGrid& box, double growth);
+
+  int count() const { return widest_ + 1; }
+  /// From 1 for the narrowest blur on; 0: so narrow that it changes nothing. A blur as wide as the box is the widest.
+  int number(double width_m) const;
+  double width_m(int number) const;
+
+ private:
+  double least_m_, growth_;
+  int widest_ = 0;
+};
 
 }  // namespace cloudbow

@@ -22,6 +22,11 @@ namespace {
 // which take more memory.
 constexpr int anderson_depth = 3;
 constexpr std::size_t mixed_moments = 4;
+// A correction is worth no more than its few directions are: it need not converge. A solve of few sweeps needs it less:
+// with a coarser one it takes as many sweeps.
+constexpr double correction_tolerance = .1;
+constexpr double coarse_correction_tolerance = .3;
+constexpr double coarse_solve = 1e-2;  // least tolerance of such a solve
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
 // The light is brought near its end with slopes from differences, to this estimated error. Then its own slopes are
@@ -196,7 +201,8 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
   const double rounding = rounding_of(result.radiance);
   {
     const Stopwatch watch(report.seconds_acceleration);
-    low_order.emplace(system, share);
+    low_order.emplace(system, options.tolerance < coarse_solve ? correction_tolerance : coarse_correction_tolerance,
+                      share);
     if (StepWatch::of(state.steps, rounding, state.slopes_from, sweeps_with_new_slopes).diverges)
       low_order->drop_diffusion();
     if (guess.is_given) {

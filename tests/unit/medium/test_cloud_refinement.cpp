@@ -5,29 +5,18 @@
 #include <cmath>
 #include <random>
 
+#include "cloud_test_tools.hpp"
 #include "cloudbow/medium/cloud_refinement.hpp"
 
 namespace cloudbow {
 namespace {
-
-std::vector<float> dense(const CloudField& field) {
-  const auto [nx, ny, nz] = field.cells;
-  std::vector<float> all(static_cast<std::size_t>(nx) * ny * nz, 0.F);
-  for (std::size_t row = 0; row + 1 < field.row_begin.size(); ++row) {
-    for (std::uint32_t s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
-      const RowSpan& span = field.spans[s];
-      for (int n = 0; n < span.n; ++n) all[row * nx + span.i + n] = field.value[span.offset + n];
-    }
-  }
-  return all;
-}
 
 /// [voxel] means over the parts.
 std::vector<double> voxel_means(const CloudField& refined, int factor) {
   const auto [nx, ny, nz] = refined.cells;
   const int cx = nx / factor, cy = ny / factor;
   std::vector<double> mean(static_cast<std::size_t>(cx) * cy * (nz / factor), 0.);
-  const std::vector<float> parts = dense(refined);
+  const std::vector<float> parts = to_dense(refined);
   for (std::size_t n = 0; n < parts.size(); ++n) {
     const std::size_t i = n % nx, j = n / nx % ny, k = n / nx / ny;
     mean[(k / factor * cy + j / factor) * cx + i / factor] += parts[n] / std::pow(factor, 3);
@@ -83,7 +72,7 @@ TEST(CloudRefinement, ConstantStaysConstant) {
 // Inside a field that is linear the parts have the values of the line: at the centres of parts -3/8, -1/8, 1/8, 3/8.
 TEST(CloudRefinement, LinearStaysLinearInside) {
   const CloudField field = field_of({5, 1, 1}, {1, 2, 3, 4, 5});
-  const std::vector<float> row = dense(refine_cloud(field, 4, false));
+  const std::vector<float> row = to_dense(refine_cloud(field, 4, false));
   for (std::size_t n = 4; n < 16; ++n) EXPECT_FLOAT_EQ(row[n], 1 + (static_cast<float>(n) - 1.5F) / 4);
 }
 
@@ -92,7 +81,7 @@ TEST(CloudRefinement, LinearStaysLinearInside) {
 TEST(CloudRefinement, ByHand) {
   const CloudField field = field_of({3, 1, 1}, {0, 2, 4});
   const auto row = [&field](bool periodic) {
-    const std::vector<float> all = dense(refine_cloud(field, 2, periodic));
+    const std::vector<float> all = to_dense(refine_cloud(field, 2, periodic));
     return std::vector<float>(all.begin(), all.begin() + 6);
   };
   const std::vector<float> open = row(false), closed = row(true);
@@ -109,8 +98,8 @@ TEST(CloudRefinement, AxesAreAlike) {
   std::vector<float> exchanged(27);
   const auto place = [](int i, int j, int k, int n) { return static_cast<std::size_t>((k * n + j) * n + i); };
   for (int n = 0; n < 27; ++n) exchanged[place(n / 3 % 3, n / 9, n % 3, 3)] = values[place(n % 3, n / 3 % 3, n / 9, 3)];
-  const std::vector<float> one = dense(refine_cloud(field_of({3, 3, 3}, values), 2, false));
-  const std::vector<float> other = dense(refine_cloud(field_of({3, 3, 3}, exchanged), 2, false));
+  const std::vector<float> one = to_dense(refine_cloud(field_of({3, 3, 3}, values), 2, false));
+  const std::vector<float> other = to_dense(refine_cloud(field_of({3, 3, 3}, exchanged), 2, false));
   for (int n = 0; n < 216; ++n)
     EXPECT_FLOAT_EQ(other[place(n / 6 % 6, n / 36, n % 6, 6)], one[place(n % 6, n / 6 % 6, n / 36, 6)]);
 }

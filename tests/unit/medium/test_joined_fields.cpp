@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cloud_test_tools.hpp"
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/medium/joined_fields.hpp"
 
@@ -18,21 +19,6 @@ CloudField low() { return make_cloud_field({3, 2, 1}, size, {0, 0, 0}, {0, 1, 2,
 /// One cell to the right of the middle of low(), one above it and one beyond: 8 . and, one level higher, 16 32.
 CloudField high() { return make_cloud_field({2, 1, 2}, size, {20, 0, 0}, {8, 0, 16, 32}, "extinction"); }
 
-/// Values at all cells of the box, x fastest.
-std::vector<float> dense(const CloudField& field) {
-  std::vector<float> values;
-  for (std::size_t row = 0; row + 1 < field.row_begin.size(); ++row) {
-    std::vector<float> of_row(static_cast<std::size_t>(field.cells[0]), 0.F);
-    for (std::uint32_t s = field.row_begin[row]; s < field.row_begin[row + 1]; ++s) {
-      for (int n = 0; n < field.spans[s].n; ++n)
-        of_row[static_cast<std::size_t>(field.spans[s].i + n)] =
-            field.value[field.spans[s].offset + static_cast<std::size_t>(n)];
-    }
-    values.insert(values.end(), of_row.begin(), of_row.end());
-  }
-  return values;
-}
-
 TEST(JoinedFields, ShareTheBoxOfAll) {
   CloudField a = low(), b = high();
   CloudField* const fields[]{&a, &b};
@@ -42,8 +28,8 @@ TEST(JoinedFields, ShareTheBoxOfAll) {
     EXPECT_EQ(field->min_m, (std::array<double, 3>{0, 0, 0}));
     EXPECT_EQ(field->cell_size_m, size);
   }
-  EXPECT_THAT(dense(a), ElementsAre(0, 1, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0));
-  EXPECT_THAT(dense(b), ElementsAre(0, 0, 8, 0, 0, 0, 0, 0, 0, 0, 16, 32, 0, 0, 0, 0));
+  EXPECT_THAT(to_dense(a), ElementsAre(0, 1, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(to_dense(b), ElementsAre(0, 0, 8, 0, 0, 0, 0, 0, 0, 0, 16, 32, 0, 0, 0, 0));
   EXPECT_THAT(a.value, ElementsAre(1, 2, 4)) << "in the order of before";
 }
 
@@ -55,10 +41,10 @@ TEST(JoinedFields, TheBoxMayBeginWithAnyOfThem) {
   share_box(fields);
   EXPECT_EQ(a.cells, (std::array<int, 3>{4, 3, 2}));
   EXPECT_EQ(a.min_m, (std::array<double, 3>{-10, -20, -30}));
-  EXPECT_THAT(dense(a), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  //
-                                    0, 0, 0, 0, 0, 0, 1, 2, 0, 4, 0, 0));
-  EXPECT_THAT(dense(b), ElementsAre(1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  //
-                                    0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(to_dense(a), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  //
+                                       0, 0, 0, 0, 0, 0, 1, 2, 0, 4, 0, 0));
+  EXPECT_THAT(to_dense(b), ElementsAre(1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  //
+                                       0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0));
 }
 
 TEST(JoinedFields, ValuesThatMeetAdd) {
@@ -67,7 +53,7 @@ TEST(JoinedFields, ValuesThatMeetAdd) {
   share_box(fields);
   const CloudField* const parts[]{&a, &b};
   const CloudField sum = sum_of(parts);
-  EXPECT_THAT(dense(sum), ElementsAre(0, 1, 10, 0, 4, 0, 0, 0, 0, 0, 16, 32, 0, 0, 0, 0));
+  EXPECT_THAT(to_dense(sum), ElementsAre(0, 1, 10, 0, 4, 0, 0, 0, 0, 0, 16, 32, 0, 0, 0, 0));
   EXPECT_EQ(sum.quantity, "extinction");
   EXPECT_THAT(places_in(sum, a), ElementsAre(0, 1, 2));
   EXPECT_THAT(places_in(sum, b), ElementsAre(1, 3, 4));

@@ -12,11 +12,11 @@ namespace cloudbow {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr int order = 12;
+constexpr int truncation_order = 12;
 
 CircumsolarPhase of_one(const PhaseFunction& phase, std::span<const ConeRing> rings) {
   const std::vector<PhaseFunction> phases{phase};
-  const std::vector<DeltaM> truncation{delta_m(phase, order)};
+  const std::vector<DeltaM> truncation{delta_m(phase, truncation_order)};
   const std::vector<double> weight{1};
   return {phases, truncation, weight, rings};
 }
@@ -80,7 +80,7 @@ TEST(CircumsolarPhase, EmissionIsTheIncreaseOfTheCarriedLight) {
   const double g = .9;
   const std::vector<ConeRing> rings = cone_rings(4 * degree, 2);
   const CircumsolarPhase phase = of_one(PhaseFunction::henyey_greenstein(g), rings);
-  const double f = std::pow(g, order);
+  const double f = std::pow(g, truncation_order);
   for (std::size_t ring = 0; ring < 2; ++ring) {
     const std::span<const double> carried = phase.carried(ring), peak = phase.peak(0, ring);
     const auto depth = [](int node) {
@@ -114,7 +114,7 @@ TEST(CircumsolarPhase, AMixtureOfEqualFunctionsIsOneOfThem) {
   const std::vector<ConeRing> rings = cone_rings(2 * degree, 1);
   const std::vector<PhaseFunction> phases{phase, PhaseFunction::rayleigh(), phase};
   std::vector<DeltaM> truncation;
-  for (const PhaseFunction& p : phases) truncation.push_back(delta_m(p, order));
+  for (const PhaseFunction& p : phases) truncation.push_back(delta_m(p, truncation_order));
   const std::vector<double> weight{.3, 7, 2};
   const CircumsolarPhase mixed(phases, truncation, weight, rings);
   const CircumsolarPhase alone = of_one(phase, rings);

@@ -12,6 +12,7 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/optics/mie_bulk.hpp"
 #include "cloudbow/optics/mie_table.hpp"
+#include "droplet_test_tools.hpp"
 
 namespace cloudbow {
 namespace {
@@ -19,13 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::SizeIs;
 using Values = std::vector<double>;
-
-DropletRecipe water(double wavelength_um) {
-  DropletRecipe recipe;
-  recipe.wavelength_um = wavelength_um;
-  recipe.refractive_index = refractive_index(Substance::water, wavelength_um);
-  return recipe;
-}
 
 TEST(MieBulk, AgreesWithTablesOfPhaseFunctions) {
   const Values radii{4, 10};

@@ -14,6 +14,7 @@
 #include "cloudbow/optics/mie_sphere.hpp"
 #include "cloudbow/optics/mie_table.hpp"
 #include "cloudbow/optics/refractive_index.hpp"
+#include "droplet_test_tools.hpp"
 
 namespace cloudbow {
 namespace {
@@ -24,13 +25,6 @@ DropletTable table_of(const DropletRecipe& recipe, const std::vector<double>& ra
   options.size_step = size_step;
   options.threads = threads;
   return make_mie_table(recipe, radii, options);
-}
-
-DropletRecipe water(double wavelength_um) {
-  DropletRecipe recipe;
-  recipe.wavelength_um = wavelength_um;
-  recipe.refractive_index = refractive_index(Substance::water, wavelength_um);
-  return recipe;
 }
 
 // Closed form: droplets much smaller than the wavelength scatter as Rayleigh (chi_2 = 1/10, all other moments 0), and

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "drawing_test_tools.hpp"
 #include "plots/frame.hpp"
 
 namespace cloudbow {
@@ -10,14 +11,6 @@ namespace {
 
 bool touch(const PlotBox& a, const PlotBox& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-}
-
-std::vector<PlotBox> texts(const Drawing& drawing) {
-  std::vector<PlotBox> boxes;
-  for (const Shape& shape : drawing.shapes) {
-    if (const auto* text = std::get_if<DrawnText>(&shape)) boxes.push_back(text_box(*text));
-  }
-  return boxes;
 }
 
 TEST(Frame, ValuesAreWhereTheAxesSay) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drawing_test_tools.hpp"
 #include "plots/frame.hpp"
 #include "plots/line_plot.hpp"
 
@@ -20,14 +21,6 @@ std::vector<DrawnLine> lines_of(const Drawing& drawing, const PlotColour& colour
     if (line != nullptr && line->stroke.colour == colour) lines.push_back(*line);
   }
   return lines;
-}
-
-std::vector<PlotBox> texts(const Drawing& drawing) {
-  std::vector<PlotBox> boxes;
-  for (const Shape& shape : drawing.shapes) {
-    if (const auto* text = std::get_if<DrawnText>(&shape)) boxes.push_back(text_box(*text));
-  }
-  return boxes;
 }
 
 LinePlot plot_of(PlotSeries series) {

@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 
 /// One column, two levels; all fluxes and the ledger are multiples of `scale`, its fractions are `fraction`.
-Solution made_up(double scale, double fraction) {
+Solution solution_of(double scale, double fraction) {
   Solution solution;
   solution.box.z_edge_m = {0, 100, 300};
   solution.sun = Sun{{0, 0, -1}, 10 * scale};
@@ -48,8 +48,8 @@ Solution made_up(double scale, double fraction) {
 
 Solution sum_of_two() {
   Solution sum;
-  add_weighted(sum, made_up(1, .2), 2);
-  add_weighted(sum, made_up(3, .6), .5);
+  add_weighted(sum, solution_of(1, .2), 2);
+  add_weighted(sum, solution_of(3, .6), .5);
   return sum;
 }
 
@@ -73,14 +73,14 @@ TEST(WeightedSum, FieldsAddUp) {
 // Power 2 * 10 and .5 * 30; reflected 20 * .2 + 15 * .6 = 13 W m-2.
 TEST(WeightedSum, LedgerIsThatOfAllPower) {
   const Solution sum = sum_of_two();
-  constexpr double rounding = 1e-13;
+  constexpr double rounding_of_sums = 1e-13;
   const EnergyFluxes fluxes = energy_fluxes(sum.ledger);
   EXPECT_EQ(sum.ledger.power, 35);
-  EXPECT_NEAR(fluxes.incident, 35, 35 * rounding);
-  EXPECT_NEAR(fluxes.upwelling_top, 13, 13 * rounding);
-  EXPECT_NEAR(fluxes.downwelling_bottom, 6.5, 6.5 * rounding);
-  EXPECT_NEAR(fluxes.absorbed, 10.5, 10.5 * rounding);
-  EXPECT_NEAR(fluxes.surface_absorbed, 20 * .5 + 15 * .1, 12 * rounding);
+  EXPECT_NEAR(fluxes.incident, 35, 35 * rounding_of_sums);
+  EXPECT_NEAR(fluxes.upwelling_top, 13, 13 * rounding_of_sums);
+  EXPECT_NEAR(fluxes.downwelling_bottom, 6.5, 6.5 * rounding_of_sums);
+  EXPECT_NEAR(fluxes.absorbed, 10.5, 10.5 * rounding_of_sums);
+  EXPECT_NEAR(fluxes.surface_absorbed, 20 * .5 + 15 * .1, 12 * rounding_of_sums);
 }
 
 TEST(WeightedSum, ReportIsOfTheHardestSolve) {
@@ -94,17 +94,17 @@ TEST(WeightedSum, ReportIsOfTheHardestSolve) {
   // 20 and 15 of 35 W m-2 of power, with errors of .002 and .006.
   EXPECT_NEAR(report.air_error, (20 * .002 + 15 * .006) / 35, 1e-15);
   EXPECT_EQ(report.air_block_columns, 8) << "the narrowest";
-  Solution other = made_up(1, .2);
+  Solution other = solution_of(1, .2);
   other.report.converged = false;
-  Solution sum = made_up(1, .2);
+  Solution sum = solution_of(1, .2);
   add_weighted(sum, other, 1);
   EXPECT_FALSE(sum.report.converged);
 }
 
 TEST(WeightedSum, WeightOneKeepsTheBits) {
   constexpr double odd = 1 / 3.;
-  const Solution one = made_up(odd, odd), dark = [] {
-    Solution solution = made_up(0, 0);
+  const Solution one = solution_of(odd, odd), dark = [] {
+    Solution solution = solution_of(0, 0);
     solution.sun.reset();
     return solution;
   }();
@@ -126,19 +126,19 @@ TEST(WeightedSum, WeightOneKeepsTheBits) {
 }
 
 TEST(WeightedSum, OfRadianceFieldsToo) {
-  Solution field = made_up(1, .2);
+  Solution field = solution_of(1, .2);
   field.radiance_field = RadianceField{{{0, 0, 1}}, {}, {{0, 0, 0}}, {8.F}};
   Solution sum;
   add_weighted(sum, field, .25);
   add_weighted(sum, field, .5);
   ASSERT_TRUE(sum.radiance_field);
   EXPECT_THAT(sum.radiance_field->radiance, ElementsAre(6.F));
-  EXPECT_THAT([&] { add_weighted(sum, made_up(1, .2), 1); }, testing::Throws<std::invalid_argument>());
+  EXPECT_THAT([&] { add_weighted(sum, solution_of(1, .2), 1); }, testing::Throws<std::invalid_argument>());
 }
 
 TEST(WeightedSum, OtherGridsAreRefused) {
   const auto refused = [](auto change) {
-    Solution sum = made_up(1, .2), other = made_up(1, .2);
+    Solution sum = solution_of(1, .2), other = solution_of(1, .2);
     change(other);
     EXPECT_THROW(add_weighted(sum, other, 1), std::invalid_argument);
   };

@@ -1,6 +1,7 @@
 // Directions for tests.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <random>
 #include <vector>
 
@@ -18,6 +19,11 @@ inline std::vector<Direction> random_directions(int count) {
     directions.push_back(Direction(x, y, z).normalized());
   }
   return directions;
+}
+
+/// A rotation by `angle` [rad] about `axis`, of any length.
+inline Eigen::Matrix3d turn(double angle, const Direction& axis) {
+  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
 }
 
 }  // namespace cloudbow

@@ -12,10 +12,6 @@ namespace {
 
 using std::numbers::pi;
 
-Eigen::Matrix3d turn(double angle, const Direction& axis) {
-  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-}
-
 double cubic(const Direction& v) { return 1 + v.x() * v.y() * v.z() - 2 * v.z() * v.z() + v.x(); }
 
 TEST(HarmonicSeries, HoldsAPolynomialOfItsDegreeExactly) {

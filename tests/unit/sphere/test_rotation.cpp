@@ -9,13 +9,10 @@
 #include "cloudbow/sphere/icosphere.hpp"
 #include "cloudbow/sphere/rotation.hpp"
 #include "cloudbow/sphere/spherical_function.hpp"
+#include "directions.hpp"
 
 namespace cloudbow {
 namespace {
-
-Eigen::Matrix3d turn(double angle, const Direction& axis) {
-  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-}
 
 double peak(const Direction& v) { return std::exp(3 * v.dot(Direction(0.6, 0, 0.8))); }
 

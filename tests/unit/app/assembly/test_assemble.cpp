@@ -12,14 +12,13 @@
 #include "cloudbow/core/error.hpp"
 #include "cloudbow/io/droplet_table_file.hpp"
 #include "temporary_folder.hpp"
+#include "usual_memory.hpp"
 
 namespace cloudbow {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 
 /// 4 x 3 x 2 cells of 25 m from the origin; one voxel (1, 1, 1) of 0.02.
 class AssembleTest : public testing::Test {

@@ -9,6 +9,7 @@
 #include "cloudbow/app/assemble.hpp"
 #include "cloudbow/core/error.hpp"
 #include "gas_scene.hpp"
+#include "usual_memory.hpp"
 
 namespace cloudbow {
 namespace {
@@ -18,8 +19,6 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
-
-constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 
 /// Without pressure, so that heights may be chosen freely.
 std::string air_at(const std::string& heights) {

@@ -10,6 +10,7 @@
 #include "cloudbow/io/droplet_table_file.hpp"
 #include "cloudbow/optics/planck.hpp"
 #include "temporary_folder.hpp"
+#include "usual_memory.hpp"
 
 namespace cloudbow {
 namespace {
@@ -18,8 +19,6 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::FloatEq;
 using testing::HasSubstr;
-
-constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 
 /// Liquid of .5 and .25 g/m3 in the columns 0 and 1, ice of .125 g/m3 in the columns 1 and 2, from 0 to 100 m. The
 /// columns are 50 m wide. The box of the ice begins with its first voxel.

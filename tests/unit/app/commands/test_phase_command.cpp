@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <regex>
+
 #include "app/planning/tradeoff.hpp"
 #include "call_cloudbow.hpp"
 #include "cloudbow/app/command_line.hpp"
@@ -30,13 +32,15 @@ TEST(CommandLine, DescribesAPhaseFunction) {
 }
 
 TEST(CommandLine, OnlyTheDirectionOfTravelCounts) {
+  // Without the seconds of each fit.
   const auto table = [](const std::string& length) {
-    return cloudbow({"phase", "henyey-greenstein", "--asymmetry-parameter", "0.8", "--control-points", "42", "--fit",
-                     "least-squares", "--travel", length, length, length});
+    const Outcome outcome = cloudbow({"phase", "henyey-greenstein", "--asymmetry-parameter", "0.8", "--control-points",
+                                      "42", "--fit", "least-squares", "--travel", length, length, length});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return std::regex_replace(outcome.output, std::regex(R"( +\d+\.\d\d\n)"), "\n");
   };
-  const Outcome of_one = table("1");
-  EXPECT_EQ(of_one.exit_code, 0) << of_one.errors;
-  for (const char* length : {"1e300", "1e-300", "5e-324"}) EXPECT_EQ(table(length).output, of_one.output) << length;
+  const std::string of_one = table("1");
+  for (const char* length : {"1e300", "1e-300", "5e-324"}) EXPECT_EQ(table(length), of_one) << length;
 }
 
 }  // namespace

@@ -8,10 +8,9 @@
 #include "app/planning/cost_estimate.hpp"
 #include "cloudbow/transport/solver.hpp"
 #include "gas_scene.hpp"
+#include "usual_memory.hpp"
 
 namespace cloudbow::broadband_tools {
-
-constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 
 inline const std::string settings =
     "[solver]\naccuracy = \"draft\"\n[output]\nerror_estimate = false\nfields = [\"fluxes\", \"absorption\"]\n"

@@ -5,11 +5,11 @@
 #include "app/planning/cost_estimate.hpp"
 #include "cloudbow/transport/solver.hpp"
 #include "planning/layer_scene.hpp"
+#include "usual_memory.hpp"
 
 namespace cloudbow {
 namespace {
 
-constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 const std::string without_estimate = "[output]\nerror_estimate = false\n";
 
 CostEstimate cost_of(const std::vector<Scene>& scenes, bool compare = false) {

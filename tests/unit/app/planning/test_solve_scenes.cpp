@@ -4,11 +4,10 @@
 #include "app/planning/solve_scenes.hpp"
 #include "cloudbow/transport/solver.hpp"
 #include "planning/layer_scene.hpp"
+#include "usual_memory.hpp"
 
 namespace cloudbow {
 namespace {
-
-constexpr std::uint64_t memory = std::uint64_t{1} << 30;
 
 Solved solved(const std::vector<Scene>& scenes, bool compare = false) {
   CloudFiles files(scenes.size() > 1);

@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-SolveResult result_of(std::size_t solve) {
+SolveResult numbered_result(std::size_t solve) {
   SolveResult result;
   result.solution.upwelling_flux = {static_cast<float>(solve)};
   return result;
@@ -32,7 +32,7 @@ std::filesystem::path written(const std::filesystem::path& output, const JobShar
   const std::filesystem::path file = part_file(output, share);
   PartWriter writer(file, share, header);
   for (std::size_t solve = 0; solve < 5; ++solve) {
-    if (writer.has(solve)) writer.give(solve, result_of(solve));
+    if (writer.has(solve)) writer.give(solve, numbered_result(solve));
   }
   EXPECT_FALSE(std::filesystem::exists(file)) << "before it is complete";
   writer.finish();
@@ -58,7 +58,8 @@ TEST(RunPart, SolvesOfAllPartsComeBack) {
   PartsReader reader({second, first});
   EXPECT_EQ(reader.header().overrides, header.overrides);
   EXPECT_TRUE(reader.header().compare);
-  for (std::size_t solve = 0; solve < 5; ++solve) EXPECT_EQ(bytes_of(reader.take(solve)), bytes_of(result_of(solve)));
+  for (std::size_t solve = 0; solve < 5; ++solve)
+    EXPECT_EQ(bytes_of(reader.take(solve)), bytes_of(numbered_result(solve)));
   EXPECT_THROW(reader.take(5), InputError);
 }
 

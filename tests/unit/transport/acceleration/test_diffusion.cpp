@@ -133,9 +133,9 @@ TEST_P(DiffusionIn, AgreesWithADenseFactorisation) {
   EXPECT_LT((solved - truth).norm(), 1e-7 * truth.norm());
   // Couplings are rounded to float: each by 6e-8 of itself.
   EXPECT_LT((matrix * solved - source).norm(), 6e-8 * matrix.norm() * solved.norm());
-  // The few per cent that acceleration requires are met as well.
-  diffusion.solve({source.data(), n}, {solved.data(), n});
-  EXPECT_LT((matrix * solved - source).norm(), .02 * source.norm());
+  // The tenth that acceleration requires is met as well.
+  diffusion.solve({source.data(), n}, {solved.data(), n}, .1);
+  EXPECT_LT((matrix * solved - source).norm(), .1 * source.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -198,7 +198,7 @@ TEST(Diffusion, DarkSourceGivesNothing) {
   const BoxGrid box = box_of(c);
   std::vector<double> flux(cells_of(box), 7.);
   DiffusionOperator(box, columns_of(c, box), coefficients_of(c, box))
-      .solve(std::vector<double>(cells_of(box), 0.), flux);
+      .solve(std::vector<double>(cells_of(box), 0.), flux, .1);
   EXPECT_EQ(flux, std::vector<double>(cells_of(box), 0.));
 }
 

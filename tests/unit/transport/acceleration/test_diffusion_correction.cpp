@@ -14,12 +14,12 @@ namespace {
 constexpr int side = 3, depth = 6;
 
 // A cloud of side x side columns in an empty domain of n x n. Its lowest corner is in column (at, at).
-struct Case {
+struct CorrectionCase {
   Problem problem;
   TransportSystem<double> system;
   std::vector<double> correction;  // [low_moments][cell of the cloud, level by level, from its corner]
 
-  Case(int n, int at) : problem(cloud_in(n, at)), system(make_system_of(problem)) {
+  CorrectionCase(int n, int at) : problem(cloud_in(n, at)), system(make_system_of(problem)) {
     const std::size_t cells = system.cells->size();
     const std::vector<std::uint32_t> dense = dense_indices(system.cells->rows);
     const auto place_in_cloud = [&](std::size_t c) {
@@ -71,7 +71,7 @@ double relative_difference(const std::vector<double>& a, const std::vector<doubl
 // Empty columns far from the cloud take no part, and none is beside it over the seam alone: the problem is the same.
 // The multigrid differs, and each solves to a residual of 2 %.
 TEST(DiffusionCorrection, DoesNotDependOnTheEmptyDomain) {
-  const Case small(9, 3), large(24, 3), at_the_seam(24, 22);
+  const CorrectionCase small(9, 3), large(24, 3), at_the_seam(24, 22);
   ASSERT_EQ(small.correction.size(), large.correction.size());
   EXPECT_LT(relative_difference(small.correction, large.correction), .02);
   EXPECT_LT(relative_difference(large.correction, at_the_seam.correction), .02);
@@ -79,7 +79,7 @@ TEST(DiffusionCorrection, DoesNotDependOnTheEmptyDomain) {
 
 // A change of the scalar flux alone, everywhere of one sign, leaves more light of that sign everywhere.
 TEST(DiffusionCorrection, MoreLightBringsMore) {
-  const Case field(9, 3);
+  const CorrectionCase field(9, 3);
   const std::size_t cells = field.system.cells->size();
   std::vector<double> change(low_moments * cells, 0.), found(low_moments * cells, 0.);
   std::fill_n(change.begin(), cells, 1.);

@@ -71,7 +71,7 @@ TEST(LowOrderCorrection, BringsGuessAndIterateNearTheSolution) {
     for (const double depth : {.3, 3.}) {
       SCOPED_TRACE(depth);
       const Fixture f(depth, periodic);
-      LowOrderCorrection<double> correction(f.system);
+      LowOrderCorrection<double> correction(f.system, .1);
       EXPECT_EQ(correction.uses_diffusion(), depth > 1);
       std::vector<double> x(low_moments * f.n);
       correction.guess(x);
@@ -100,7 +100,7 @@ TEST(LowOrderCorrection, ThinAirBesideAThickCloudDoesNotHideIt) {
   problem.sun = Sun{travel_along(-.6, 37), 1.};
   const SolverOptions options = coarse_options();
   const auto system = make_system<double>(problem, discretise(problem.phase, problem.sun->travel, options), options);
-  EXPECT_TRUE(LowOrderCorrection<double>(system).uses_diffusion());
+  EXPECT_TRUE(LowOrderCorrection<double>(system, .1).uses_diffusion());
 }
 
 }  // namespace

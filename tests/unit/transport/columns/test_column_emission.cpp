@@ -19,7 +19,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 SolverOptions by_columns(int streams = 8) {
   SolverOptions options;

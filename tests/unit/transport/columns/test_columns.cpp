@@ -13,7 +13,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 SolverOptions by_independent_columns(int streams = 8) {
   SolverOptions options;

@@ -16,7 +16,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // ---- published values -----------------------------------------------------------------------------------------------
 

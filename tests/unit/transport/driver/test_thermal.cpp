@@ -16,7 +16,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Planck radiance bottom + slope z in all matter.
 void set_planck(OpticalGrid& grid, double bottom, double slope = 0) {

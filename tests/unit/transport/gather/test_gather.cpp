@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 template <class Function>
 double cosine_weighted(const std::vector<GatherDirection>& set, const Function& f) {

@@ -16,7 +16,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Solve, FarCamerasAndGridsOfPixelsSeeWhatParallelViewsSee) {
   // A telescope of a milliradian in line with the view; a grid of one pixel a column. Lines of sight differ in place by

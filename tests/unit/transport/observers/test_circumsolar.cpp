@@ -15,7 +15,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double degree = pi / 180;
 
 SolverOptions with_cone(double half_angle_deg) {

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <vector>
 
+#include "gather_test_tools.hpp"
 #include "transport/observers/sight_line.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
 namespace {
-
-constexpr std::array<double, 1> untruncated{0.};
 
 // 4 x 3 x 5 cells of 10 m, all active, over a ground whose columns shine with 1, 2, 3, ...
 struct Scene {
@@ -34,15 +33,15 @@ struct Scene {
   }
 };
 
-const auto dark = [](std::uint32_t) { return 0.; };
+const auto no_source = [](std::uint32_t) { return 0.; };
 const auto bright = [](std::uint32_t) { return 3.; };
 
 TEST(SightLine, StraightDownSeesTheGroundOfItsColumnByBeer) {
   const Scene scene(true, .01);
   const auto sight = scene.sight();
   // Column (2, 1) is the 7th; from above the top the path is the whole depth, from the middle the rest of it.
-  EXPECT_NEAR(radiance_along(sight, {25, 15, 500}, {0, 0, -1}, dark), 7 * std::exp(-.5), 1e-7);
-  EXPECT_NEAR(radiance_along(sight, {25, 15, 33}, {0, 0, -1}, dark), 7 * std::exp(-.33), 1e-7);
+  EXPECT_NEAR(radiance_along(sight, {25, 15, 500}, {0, 0, -1}, no_source), 7 * std::exp(-.5), 1e-7);
+  EXPECT_NEAR(radiance_along(sight, {25, 15, 33}, {0, 0, -1}, no_source), 7 * std::exp(-.33), 1e-7);
 }
 
 TEST(SightLine, UniformSourceFillsWhatIsNotTransmitted) {
@@ -61,9 +60,9 @@ TEST(SightLine, GoesOnAtTheOtherSideOfPeriodicAir) {
   const auto sight = scene.sight();
   // 45 degrees towards -x from x = 5 m: at the ground it stands 45 m further, x = -40 or 0 of the next domain.
   const Direction slanted = Direction(-1, 0, -1).normalized();
-  EXPECT_NEAR(radiance_along(sight, {6, 15, 45}, slanted, dark), 5 * std::exp(-.005 * 45 * std::sqrt(2.)),
+  EXPECT_NEAR(radiance_along(sight, {6, 15, 45}, slanted, no_source), 5 * std::exp(-.005 * 45 * std::sqrt(2.)),
               1e-7);  // column (0, 1)
-  EXPECT_NEAR(radiance_along(sight, {4, 15, 45}, slanted, dark), 8 * std::exp(-.005 * 45 * std::sqrt(2.)),
+  EXPECT_NEAR(radiance_along(sight, {4, 15, 45}, slanted, no_source), 8 * std::exp(-.005 * 45 * std::sqrt(2.)),
               1e-7);  // column (3, 1)
 }
 
@@ -72,12 +71,12 @@ TEST(SightLine, OpenSidesShowWhatStandsThere) {
   std::vector<double> by_edge{10, 11, 12, 13, 14, 15};
   const auto sight = scene.sight(2., [&](const Direction&) { return by_edge; });
   // Level with z = 25: leaves through x = 40 after 12 m, with a side radiance of 12.5.
-  EXPECT_NEAR(radiance_along(sight, {28, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.12), 1e-6);
+  EXPECT_NEAR(radiance_along(sight, {28, 15, 25}, {1, 0, 0}, no_source), 12.5 * std::exp(-.12), 1e-6);
   // From outside: nothing until the domain, all 40 m of it, and the other side.
-  EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {1, 0, 0}, dark), 12.5 * std::exp(-.4), 1e-6);
+  EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {1, 0, 0}, no_source), 12.5 * std::exp(-.4), 1e-6);
   // Past the domain.
-  EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {-1, 0, 0}, dark), 2., 0);
-  EXPECT_NEAR(radiance_along(sight, {-500, 15, 100}, Direction(-1, 0, -1).normalized(), dark), 10., 0);
+  EXPECT_NEAR(radiance_along(sight, {-500, 15, 25}, {-1, 0, 0}, no_source), 2., 0);
+  EXPECT_NEAR(radiance_along(sight, {-500, 15, 100}, Direction(-1, 0, -1).normalized(), no_source), 10., 0);
 }
 
 TEST(SightLine, SourceIsLinearWithinACell) {

@@ -13,7 +13,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Solve, ViewsThroughAbsorbersFollowBeer) {
   // Nothing scatters: light goes down through tau, comes off the ground and goes up through tau; from below the sky

@@ -11,7 +11,7 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Columns of two cells with these optical depths of absorption and Planck radiances, at (k*ny + j)*nx + i.
 Problem columns_of(int nx, const std::vector<float>& absorption, const std::vector<float>& planck) {

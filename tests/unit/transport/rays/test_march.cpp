@@ -5,13 +5,12 @@
 #include <numeric>
 #include <vector>
 
+#include "gather_test_tools.hpp"
 #include "transport/rays/march.hpp"
 #include "transport_test_tools.hpp"
 
 namespace cloudbow {
 namespace {
-
-constexpr std::array<double, 1> untruncated{0.};
 
 BoxGrid unequal_box(bool periodic) {
   BoxGrid box = make_box(7, 5, 0, periodic);

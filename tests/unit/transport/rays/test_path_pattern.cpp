@@ -18,7 +18,7 @@ BoxGrid unequal_box(int nx, int ny, bool periodic = true) {
 }
 
 // All azimuths, steep and grazing, on the axes and along the diagonals of cells and of squares.
-std::vector<Direction> directions() {
+std::vector<Direction> pattern_directions() {
   std::vector<Direction> list;
   for (const double mu : {-1., -.999, -.5, -.02, .03, .577, 1.}) {
     for (const double azimuth : {0., 17., 45., 90., 133., 180., 200., 270., 315., 359.})
@@ -29,12 +29,12 @@ std::vector<Direction> directions() {
   return list;
 }
 
-struct Slope {
+struct ColumnSlope {
   double x;
   double y;
 };
 
-Slope columns_per_metre(const BoxGrid& box, const Direction& d) {
+ColumnSlope columns_per_metre(const BoxGrid& box, const Direction& d) {
   return {d.x() / std::abs(d.z()) / box.dx_m, d.y() / std::abs(d.z()) / box.dy_m};
 }
 
@@ -42,7 +42,7 @@ TEST(PathPattern, UniformLevelsHaveOneSegmentThatEndsInTheSameColumn) {
   BoxGrid box = unequal_box(7, 5);
   box.uniform = {0, 1, 0, 1, 1};
   const BoxGrid whole = unequal_box(7, 5);
-  for (const Direction& travel : directions()) {
+  for (const Direction& travel : pattern_directions()) {
     const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
     const PathPattern full = make_path_pattern(whole, travel, .3, .6, false, {0, box.nz()});
     EXPECT_EQ(pattern.x, full.x);
@@ -56,16 +56,16 @@ TEST(PathPattern, UniformLevelsHaveOneSegmentThatEndsInTheSameColumn) {
     }
     EXPECT_LE(static_cast<double>(pattern.segments.size()), pattern_segments(box, travel, false, {0, box.nz()}));
   }
-  EXPECT_LT(pattern_segments(box, directions()[30], false, {0, 5}),
-            pattern_segments(whole, directions()[30], false, {0, 5}));
+  EXPECT_LT(pattern_segments(box, pattern_directions()[30], false, {0, 5}),
+            pattern_segments(whole, pattern_directions()[30], false, {0, 5}));
 }
 
 TEST(PathPattern, FollowsTheStraightLineThroughItsCells) {
   for (const bool periodic : {true, false}) {
     const BoxGrid box = unequal_box(7, 5, periodic);
-    for (const Direction& travel : directions()) {
+    for (const Direction& travel : pattern_directions()) {
       const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
-      const Slope slope = columns_per_metre(box, travel);
+      const ColumnSlope slope = columns_per_metre(box, travel);
       ASSERT_EQ(pattern.levels(), box.nz());
       ASSERT_EQ(pattern.level_begin.size(), static_cast<std::size_t>(box.nz()) + 1);
       EXPECT_EQ(pattern.upward, travel.z() > 0);
@@ -108,9 +108,9 @@ TEST(PathPattern, LinearSourcesKeepTheCellsMean) {
   // The chord-weighted mean of the location within the cell is zero (effect of a slope of the source on the cell's
   // emission). Ends of segments join. Both hold to rounding of locations up to 500 columns away.
   const BoxGrid box = unequal_box(7, 5);
-  for (const Direction& travel : directions()) {
+  for (const Direction& travel : pattern_directions()) {
     const PathPattern pattern = make_path_pattern(box, travel, .3, .6, false, {0, box.nz()});
-    const Slope slope = columns_per_metre(box, travel);
+    const ColumnSlope slope = columns_per_metre(box, travel);
     for (int step = 0; step < pattern.levels(); ++step) {
       const double thickness = box.thickness_m(pattern.level(step));
       std::array<double, 3> mean{};
@@ -135,7 +135,7 @@ TEST(PathPattern, LinearSourcesKeepTheCellsMean) {
 
 TEST(PathPattern, CentredExitEndsInTheMiddleOfAColumn) {
   const BoxGrid box = unequal_box(7, 5);
-  for (const Direction& travel : directions()) {
+  for (const Direction& travel : pattern_directions()) {
     const StartFraction start = start_for_centred_exit(box, travel, false, {0, box.nz()});
     EXPECT_GE(start.x, 0);
     EXPECT_LT(start.x, 1);
@@ -149,7 +149,7 @@ TEST(PathPattern, CentredExitEndsInTheMiddleOfAColumn) {
 
 TEST(PathPattern, VerticalModeStaysInItsColumnOnSlantedChords) {
   const BoxGrid box = unequal_box(7, 5);
-  for (const Direction& travel : directions()) {
+  for (const Direction& travel : pattern_directions()) {
     const PathPattern pattern = make_path_pattern(box, travel, .3, .6, true, {0, box.nz()});
     ASSERT_EQ(pattern.segments.size(), static_cast<std::size_t>(box.nz()));
     for (int step = 0; step < pattern.levels(); ++step) {

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <vector>
 
+#include "gather_test_tools.hpp"
 #include "transport/rays/march.hpp"
 #include "transport/rays/ordinate_path.hpp"
 #include "transport/rays/sideways_march.hpp"
@@ -12,8 +13,6 @@
 
 namespace cloudbow {
 namespace {
-
-constexpr std::array<double, 1> untruncated{0.};
 
 BoxGrid even_box() {
   BoxGrid box = make_box(21, 23, 7, true);

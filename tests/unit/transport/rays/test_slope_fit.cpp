@@ -9,12 +9,12 @@
 namespace cloudbow {
 namespace {
 
-const BoxGrid box = make_box(7, 5, 3);
+const BoxGrid slope_box = make_box(7, 5, 3);
 
 std::vector<PathPattern> patterns_of_octant() {
   std::vector<PathPattern> patterns;
   for (const auto& [mu, azimuth] : {std::pair{-.9, 10.}, {-.6, 25.}, {-.6, 70.}, {-.3, 40.}, {-.15, 80.}, {-.1, 5.}})
-    patterns.push_back(make_path_pattern(box, travel_along(mu, azimuth), .3, .6, false, {0, 3}));
+    patterns.push_back(make_path_pattern(slope_box, travel_along(mu, azimuth), .3, .6, false, {0, 3}));
   return patterns;
 }
 
@@ -50,7 +50,7 @@ TEST(SlopeFit, DirectionsOfAnOctantFindTheSlopeThatOneCannot) {
     EXPECT_LT((regular_inverse(spread, 6) * moment - g).norm(), .05) << "what regularisation takes";
   }
   // A vertical ray has no places but along z.
-  const PathPattern vertical = make_path_pattern(box, Direction(0, 0, -1), .5, .5, false, {0, 3});
+  const PathPattern vertical = make_path_pattern(slope_box, Direction(0, 0, -1), .5, .5, false, {0, 3});
   const Eigen::Matrix3d spread = spread_of_places(vertical, 1);
   EXPECT_NEAR(spread(2, 2), 1. / 12, 1e-15);
   const Eigen::Vector3d found = regular_inverse(spread) * moment_of(vertical, 1, g);
@@ -70,7 +70,7 @@ TEST(SlopeFit, RegularInverseBoundsEveryEigenvalue) {
 }
 
 TEST(SlopeFit, TruePlacesAreFromTheCentreOfTheCell) {
-  const PathPattern centred = make_path_pattern(box, travel_along(-.6, 25), .3, .6, false, {0, 3});
+  const PathPattern centred = make_path_pattern(slope_box, travel_along(-.6, 25), .3, .6, false, {0, 3});
   const PathPattern placed = at_true_places(centred);
   // Light enters at the launch fractions.
   EXPECT_NEAR(placed.segments.front().from[0], .3 - .5, 1e-14);

@@ -11,11 +11,11 @@
 namespace cloudbow {
 namespace {
 
-constexpr std::size_t cells = 150;  // two tiles and a part of one
+constexpr std::size_t octant_cells = 150;  // two tiles and a part of one
 
 // Scattering between ordinates by a function of the angle, with the numbers that scatter_in_place takes.
 template <class Real>
-struct Scene {
+struct OctantScene {
   OrdinateSet ordinates;
   std::vector<DenseMatrix<Real>> matrix;
   LowMoments<Real> low;
@@ -24,7 +24,7 @@ struct Scene {
   std::vector<BeamSource<Real>> beam;
   std::vector<Real> correction, emission;
 
-  explicit Scene(const char* name) : ordinates(make_ordinate_set(name)), low(ordinates) {
+  explicit OctantScene(const char* name) : ordinates(make_ordinate_set(name)), low(ordinates) {
     const int count = ordinates.size();
     Random random(1);
     for (const double g : {.6, -.3}) {
@@ -36,8 +36,8 @@ struct Scene {
         }
       }
       matrix.push_back(between);
-      std::vector<Real> share(cells);
-      for (std::size_t c = 0; c < cells; ++c)  // the first scatters nothing in the first tile
+      std::vector<Real> share(octant_cells);
+      for (std::size_t c = 0; c < octant_cells; ++c)  // the first scatters nothing in the first tile
         share[c] = matrix.size() == 1 && c < 64 ? Real(0) : static_cast<Real>(random());
       medium.scattered.push_back(share);
     }
@@ -46,14 +46,14 @@ struct Scene {
       for (Real& v : values) v = static_cast<Real>(random() - .3);
       return values;
     };
-    field = AngularField<Real>(count, cells);
+    field = AngularField<Real>(count, octant_cells);
     for (auto& row : field.data) {
-      const auto values = randomly(cells);
+      const auto values = randomly(octant_cells);
       std::copy(values.begin(), values.end(), row.begin());
     }
-    beam.push_back({Eigen::Matrix<Real, Eigen::Dynamic, 1>::Random(count), randomly(cells)});
-    correction = randomly(4 * cells);
-    emission = randomly(low_moments * cells);
+    beam.push_back({Eigen::Matrix<Real, Eigen::Dynamic, 1>::Random(count), randomly(octant_cells)});
+    correction = randomly(4 * octant_cells);
+    emission = randomly(low_moments * octant_cells);
   }
 };
 
@@ -67,7 +67,7 @@ TYPED_TEST(FoldedScatteringOf, IsTheFullProduct) {
   constexpr double tolerance = 200 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
   for (const char* name : {"double-gauss-4x8", "double-gauss-6x8", "double-gauss-8x16", "reduced-double-gauss-12x20"}) {
     SCOPED_TRACE(name);
-    const Scene<TypeParam> scene(name);
+    const OctantScene<TypeParam> scene(name);
     const auto octant_scattering =
         OctantScattering<TypeParam>::make(scene.ordinates, scene.matrix, scene.low.weights, scene.low.shape);
     ASSERT_TRUE(octant_scattering);
@@ -80,11 +80,11 @@ TYPED_TEST(FoldedScatteringOf, IsTheFullProduct) {
       AngularField<TypeParam> quick = scene.field;
       octant_scattering->scatter_in_place(quick, scene.medium, terms);
       for (int d = 0; d < full.rows; ++d) {
-        for (std::size_t c = 0; c < cells; ++c)
+        for (std::size_t c = 0; c < octant_cells; ++c)
           ASSERT_NEAR(static_cast<double>(quick.row(d)[c]), static_cast<double>(full.row(d)[c]), tolerance);
       }
     }
-    std::vector<TypeParam> full(low_moments * cells), quick(low_moments * cells, TypeParam(99));
+    std::vector<TypeParam> full(low_moments * octant_cells), quick(low_moments * octant_cells, TypeParam(99));
     moments_of<TypeParam>(scene.field, scene.low.weights, full);
     octant_scattering->moments_of(scene.field, quick);
     for (std::size_t i = 0; i < full.size(); ++i)
@@ -93,10 +93,10 @@ TYPED_TEST(FoldedScatteringOf, IsTheFullProduct) {
 }
 
 TEST(OctantScattering, IsNotMadeWithoutTheSymmetry) {
-  const Scene<double> transposed("control-points-42");
+  const OctantScene<double> transposed("control-points-42");
   EXPECT_FALSE(OctantScattering<double>::make(transposed.ordinates, transposed.matrix, transposed.low.weights,
                                               transposed.low.shape));
-  Scene<double> uneven("double-gauss-4x8");
+  OctantScene<double> uneven("double-gauss-4x8");
   uneven.matrix[0](3, 5) *= 1.1;
   EXPECT_FALSE(OctantScattering<double>::make(uneven.ordinates, uneven.matrix, uneven.low.weights, uneven.low.shape));
 }

@@ -13,7 +13,7 @@ namespace cloudbow {
 namespace {
 
 constexpr int ordinates = 24;
-constexpr std::size_t cells = 300;  // two tiles and a part of one
+constexpr std::size_t cell_count = 300;  // two tiles and a part of one
 
 std::vector<double> quadrature() {
   Random random(1);
@@ -38,22 +38,22 @@ Eigen::MatrixXd conservative_matrix(unsigned seed) {
 }
 
 template <class Real>
-struct Scene {
+struct ScatteringScene {
   std::vector<double> weight = quadrature();
   std::vector<DenseMatrix<Real>> matrix;
   Cells<Real> medium;  // only `scattered` matters here
-  AngularField<Real> radiance{ordinates, cells};
+  AngularField<Real> radiance{ordinates, cell_count};
 
-  explicit Scene(int phase_functions = 2) {
+  explicit ScatteringScene(int phase_functions = 2) {
     Random random(2);
     for (int p = 0; p < phase_functions; ++p) {
       matrix.push_back(rounded_conservatively<Real>(conservative_matrix(3 + static_cast<unsigned>(p)), weight));
-      std::vector<Real> share(cells);
+      std::vector<Real> share(cell_count);
       for (Real& s : share) s = random() < .2 ? Real(0) : static_cast<Real>(random() / phase_functions);
       medium.scattered.push_back(share);
     }
     for (int d = 0; d < ordinates; ++d) {
-      for (std::size_t c = 0; c < cells; ++c) radiance.row(d)[c] = static_cast<Real>(random());
+      for (std::size_t c = 0; c < cell_count; ++c) radiance.row(d)[c] = static_cast<Real>(random());
     }
   }
 
@@ -87,9 +87,9 @@ using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(ScatteringOf, Precisions);
 
 TYPED_TEST(ScatteringOf, ConservesPower) {
-  const Scene<TypeParam> scene;
+  const ScatteringScene<TypeParam> scene;
   const auto source = scene.scattered();
-  for (std::size_t c = 0; c < cells; ++c) {
+  for (std::size_t c = 0; c < cell_count; ++c) {
     double in = 0;
     double out = 0;
     for (int d = 0; d < ordinates; ++d) {
@@ -103,9 +103,9 @@ TYPED_TEST(ScatteringOf, ConservesPower) {
 }
 
 TYPED_TEST(ScatteringOf, IsTheSumOverPhaseFunctionsAndOrdinates) {
-  const Scene<TypeParam> scene;
+  const ScatteringScene<TypeParam> scene;
   const auto source = scene.scattered();
-  for (std::size_t c = 0; c < cells; ++c) {
+  for (std::size_t c = 0; c < cell_count; ++c) {
     for (int d = 0; d < ordinates; ++d) {
       EXPECT_NEAR(static_cast<double>(source.row(d)[c]), scene.source(d, c, scene.radiance), this->tolerance);
     }
@@ -113,7 +113,7 @@ TYPED_TEST(ScatteringOf, IsTheSumOverPhaseFunctionsAndOrdinates) {
 }
 
 TYPED_TEST(ScatteringOf, GoesToOtherDirectionsAlike) {
-  Scene<TypeParam> scene;
+  ScatteringScene<TypeParam> scene;
   constexpr int points = 42;
   Random random(9);
   for (auto& matrix : scene.matrix) {
@@ -123,7 +123,7 @@ TYPED_TEST(ScatteringOf, GoesToOtherDirectionsAlike) {
     }
   }
   const AngularField<TypeParam> source = scatter_to<TypeParam>(points, scene.radiance, scene.matrix, scene.medium);
-  for (std::size_t c = 0; c < cells; ++c) {
+  for (std::size_t c = 0; c < cell_count; ++c) {
     for (int m = 0; m < points; ++m) {
       EXPECT_NEAR(static_cast<double>(source.row(m)[c]), scene.source(m, c, scene.radiance), this->tolerance);
     }
@@ -131,12 +131,12 @@ TYPED_TEST(ScatteringOf, GoesToOtherDirectionsAlike) {
 }
 
 TYPED_TEST(ScatteringOf, IsotropicMatrixGivesTheMeanEverywhere) {
-  Scene<TypeParam> scene(1);
+  ScatteringScene<TypeParam> scene(1);
   Eigen::MatrixXd isotropic(ordinates, ordinates);
   for (int j = 0; j < ordinates; ++j) isotropic.col(j).setConstant(scene.weight[j] / (4 * std::numbers::pi));
   scene.matrix[0] = rounded_conservatively<TypeParam>(isotropic, scene.weight);
   const auto source = scene.scattered();
-  for (std::size_t c = 0; c < cells; ++c) {
+  for (std::size_t c = 0; c < cell_count; ++c) {
     double mean = 0;
     for (int d = 0; d < ordinates; ++d)
       mean += scene.weight[d] * static_cast<double>(scene.radiance.row(d)[c]) / (4 * std::numbers::pi);
@@ -148,15 +148,15 @@ TYPED_TEST(ScatteringOf, IsotropicMatrixGivesTheMeanEverywhere) {
 }
 
 TYPED_TEST(ScatteringOf, AddsBeamsAndScattersTheCorrectionOfTheMoments) {
-  const Scene<TypeParam> scene;
+  const ScatteringScene<TypeParam> scene;
   Random random(5);
   std::vector<BeamSource<TypeParam>> beam(2);
   for (auto& b : beam) {
     b.direction.resize(ordinates);
     for (int d = 0; d < ordinates; ++d) b.direction[d] = static_cast<TypeParam>(random());
-    for (std::size_t c = 0; c < cells; ++c) b.intensity.push_back(static_cast<TypeParam>(random()));
+    for (std::size_t c = 0; c < cell_count; ++c) b.intensity.push_back(static_cast<TypeParam>(random()));
   }
-  std::vector<TypeParam> correction(low_moments * cells);
+  std::vector<TypeParam> correction(low_moments * cell_count);
   for (auto& x : correction) x = static_cast<TypeParam>(random() - .5);
   DenseMatrix<TypeParam> shape(ordinates, low_moments);
   for (int d = 0; d < ordinates; ++d) {
@@ -164,12 +164,12 @@ TYPED_TEST(ScatteringOf, AddsBeamsAndScattersTheCorrectionOfTheMoments) {
   }
   AngularField<TypeParam> corrected = scene.radiance;
   for (int d = 0; d < ordinates; ++d) {
-    for (std::size_t c = 0; c < cells; ++c) {
-      for (int m = 0; m < low_moments; ++m) corrected.row(d)[c] += shape(d, m) * correction[m * cells + c];
+    for (std::size_t c = 0; c < cell_count; ++c) {
+      for (int m = 0; m < low_moments; ++m) corrected.row(d)[c] += shape(d, m) * correction[m * cell_count + c];
     }
   }
   const auto source = scene.scattered(beam, correction, shape);
-  for (std::size_t c = 0; c < cells; ++c) {
+  for (std::size_t c = 0; c < cell_count; ++c) {
     for (int d = 0; d < ordinates; ++d) {
       double truth = scene.source(d, c, corrected);
       for (const auto& b : beam) truth += static_cast<double>(b.direction[d]) * static_cast<double>(b.intensity[c]);
@@ -179,26 +179,26 @@ TYPED_TEST(ScatteringOf, AddsBeamsAndScattersTheCorrectionOfTheMoments) {
 }
 
 TYPED_TEST(ScatteringOf, MomentsAreWeightedSums) {
-  const Scene<TypeParam> scene;
+  const ScatteringScene<TypeParam> scene;
   Random random(6);
   DenseMatrix<TypeParam> weights(low_moments, ordinates);
   for (int m = 0; m < low_moments; ++m) {
     for (int d = 0; d < ordinates; ++d) weights(m, d) = static_cast<TypeParam>(random() - .5);
   }
-  std::vector<TypeParam> moments(low_moments * cells, TypeParam(99));
+  std::vector<TypeParam> moments(low_moments * cell_count, TypeParam(99));
   moments_of<TypeParam>(scene.radiance, weights, moments);
   for (int m = 0; m < low_moments; ++m) {
-    for (std::size_t c = 0; c < cells; ++c) {
+    for (std::size_t c = 0; c < cell_count; ++c) {
       double truth = 0;
       for (int d = 0; d < ordinates; ++d)
         truth += static_cast<double>(weights(m, d)) * static_cast<double>(scene.radiance.row(d)[c]);
-      EXPECT_NEAR(static_cast<double>(moments[m * cells + c]), truth, this->tolerance);
+      EXPECT_NEAR(static_cast<double>(moments[m * cell_count + c]), truth, this->tolerance);
     }
   }
 }
 
 TYPED_TEST(ScatteringOf, BitsDoNotDependOnThreads) {
-  const Scene<TypeParam> scene;
+  const ScatteringScene<TypeParam> scene;
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
   const auto one = scene.scattered();

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "gather_test_tools.hpp"
 #include "transport/iteration/source_iteration.hpp"
 #include "transport/rays/slope_fit.hpp"
 #include "transport/system/transport_system.hpp"
@@ -11,8 +12,6 @@
 
 namespace cloudbow {
 namespace {
-
-constexpr std::array<double, 1> untruncated{0.};
 
 template <class Real>
 Slope<Real> no_slope(std::size_t n) {
