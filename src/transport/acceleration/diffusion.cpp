@@ -103,37 +103,39 @@ struct DiffusionOperator::Level {
   }
 
   // Flow into the cells of a column from the columns beside it.
-  void flow_in(std::size_t column, const double* x, double* to) const {
+  template <class Value>
+  void flow_in(std::size_t column, const Value* x, Value* to) const {
     const auto& beside = columns.beside[column];
     const float* const coupling_east = east.data() + column * nz;
     const float* const coupling_west = east.data() + beside[ColumnSet::west] * nz;
     const float* const coupling_north = north.data() + column * nz;
     const float* const coupling_south = north.data() + beside[ColumnSet::south] * nz;
-    const double* const x_east = x + beside[ColumnSet::east] * nz;
-    const double* const x_west = x + beside[ColumnSet::west] * nz;
-    const double* const x_north = x + beside[ColumnSet::north] * nz;
-    const double* const x_south = x + beside[ColumnSet::south] * nz;
+    const Value* const x_east = x + beside[ColumnSet::east] * nz;
+    const Value* const x_west = x + beside[ColumnSet::west] * nz;
+    const Value* const x_north = x + beside[ColumnSet::north] * nz;
+    const Value* const x_south = x + beside[ColumnSet::south] * nz;
 #pragma omp simd
     for (std::size_t k = 0; k < nz; ++k) {
-      const double in_line =
-          static_cast<double>(coupling_east[k]) * x_east[k] + static_cast<double>(coupling_west[k]) * x_west[k];
-      to[k] += in_line + static_cast<double>(coupling_north[k]) * x_north[k] +
-               static_cast<double>(coupling_south[k]) * x_south[k];
+      const Value in_line =
+          static_cast<Value>(coupling_east[k]) * x_east[k] + static_cast<Value>(coupling_west[k]) * x_west[k];
+      to[k] += in_line + static_cast<Value>(coupling_north[k]) * x_north[k] +
+               static_cast<Value>(coupling_south[k]) * x_south[k];
     }
   }
 
   // y = b - A x
   // @param b null: 0.
-  void residual(const double* b, const double* x, double* y) const {
+  template <class Value>
+  void residual(const Value* b, const Value* x, Value* y) const {
     // Nothing throws here.
 #pragma omp parallel for schedule(static) if (is_worth_threads())
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const std::size_t first = column * nz;
       for (std::size_t k = 0; k < nz; ++k) {
         const std::size_t c = first + k;
-        double sum = (b != nullptr ? b[c] : 0.) - diagonal[c] * x[c];
-        if (k + 1 < nz) sum += static_cast<double>(up[c]) * x[c + 1];
-        if (k > 0) sum += static_cast<double>(up[c - 1]) * x[c - 1];
+        Value sum = (b != nullptr ? b[c] : Value(0)) - static_cast<Value>(diagonal[c]) * x[c];
+        if (k + 1 < nz) sum += static_cast<Value>(up[c]) * x[c + 1];
+        if (k > 0) sum += static_cast<Value>(up[c - 1]) * x[c - 1];
         y[c] = sum;
       }
       flow_in(column, x, y + first);
@@ -142,7 +144,7 @@ struct DiffusionOperator::Level {
 
   // Zebra Gauss-Seidel over whole columns: one colour, then the other; `reversed` makes the pair symmetric.
   // @param work [size()]
-  void smooth(double* x, const double* b, bool reversed, double* work) const {
+  void smooth(float* x, const float* b, bool reversed, float* work) const {
     for (int half = 0; half < 2; ++half) {
       const std::vector<std::uint32_t>& coloured = of_colour[reversed ? 1 - half : half];
       // With odd periodic sizes two columns of one colour are neighbours at the seam. The order matters there, so it
@@ -152,19 +154,18 @@ struct DiffusionOperator::Level {
     }
   }
 
-  void solve_column(std::size_t column, double* x, const double* b, double* value) const {
+  void solve_column(std::size_t column, float* x, const float* b, float* value) const {
     const std::size_t first = column * nz;
     std::copy_n(b + first, nz, value);
     flow_in(column, x, value);
-    const float* const pivot = inverse.data() + first;
     const float* const above = upper.data() + first;
-    const float* const from_below = up.data() + first;
-    value[0] *= static_cast<double>(pivot[0]);
-    for (std::size_t k = 1; k < nz; ++k)
-      value[k] = (value[k] + static_cast<double>(from_below[k - 1]) * value[k - 1]) * static_cast<double>(pivot[k]);
-    double* const found = x + first;
+    for (std::size_t k = 1; k < nz; ++k) value[k] += above[k - 1] * value[k - 1];
+    const float* const pivot = inverse.data() + first;
+#pragma omp simd
+    for (std::size_t k = 0; k < nz; ++k) value[k] *= pivot[k];
+    float* const found = x + first;
     found[nz - 1] = value[nz - 1];
-    for (std::size_t k = nz - 1; k-- > 0;) found[k] = value[k] + static_cast<double>(above[k]) * found[k + 1];
+    for (std::size_t k = nz - 1; k-- > 0;) found[k] = value[k] + above[k] * found[k + 1];
   }
 
   // Aggregates pairs of columns; couplings are divided by the pair's width (a plain Galerkin sum would be too stiff).
@@ -300,58 +301,66 @@ DiffusionOperator& DiffusionOperator::operator=(DiffusionOperator&&) noexcept = 
 
 const ColumnSet& DiffusionOperator::columns() const { return levels_.front()->columns; }
 
-void DiffusionOperator::solve(std::span<const double> source, std::span<double> correction, double tolerance) const {
-  std::vector<std::vector<double>> x(levels_.size()), right(levels_.size()), work(levels_.size());
+// x of the finest grid from its right side. In float: it need only be near the solution.
+void DiffusionOperator::cycle(Workspace& w) const {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
-    x[l].resize(levels_[l]->size());
-    right[l].resize(levels_[l]->size());
-    work[l].resize(levels_[l]->size());
+    const Level& level = *levels_[l];
+    std::fill(w.x[l].begin(), w.x[l].end(), 0.F);
+    level.smooth(w.x[l].data(), w.right[l].data(), false, w.work[l].data());
+    if (l + 1 == levels_.size()) {
+      for (int s = 0; s < 4; ++s) level.smooth(w.x[l].data(), w.right[l].data(), s % 2 == 0, w.work[l].data());
+      break;
+    }
+    level.residual(w.right[l].data(), w.x[l].data(), w.work[l].data());
+    std::fill(w.right[l + 1].begin(), w.right[l + 1].end(), 0.F);
+    for (std::size_t column = 0; column < level.columns.size(); ++column) {
+      const float* const from = w.work[l].data() + column * level.nz;
+      float* const to = w.right[l + 1].data() + level.coarse_column[column] * level.nz;
+      for (std::size_t k = 0; k < level.nz; ++k) to[k] += from[k];
+    }
   }
-  // x[0] from right[0].
-  const auto v_cycle = [&] {
-    for (std::size_t l = 0; l < levels_.size(); ++l) {
-      const Level& level = *levels_[l];
-      std::fill(x[l].begin(), x[l].end(), 0.);
-      level.smooth(x[l].data(), right[l].data(), false, work[l].data());
-      if (l + 1 == levels_.size()) {
-        for (int s = 0; s < 4; ++s) level.smooth(x[l].data(), right[l].data(), s % 2 == 0, work[l].data());
-        break;
-      }
-      level.residual(right[l].data(), x[l].data(), work[l].data());
-      std::fill(right[l + 1].begin(), right[l + 1].end(), 0.);
+  for (std::size_t l = levels_.size(); l-- > 0;) {
+    const Level& level = *levels_[l];
+    if (l + 1 < levels_.size()) {
       for (std::size_t column = 0; column < level.columns.size(); ++column) {
-        const double* const from = work[l].data() + column * level.nz;
-        double* const to = right[l + 1].data() + level.coarse_column[column] * level.nz;
+        const float* const from = w.x[l + 1].data() + level.coarse_column[column] * level.nz;
+        float* const to = w.x[l].data() + column * level.nz;
         for (std::size_t k = 0; k < level.nz; ++k) to[k] += from[k];
       }
     }
-    for (std::size_t l = levels_.size(); l-- > 0;) {
-      const Level& level = *levels_[l];
-      if (l + 1 < levels_.size()) {
-        for (std::size_t column = 0; column < level.columns.size(); ++column) {
-          const double* const from = x[l + 1].data() + level.coarse_column[column] * level.nz;
-          double* const to = x[l].data() + column * level.nz;
-          for (std::size_t k = 0; k < level.nz; ++k) to[k] += from[k];
-        }
-      }
-      level.smooth(x[l].data(), right[l].data(), true, work[l].data());
-    }
-  };
+    level.smooth(w.x[l].data(), w.right[l].data(), true, w.work[l].data());
+  }
+}
+
+void DiffusionOperator::solve(std::span<const double> source, std::span<double> correction, double tolerance,
+                              Workspace& work) const {
+  for (auto* const arrays : {&work.x, &work.right, &work.work}) {
+    arrays->resize(levels_.size());
+    for (std::size_t l = 0; l < levels_.size(); ++l) (*arrays)[l].resize(levels_[l]->size());
+  }
+  for (auto* const array : {&work.residual, &work.direction, &work.product}) array->resize(levels_.front()->size());
+  const std::size_t n = source.size();
+  std::vector<double>&r = work.residual, &p = work.direction, &ap = work.product;
+  const std::vector<float>& z = work.x.front();  // preconditioned residual
   const auto dot = [](std::span<const double> a, std::span<const double> b) { return ordered_dot<double>(a, b); };
 
   std::fill(correction.begin(), correction.end(), 0.);
-  const std::size_t n = source.size();
-  std::vector<double>& r = right.front();  // residual; the preconditioner reads it in place
-  const std::vector<double>& z = x.front();
   std::copy(source.begin(), source.end(), r.begin());
-  const double target = tolerance * tolerance * dot(r, r);
+  const double size = dot(r, r);
+  const double target = tolerance * tolerance * size;
   if (target == 0) return;
-  v_cycle();
-  std::vector<double> p = z, ap(r.size());
-  double rz = dot(r, z);
+  const double scale = 1 / std::sqrt(size);  // for the range of float
+  const auto precondition = [&] {
+    std::transform(r.begin(), r.end(), work.right.front().begin(),
+                   [scale](double value) { return static_cast<float>(scale * value); });
+    cycle(work);
+  };
+  precondition();
+  std::copy(z.begin(), z.end(), p.begin());
+  double rz = dot(r, p);
   constexpr int most_iterations = 60;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    levels_.front()->residual(nullptr, p.data(), ap.data());  // -A p
+    levels_.front()->residual<double>(nullptr, p.data(), ap.data());  // -A p
     const double curvature = -dot(p, ap);
     if (!(curvature > 0)) return;
     const double step = rz / curvature;
@@ -360,11 +369,12 @@ void DiffusionOperator::solve(std::span<const double> source, std::span<double> 
       r[c] += step * ap[c];
     }
     if (dot(r, r) < target) return;
-    v_cycle();
-    const double next = dot(r, z);
+    precondition();
+    std::copy(z.begin(), z.end(), ap.begin());
+    const double next = dot(r, ap);
     const double beta = next / rz;
     rz = next;
-    for (std::size_t c = 0; c < n; ++c) p[c] = z[c] + beta * p[c];
+    for (std::size_t c = 0; c < n; ++c) p[c] = ap[c] + beta * p[c];
   }
 }
 

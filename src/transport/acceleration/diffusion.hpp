@@ -57,9 +57,15 @@ class DiffusionOperator {
   DiffusionOperator(DiffusionOperator&&) noexcept;
   DiffusionOperator& operator=(DiffusionOperator&&) noexcept;
 
+  /// Arrays of solve(), to be kept between calls.
+  struct Workspace {
+    std::vector<std::vector<float>> x, right, work;  // of each grid of the multigrid
+    std::vector<double> residual, direction, product;
+  };
+
   /// Solves A e = source to relative residual `tolerance`.
   /// @param source [cells] power released in each cell; @param correction [cells] out: scalar flux e.
-  void solve(std::span<const double> source, std::span<double> correction, double tolerance) const;
+  void solve(std::span<const double> source, std::span<double> correction, double tolerance, Workspace& work) const;
 
   const ColumnSet& columns() const;
   /// Diffusivity of a cell [m]: all of (23), or its first term alone.
@@ -68,6 +74,8 @@ class DiffusionOperator {
 
  private:
   struct Level;
+  void cycle(Workspace& work) const;
+
   std::vector<float> diffusivity_;
   std::vector<float> free_diffusivity_;
   std::vector<std::unique_ptr<Level>> levels_;

@@ -178,13 +178,14 @@ DiffusionCorrection<Real>::DiffusionCorrection(const TransportSystem<Real>& syst
 }
 
 template <class Real>
-void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<Real> moments) {
+void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<Real> moments, Workspace& work) const {
   const ColumnSet& columns = operator_.columns();
   const auto nz = static_cast<std::size_t>(box_.nz());
   const std::size_t places = columns.size() * nz;
-  std::vector<double> source(places), correction(places);
-  Flow flow;
-  for (std::vector<float>& along : flow) along.resize(places);
+  auto& [source, correction, flow, solving] = work;
+  source.assign(places, 0.);
+  correction.resize(places);
+  for (std::vector<float>& along : flow) along.resize(places);  // 0 but in voxels
   for (const Voxel& voxel : voxels_) {
     source[voxel.place] = voxel.power * static_cast<double>(change[voxel.cell]);
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -192,7 +193,7 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
           voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.));
   }
   diverge(flow, source);
-  operator_.solve(source, correction, diffusion_tolerance);
+  operator_.solve(source, correction, diffusion_tolerance, solving);
   for (const Voxel& voxel : voxels_) {
     const std::size_t at = voxel.place;
     const std::size_t column = at / nz;

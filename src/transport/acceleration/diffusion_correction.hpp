@@ -23,9 +23,17 @@ class DiffusionCorrection {
   /// On the levels and columns in which light diffuses.
   explicit DiffusionCorrection(const TransportSystem<Real>& system);
 
+  using Flow = std::array<std::vector<float>, 3>;  // [axis][cells of the diffusion problem]
+  /// Arrays of correct(), to be kept between calls.
+  struct Workspace {
+    std::vector<double> source, correction;
+    Flow flow;
+    DiffusionOperator::Workspace solve;
+  };
+
   /// moments [low_moments][n] += diffusive response to the change [low_moments][n] of scalar flux and current in one
   /// sweep.
-  void correct(std::span<const Real> change, std::span<Real> moments);
+  void correct(std::span<const Real> change, std::span<Real> moments, Workspace& work) const;
 
  private:
   struct Voxel {
@@ -37,7 +45,6 @@ class DiffusionCorrection {
     double current_share;  // of the correction of the current that is made
   };
 
-  using Flow = std::array<std::vector<float>, 3>;
   void diverge(const Flow& flow, std::vector<double>& source) const;
 
   bool independent_columns_;

@@ -214,6 +214,7 @@ std::vector<Real> LowOrderCorrection<Real>::iterate() {
   AngularField<Real> radiance(low_.ordinates.size(), n);
   std::vector<Real> moments(low_moments * n);
   SweepWorkspace<Real> work;
+  typename DiffusionCorrection<Real>::Workspace diffusion_work;
   AndersonMixer<Real> mixer(low_mixing_depth, low_mixed_moments);
   std::vector<Real> x(mixed, Real(0)), g(mixed), correction, change(mixed);
   for (int sweeps = 1;; ++sweeps) {
@@ -224,7 +225,7 @@ std::vector<Real> LowOrderCorrection<Real>::iterate() {
     g.assign(moments.begin(), moments.begin() + static_cast<std::ptrdiff_t>(mixed));
     if (diffusion_) {
       for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
-      diffusion_->correct(change, g);
+      diffusion_->correct(change, g, diffusion_work);
     }
     for (std::size_t i = 0; i < mixed; ++i) change[i] = g[i] - x[i];
     const auto flux = [n](const std::vector<Real>& of) { return std::span<const Real>(of).first(n); };

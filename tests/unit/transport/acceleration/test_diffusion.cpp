@@ -128,13 +128,14 @@ TEST_P(DiffusionIn, AgreesWithADenseFactorisation) {
   Eigen::VectorXd solved(matrix.rows());
   const DiffusionOperator diffusion(box, columns, given);
   const auto n = static_cast<std::size_t>(matrix.rows());
-  diffusion.solve({source.data(), n}, {solved.data(), n}, 1e-11);
+  DiffusionOperator::Workspace work;
+  diffusion.solve({source.data(), n}, {solved.data(), n}, 1e-11, work);
   // Residuals of 1e-11, magnified by the condition of the matrix (1e3 and more).
   EXPECT_LT((solved - truth).norm(), 1e-7 * truth.norm());
   // Couplings are rounded to float: each by 6e-8 of itself.
   EXPECT_LT((matrix * solved - source).norm(), 6e-8 * matrix.norm() * solved.norm());
   // The tenth that acceleration requires is met as well.
-  diffusion.solve({source.data(), n}, {solved.data(), n}, .1);
+  diffusion.solve({source.data(), n}, {solved.data(), n}, .1, work);
   EXPECT_LT((matrix * solved - source).norm(), .1 * source.norm());
 }
 
@@ -162,7 +163,9 @@ double error_in_slab(int levels) {
   const DiffusionCoefficients given{std::vector<float>(n, transport), std::vector<float>(n, transport),
                                     std::vector<float>(n, absorption)};
   std::vector<double> flux(n);
-  DiffusionOperator(box, ColumnSet::of(box), given).solve(std::vector<double>(n, q * depth / levels), flux, 1e-12);
+  DiffusionOperator::Workspace work;
+  DiffusionOperator(box, ColumnSet::of(box), given)
+      .solve(std::vector<double>(n, q * depth / levels), flux, 1e-12, work);
   constexpr double d = 1 / (3 * transport);
   const double kappa = std::sqrt(absorption / d);
   const double end = std::cosh(kappa * depth / 2) + 2 * d * kappa * std::sinh(kappa * depth / 2);
@@ -197,8 +200,9 @@ TEST(Diffusion, DarkSourceGivesNothing) {
   const Case c{"", {4, 3, 5}, true, 0, 1};
   const BoxGrid box = box_of(c);
   std::vector<double> flux(cells_of(box), 7.);
+  DiffusionOperator::Workspace work;
   DiffusionOperator(box, columns_of(c, box), coefficients_of(c, box))
-      .solve(std::vector<double>(cells_of(box), 0.), flux, .1);
+      .solve(std::vector<double>(cells_of(box), 0.), flux, .1, work);
   EXPECT_EQ(flux, std::vector<double>(cells_of(box), 0.));
 }
 
@@ -210,11 +214,12 @@ TEST(Diffusion, BitsDoNotDependOnThreads) {
     Random random(3);
     std::vector<double> source(cells_of(box)), one(cells_of(box)), two(cells_of(box));
     for (double& s : source) s = random();
+    DiffusionOperator::Workspace work_of_one, work_of_two;
     const int threads = omp_get_max_threads();
     omp_set_num_threads(1);
-    diffusion.solve(source, one, 1e-3);
+    diffusion.solve(source, one, 1e-3, work_of_one);
     omp_set_num_threads(2);
-    diffusion.solve(source, two, 1e-3);
+    diffusion.solve(source, two, 1e-3, work_of_two);
     omp_set_num_threads(threads);
     EXPECT_EQ(one, two);
   }

@@ -32,7 +32,8 @@ struct CorrectionCase {
     for (std::size_t m = 0; m < 4; ++m)
       for (std::size_t c = 0; c < cells; ++c)
         change[m * cells + c] = std::sin(static_cast<double>(m * cells + place_in_cloud(c)));
-    DiffusionCorrection<double>(system).correct(change, found);
+    DiffusionCorrection<double>::Workspace work;
+    DiffusionCorrection<double>(system).correct(change, found, work);
     correction.resize(found.size());
     for (std::size_t m = 0; m < 4; ++m)
       for (std::size_t c = 0; c < cells; ++c) correction[m * cells + place_in_cloud(c)] = found[m * cells + c];
@@ -83,7 +84,8 @@ TEST(DiffusionCorrection, MoreLightBringsMore) {
   const std::size_t cells = field.system.cells->size();
   std::vector<double> change(low_moments * cells, 0.), found(low_moments * cells, 0.);
   std::fill_n(change.begin(), cells, 1.);
-  DiffusionCorrection<double>(field.system).correct(change, found);
+  DiffusionCorrection<double>::Workspace work;
+  DiffusionCorrection<double>(field.system).correct(change, found, work);
   for (std::size_t c = 0; c < cells; ++c) EXPECT_GT(found[c], 0.);
 }
 
