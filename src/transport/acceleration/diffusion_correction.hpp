@@ -49,6 +49,7 @@ class DiffusionCorrection {
 
   bool independent_columns_;
   std::size_t all_;  // cells of the system
+  double tolerance_;
   LevelRange levels_;
   BoxGrid box_;  // of these levels
   DiffusionOperator operator_;
