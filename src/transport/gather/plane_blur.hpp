@@ -13,8 +13,7 @@ namespace cloudbow {
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 
-/// Widths of blurs, rounded to powers of a factor, so that sums of light with nearly the same blur are blurred
-/// together.
+/// Widths of blurs, rounded to powers of a factor: light of nearly the same width is blurred together.
 class BlurWidths {
  public:
   /// @param growth factor between one width and the next, above 1.

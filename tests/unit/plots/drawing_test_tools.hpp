@@ -1,4 +1,4 @@
-// What is in a drawing.
+// Texts of a drawing.
 #pragma once
 
 #include <variant>
