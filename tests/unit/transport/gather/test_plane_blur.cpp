@@ -54,5 +54,66 @@ TEST(PlaneBlur, IsTheGaussianOfEachColumn) {
   }
 }
 
+// Of a spike: the variance of the Gaussian, the sum, and values within 4 % of its peak. (A cubic spline differs from
+// the Gaussian of its variance by 3 % of the peak; the integral over a column adds 1/12 to the variance.)
+TEST(PlaneBlur, OfManyColumnsHasTheVarianceOfTheGaussian) {
+  for (const double sigma : {10., 17.3, 40.}) {
+    constexpr int nx = 401, ny = 301;
+    const BoxGrid box = make_box(nx, ny, 1);
+    std::vector<double> spike(box.columns(), 0.);
+    spike[static_cast<std::size_t>(150 * nx + 200)] = 1;
+    blur_plane(spike, box, sigma);
+    double sum = 0, x2 = 0, y2 = 0;
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        const double value = spike[static_cast<std::size_t>(j * nx + i)];
+        const double x = i - 200, y = j - 150;
+        sum += value;
+        x2 += value * x * x;
+        y2 += value * y * y;
+        const double peak = 1 / (2 * std::numbers::pi * sigma * sigma);
+        EXPECT_NEAR(value, peak * std::exp(-(x * x + y * y) / (2 * sigma * sigma)), .08 * peak);
+      }
+    }
+    EXPECT_NEAR(sum, 1, 1e-12);
+    EXPECT_NEAR(x2, sigma * sigma, 1e-9 * sigma * sigma);
+    EXPECT_NEAR(y2, sigma * sigma, 1e-9 * sigma * sigma);
+  }
+}
+
+// A blur as wide as the box, of a spike beside a side: reflected, or across the seam.
+TEST(PlaneBlur, AsWideAsTheBoxKeepsTheSumAndAnEvenField) {
+  for (const bool periodic : {true, false}) {
+    for (const int nx : {60, 61, 400}) {
+      const BoxGrid box = make_box(nx, 45, 1, periodic);
+      for (const double sigma : {12., 50., 1e3}) {
+        std::vector<double> even(box.columns(), 2.), spike(box.columns(), 0.);
+        blur_plane(even, box, sigma);
+        for (const double value : even) EXPECT_NEAR(value, 2, 1e-12);
+        spike[1] = 1;
+        blur_plane(spike, box, sigma);
+        EXPECT_NEAR(std::accumulate(spike.begin(), spike.end(), 0.), 1, 1e-12);
+        EXPECT_GE(*std::min_element(spike.begin(), spike.end()), -1e-15) << "but for rounding";
+      }
+    }
+  }
+}
+
+// Reflected at an open side: half of an even field in a periodic box twice as long.
+TEST(PlaneBlur, IsReflectedAtAnOpenSide) {
+  const BoxGrid open = make_box(50, 48, 1, false), twice = make_box(100, 96, 1, true);
+  std::vector<double> half(open.columns(), 0.), whole(twice.columns(), 0.);
+  for (const auto& [i, j] : {std::pair(3, 5), std::pair(49, 20), std::pair(30, 47)}) {
+    half[static_cast<std::size_t>(j * 50 + i)] = 1;
+    for (const int x : {i, 99 - i})
+      for (const int y : {j, 95 - j}) whole[static_cast<std::size_t>(y * 100 + x)] = 1;
+  }
+  blur_plane(half, open, 11.5);
+  blur_plane(whole, twice, 11.5);
+  for (int j = 0; j < 48; ++j)
+    for (int i = 0; i < 50; ++i)
+      EXPECT_NEAR(half[static_cast<std::size_t>(j * 50 + i)], whole[static_cast<std::size_t>(j * 100 + i)], 1e-14);
+}
+
 }  // namespace
 }  // namespace cloudbow
