@@ -8,9 +8,9 @@
 namespace cloudbow {
 
 /// Spreads each value of `field` [columns] over its neighbours by a Gaussian of width `sigma_m`. It is cut at three
-/// sigma and at half the box. From ten columns on, three moving means of the same variance replace it: a cubic spline.
-/// They are at most as wide as the box. At an open side all are reflected, which conserves the sum and leaves a uniform
-/// field unchanged.
+/// sigma and at half the box. From ten columns on, three moving means of the same variance replace it: a quadratic
+/// spline. They are at most as wide as the box. At an open side all are reflected, which conserves the sum and leaves a
+/// uniform field unchanged.
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 

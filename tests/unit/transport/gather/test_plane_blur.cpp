@@ -54,8 +54,8 @@ TEST(PlaneBlur, IsTheGaussianOfEachColumn) {
   }
 }
 
-// Of a spike: the variance of the Gaussian, the sum, and values within 4 % of its peak. (A cubic spline differs from
-// the Gaussian of its variance by 3 % of the peak; the integral over a column adds 1/12 to the variance.)
+// Of a spike: the variance of the Gaussian, the sum, and values near its own. A quadratic spline lacks 6 % of the peak
+// of the Gaussian of its variance, along each axis.
 TEST(PlaneBlur, OfManyColumnsHasTheVarianceOfTheGaussian) {
   for (const double sigma : {10., 17.3, 40.}) {
     constexpr int nx = 401, ny = 301;
@@ -72,7 +72,7 @@ TEST(PlaneBlur, OfManyColumnsHasTheVarianceOfTheGaussian) {
         x2 += value * x * x;
         y2 += value * y * y;
         const double peak = 1 / (2 * std::numbers::pi * sigma * sigma);
-        EXPECT_NEAR(value, peak * std::exp(-(x * x + y * y) / (2 * sigma * sigma)), .08 * peak);
+        EXPECT_NEAR(value, peak * std::exp(-(x * x + y * y) / (2 * sigma * sigma)), .13 * peak);
       }
     }
     EXPECT_NEAR(sum, 1, 1e-12);
