@@ -186,7 +186,8 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
   const ColumnSet& columns = operator_.columns();
   const auto nz = static_cast<std::size_t>(box_.nz());
   const std::size_t places = columns.size() * nz;
-  auto& [source, correction, flow, solving] = work;
+  std::vector<double>&source = work.source, &correction = work.correction;
+  Flow& flow = work.flow;
   source.assign(places, 0.);
   correction.resize(places);
   for (std::vector<float>& along : flow) along.resize(places);  // 0 but in voxels
@@ -197,7 +198,7 @@ void DiffusionCorrection<Real>::correct(std::span<const Real> change, std::span<
           voxel.forward * static_cast<double>(change[(axis + 1) * all_ + voxel.cell]) / std::sqrt(3.));
   }
   diverge(flow, source);
-  operator_.solve(source, correction, tolerance_, solving);
+  operator_.solve(source, correction, tolerance_, work.solve);
   for (const Voxel& voxel : voxels_) {
     const std::size_t at = voxel.place;
     const std::size_t column = at / nz;

@@ -142,14 +142,15 @@ void spread_along_x(std::vector<Real>& field, int nx, int ny, bool periodic, dou
       double before = first[-margin];
       for (int i = 0; i < nx; ++i) {
         const double after = first[i + margin];
-        const double leaves = wide[static_cast<std::size_t>(i + 1)];
+        const double leaves = wide[static_cast<std::size_t>(i) + 1];
         wide[static_cast<std::size_t>(i)] = norm * (sum + mean.beyond * (before + after));
         sum += after - leaves;
         before = leaves;
       }
       std::copy_backward(wide.data(), wide.data() + nx, wide.data() + margin + nx);
     }
-    for (int i = 0; i < nx; ++i) row[i] = static_cast<Real>(wide[static_cast<std::size_t>(margin + i)]);
+    for (int i = 0; i < nx; ++i)
+      row[i] = static_cast<Real>(wide[static_cast<std::size_t>(margin) + static_cast<std::size_t>(i)]);
   }
 }
 
