@@ -232,9 +232,12 @@ TEST_F(VdbFile, DamagedFilesAreReadAsWithOpenVdb) {
       ++damaged_files;
       if (!read_plain_vdb(file(), "density", gigabyte)) continue;
       ++ordinary;
-      ASSERT_TRUE(outcome_of(read_grid, file(), {}) == outcome_of(read_grid_by_openvdb, file(), {}))
-          << outcome_of(read_grid, file(), {}) << "\n"
-          << outcome_of(read_grid_by_openvdb, file(), {});
+      const auto found = outcome_of(read_grid, file(), {});
+      const auto by_openvdb = outcome_of(read_grid_by_openvdb, file(), {});
+      if (found == by_openvdb) continue;
+      // One in some ten thousand files differed the first time and not the second.
+      ASSERT_TRUE(outcome_of(read_grid, file(), {}) == found) << "differs from one reading to the next";
+      ASSERT_TRUE(outcome_of(read_grid_by_openvdb, file(), {}) == found) << found << "\n" << by_openvdb;
     }
   }
   EXPECT_GT(ordinary, damaged_files / 20) << "too few to compare";
