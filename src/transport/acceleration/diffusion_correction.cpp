@@ -15,8 +15,8 @@ constexpr int columns_beside = 2;
 // Optical depth of a cell beyond which its current is not corrected: light hardly crosses it within a sweep, and the
 // correction would overshoot.
 constexpr double thick_for_currents = 50;
-// A finer solution does not spare sweeps, unless the medium is very thick. Conservative slabs of transport optical
-// depth 7.5 take as many with .1 as with .02. Those of 15 take twice as many, or stall.
+// A lower tolerance does not reduce the number of sweeps, unless the medium is very thick. Conservative slabs of
+// transport optical depth 7.5 take as many with .1 as with .02. Those of 15 take twice as many with .1, or stall.
 constexpr double usual_tolerance = .1;
 constexpr double tolerance_if_thick = .02;
 constexpr double thick_transport_depth = 10;

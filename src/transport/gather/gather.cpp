@@ -20,7 +20,7 @@ constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;   // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;     // each distance band ends this many times as far as the last
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
-constexpr double width_growth = 1.25;   // of rounded widths: finer than the classes of spread
+constexpr double width_growth = 1.05;   // of rounded widths: column fluxes change by .04 %, with 1.25 by .15 %
 // Directions of a quadrant are shared out over this many sums for any number of threads: sums have one order.
 constexpr std::size_t groups_of_quadrant = 2;
 constexpr std::size_t groups = quadrants * groups_of_quadrant;
@@ -181,9 +181,8 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   };
   for (const SpreadClass& alike : classes) {
     const auto of_quadrant = by_quadrant(sorted, alike.first, alike.last);
-    const auto directions_of = [&](std::size_t g) {
-      const std::size_t all = of_quadrant[g / groups_of_quadrant].size();
-      return (all + groups_of_quadrant - 1 - g % groups_of_quadrant) / groups_of_quadrant;
+    const auto has_directions = [&](std::size_t g) {
+      return g % groups_of_quadrant < of_quadrant[g / groups_of_quadrant].size();
     };
     std::array<bool, quadrants> lit{};
     for (std::size_t quadrant = 0; quadrant < quadrants; ++quadrant) lit[quadrant] = !of_quadrant[quadrant].empty();
@@ -195,7 +194,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
       for (std::size_t g = 0; g < groups; ++g) {
         errors.run([&] {
           const std::size_t quadrant = g / groups_of_quadrant;
-          if (!is_here(static_cast<int>(quadrant)) || directions_of(g) == 0) return;
+          if (!is_here(static_cast<int>(quadrant)) || !has_directions(g)) return;
           const std::vector<std::size_t>& own = of_quadrant[quadrant];
           sums[g].clear(bands.size(), columns);
           for (std::size_t i = g % groups_of_quadrant; i < own.size(); i += groups_of_quadrant) {
@@ -218,7 +217,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
           };
           Real* __restrict const to = values(sums[quadrant * groups_of_quadrant]);
           for (std::size_t g = 1; g < groups_of_quadrant; ++g) {
-            if (directions_of(quadrant * groups_of_quadrant + g) == 0) continue;
+            if (!has_directions(quadrant * groups_of_quadrant + g)) continue;
             const Real* __restrict const more = values(sums[quadrant * groups_of_quadrant + g]);
             for (std::size_t c = 0; c < columns; ++c) to[c] += more[c];
           }

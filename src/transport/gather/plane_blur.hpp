@@ -8,13 +8,13 @@
 namespace cloudbow {
 
 /// Spreads each value of `field` [columns] over its neighbours by a Gaussian of width `sigma_m`. It is cut at three
-/// sigma and at half the box. From ten columns on, three moving means of the same variance replace it: a quadratic
-/// spline. They are at most as wide as the box. At an open side all are reflected, which conserves the sum and leaves a
-/// uniform field unchanged.
+/// sigma and at half the box. From ten columns on, three moving means with the same variance replace it: a quadratic
+/// spline, at most as wide as the box. Boxes of at most 40 columns keep the Gaussian. At an open side both are
+/// reflected, which conserves the sum and leaves a uniform field unchanged.
 template <class Real>
 void blur_plane(std::vector<Real>& field, const BoxGrid& box, double sigma_m);
 
-/// Widths of blurs, rounded to powers of a factor: light of nearly the same width is blurred together.
+/// Widths of blurs, rounded to powers of a factor: light with nearly the same width is blurred in one step.
 class BlurWidths {
  public:
   /// @param growth factor between one width and the next, above 1.
@@ -23,7 +23,7 @@ class BlurWidths {
   int count() const { return widest_ + 1; }
   /// From 1 for the narrowest blur on; 0: so narrow that it changes nothing. A blur as wide as the box is the widest.
   int number(double width_m) const;
-  double width_m(int number) const;
+  double width_m(int number) const;  ///< [m] 0 for number 0
 
  private:
   double least_m_, growth_;

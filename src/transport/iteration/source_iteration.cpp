@@ -22,8 +22,8 @@ namespace {
 // which take more memory.
 constexpr int anderson_depth = 3;
 constexpr std::size_t mixed_moments = 4;
-// A correction is worth no more than its few directions are: it need not converge. A solve of few sweeps needs it less:
-// with a coarser one it takes as many sweeps.
+// A correction has few directions, so that it need not converge. A coarse solve takes few sweeps, and as many with a
+// higher tolerance of its corrections.
 constexpr double correction_tolerance = .1;
 constexpr double coarse_correction_tolerance = .3;
 constexpr double coarse_solve = 1e-2;  // least tolerance of such a solve

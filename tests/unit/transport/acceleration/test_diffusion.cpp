@@ -196,6 +196,25 @@ TEST(ColumnSet, NeighboursAreThoseThatTakePart) {
   EXPECT_EQ(columns.by_place(), (std::vector<std::uint32_t>{0, 1, none, 2, 3}));
 }
 
+// The equations are linear. The factors exceed the range of float, in which the cycles are. The arrays of one solve are
+// used by the next; differences are rounding.
+TEST(Diffusion, SolutionsScaleWithTheirSources) {
+  const Case c{"", {8, 6, 5}, true, 0, 1};
+  const BoxGrid box = box_of(c);
+  const DiffusionOperator diffusion(box, columns_of(c, box), coefficients_of(c, box));
+  Random random(4);
+  std::vector<double> source(cells_of(box)), flux(cells_of(box)), scaled(cells_of(box));
+  for (double& s : source) s = random();
+  DiffusionOperator::Workspace work;
+  diffusion.solve(source, flux, .1, work);
+  for (const double factor : {1e-60, 1., 1e60}) {
+    std::vector<double> other = source;
+    for (double& s : other) s *= factor;
+    diffusion.solve(other, scaled, .1, work);
+    for (std::size_t n = 0; n < flux.size(); ++n) EXPECT_NEAR(scaled[n] / factor, flux[n], 1e-6 * std::abs(flux[n]));
+  }
+}
+
 TEST(Diffusion, DarkSourceGivesNothing) {
   const Case c{"", {4, 3, 5}, true, 0, 1};
   const BoxGrid box = box_of(c);

@@ -54,8 +54,8 @@ TEST(PlaneBlur, IsTheGaussianOfEachColumn) {
   }
 }
 
-// Of a spike: the variance of the Gaussian, the sum, and values near its own. A quadratic spline lacks 6 % of the peak
-// of the Gaussian of its variance, along each axis.
+// Of a spike: the sum 1 and the variance of the Gaussian, apart from rounding. The peak of a quadratic spline is 6 %
+// lower along each axis.
 TEST(PlaneBlur, OfManyColumnsHasTheVarianceOfTheGaussian) {
   for (const double sigma : {10., 17.3, 40.}) {
     constexpr int nx = 401, ny = 301;
@@ -81,7 +81,7 @@ TEST(PlaneBlur, OfManyColumnsHasTheVarianceOfTheGaussian) {
   }
 }
 
-// A blur as wide as the box, of a spike beside a side: reflected, or across the seam.
+// Blurs up to widths beyond the box, of a spike next to a side or to the periodic seam. The tolerances are rounding.
 TEST(PlaneBlur, AsWideAsTheBoxKeepsTheSumAndAnEvenField) {
   for (const bool periodic : {true, false}) {
     for (const int nx : {60, 61, 400}) {
@@ -93,13 +93,13 @@ TEST(PlaneBlur, AsWideAsTheBoxKeepsTheSumAndAnEvenField) {
         spike[1] = 1;
         blur_plane(spike, box, sigma);
         EXPECT_NEAR(std::accumulate(spike.begin(), spike.end(), 0.), 1, 1e-12);
-        EXPECT_GE(*std::min_element(spike.begin(), spike.end()), -1e-15) << "but for rounding";
+        EXPECT_GE(*std::min_element(spike.begin(), spike.end()), -1e-15) << "apart from rounding";
       }
     }
   }
 }
 
-// Reflected at an open side: half of an even field in a periodic box twice as long.
+// Open sides reflect light: the field is half of a symmetric one in a periodic box of twice the length.
 TEST(PlaneBlur, IsReflectedAtAnOpenSide) {
   const BoxGrid open = make_box(50, 48, 1, false), twice = make_box(100, 96, 1, true);
   std::vector<double> half(open.columns(), 0.), whole(twice.columns(), 0.);
