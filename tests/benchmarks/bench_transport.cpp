@@ -135,7 +135,7 @@ void sweep_all(benchmark::State& state) {
   for (const OrdinatePath& path : scene.system.paths) runs += path.cost;
   state.counters["runs_a_pair"] = runs / static_cast<double>(scene.pairs());
   state.counters["sideways"] = static_cast<double>(std::count_if(scene.system.paths.begin(), scene.system.paths.end(),
-                                                                 [](const auto& p) { return p.sideways.has_value(); }));
+                                                                 [](const auto& p) { return !p.sideways.empty(); }));
 }
 
 void scatter_all(benchmark::State& state) {

@@ -55,7 +55,7 @@ LIMITS = {
     ("cu33", "balanced"): dict(up=0.721, down=0.924, dR=0.126, dT=0.18),
     ("flat", "balanced"): dict(up=3.4, down=3.45, dR=0.304, dT=0.285),
     ("sc12", "balanced"): dict(up=1.87, down=1.94, dR=0.117, dT=0.14),
-    ("sc31", "balanced"): dict(up=1.67, down=1.06, dR=0.0949, dT=0.101),
+    ("sc31", "balanced"): dict(up=1.54, down=1.03, dR=0.107, dT=0.115),
     ("wall", "balanced"): dict(up=2.47, down=3.55, dR=0.219, dT=0.235),
     ("cu51", "balanced"): dict(up=0.41, down=1.37, dR=0.103, dT=0.152),
     ("cu53", "balanced"): dict(up=0.553, down=1.13, dR=0.05, dT=0.0778),

@@ -51,6 +51,11 @@ std::vector<LevelWork> work_in_levels(const OpticalGrid& grid, bool all_voxels) 
   for (int k = 0; k < box.nz(); ++k) {
     LevelWork& level = levels[k];
     level.thickness_m = box.thickness_m(k);
+    const auto is_like = [&](int other) {
+      return other >= 0 && other < box.nz() &&
+             std::abs(box.thickness_m(other) - level.thickness_m) <= 1e-6 * level.thickness_m;
+    };
+    level.even = is_like(k - 1) || is_like(k + 1);
     if (all_voxels) level.runs = rows * ((box.nx + lanes - 1) / lanes);
     const int blocks = grid.air_of(k).count();
     if (blocks == 0) continue;
@@ -101,10 +106,6 @@ Medium medium_of(const SolvePlan& plan) {
   Medium medium;
   medium.cells = static_cast<double>(plan.cells());
   medium.levels = work_in_levels(grid, plan.cells() > grid.active_cells());
-  medium.usual_thickness_m =
-      std::max_element(medium.levels.begin(), medium.levels.end(), [](const auto& one, const auto& two) {
-        return one.runs < two.runs;
-      })->thickness_m;
   set_depths(plan.problem(), plan.options().fit.delta_m_order, medium);
   return medium;
 }

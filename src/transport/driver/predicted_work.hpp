@@ -25,6 +25,7 @@ struct LevelWork {
   double thickness_m = 0;
   double runs = 0;         ///< of up to eight neighbouring cells in a row, which are computed together
   double runs_of_air = 0;  ///< of up to eight rays that cross blocks of air between them, as runs of cells
+  bool even = false;       ///< a level next to it has its thickness: it can be marched along x and y
   bool in_air = false;     ///< a march along z crosses all of the air at once
 };
 
@@ -32,10 +33,9 @@ struct LevelWork {
 struct Medium {
   double cells = 0;
   std::vector<LevelWork> levels;
-  double usual_thickness_m = 0;  ///< of the level with the most runs
-  double voxel_depth = 0;        ///< vertical optical depth of a voxel, mean with the extinction as weight
-  double coarse_depth = 0;       ///< the same for transport scattering, of the widest edge of a cell twice as large
-  double transport_depth = 0;    ///< of the columns for transport scattering, each weighted with its own
+  double voxel_depth = 0;      ///< vertical optical depth of a voxel, mean with the extinction as weight
+  double coarse_depth = 0;     ///< the same for transport scattering, of the widest edge of a cell twice as large
+  double transport_depth = 0;  ///< of the columns for transport scattering, each weighted with its own
 
   double runs() const;
 };

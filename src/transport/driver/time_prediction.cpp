@@ -44,8 +44,7 @@ class CellCrossing {
     for (const LevelWork& level : medium_.levels) {
       const double x = std::abs(travel.x()) * per_m_[0], y = std::abs(travel.y()) * per_m_[1];
       const double z = std::abs(travel.z()) / level.thickness_m;
-      const bool sideways = sideways_ && std::max(x, y) > z &&
-                            std::abs(level.thickness_m - medium_.usual_thickness_m) <= 1e-6 * medium_.usual_thickness_m;
+      const bool sideways = sideways_ && std::max(x, y) > z && level.even;
       const double air = level.in_air && !sideways ? 0 : level.runs_of_air;
       sum += (x + y + z) / (sideways ? std::max(x, y) : z) * (level.runs + air);
     }

@@ -146,25 +146,19 @@ std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
   return cell;
 }
 
-// The run of levels of one thickness that holds most cells of voxels. Levels at its ends that hold none are left out.
-LevelRange longest_even_run(const BoxGrid& box, const ActiveRows& rows) {
-  LevelRange best{0, 0};
-  std::uint32_t most = 0;
-  const auto empty = [&](int k) { return !rows.has_voxels(k); };
+// Runs of levels of one thickness, without empty levels at their ends.
+std::vector<LevelRange> even_runs(const BoxGrid& box, const ActiveRows& rows) {
+  std::vector<LevelRange> runs;
   for (int first = 0, last = 0; first < box.nz(); first = last) {
     const double thickness = box.thickness_m(first);
     last = first + 1;
     while (last < box.nz() && std::abs(box.thickness_m(last) - thickness) <= 1e-6 * thickness) ++last;
-    std::uint32_t cells = 0;
-    for (int k = first; k < last; ++k) cells += rows.voxels_end(k) - rows.level_cell[k];
-    if (cells > most) {
-      most = cells;
-      best = {first, last};
-    }
+    LevelRange run{first, last};
+    while (run.first < run.last && !rows.has_voxels(run.first)) ++run.first;
+    while (run.first < run.last && !rows.has_voxels(run.last - 1)) --run.last;
+    if (run.last - run.first > 1) runs.push_back(run);
   }
-  while (best.first < best.last && empty(best.first)) ++best.first;
-  while (best.first < best.last && empty(best.last - 1)) --best.last;
-  return best;
+  return runs;
 }
 
 template <class Real>
@@ -383,7 +377,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   cells.heterogeneous = n >= worth_shortcuts && !independent_columns && box.columns() > 1 &&
                         (varying.x || box.nx == 1) && (varying.y || box.ny == 1);
   if (cells.heterogeneous && box.periodic && box.nx > 1 && box.ny > 1) {
-    cells.even_levels = longest_even_run(box, cells.rows);
+    cells.even_runs = even_runs(box, cells.rows);
     cells.transposed[1].sheets = sheets_along_y(cells.rows, cells.rows.levels);
     if (cells.rows.has_air()) {
       cells.transposed[1].gaps = sheets_along_y(cells.rows, cells.rows.gaps);

@@ -143,8 +143,9 @@ struct Cells {
   /// for such fields only (march along x and y, one gradient for an octant). In a field without change along an axis
   /// the shortcuts would appear as such a change.
   bool heterogeneous = false;
-  /// Levels of one thickness that can be marched along x and y as well, and the cells for it; without: empty.
-  LevelRange even_levels{0, 0};
+  /// Runs of two or more levels of one thickness, from below, and their cells for marches along x and y. Empty: all
+  /// marches are along z.
+  std::vector<LevelRange> even_runs;
   std::array<TransposedCells<Real>, 2> transposed;
   std::vector<Real> extinction;  ///< [n + lane_padding] sigma' = absorption + sum_p (1 - f_p) scattering_p, 1/m
   /// [n] 1 / places of each cell of the air, that of a voxel's cell is 1; empty: no cell is of the air.

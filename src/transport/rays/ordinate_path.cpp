@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "cloudbow/core/parallel_errors.hpp"
 
@@ -35,15 +36,6 @@ double voxel_depth(const BoxGrid& box, const Cells<Real>& cells, LevelRange leve
   return sum > 0 ? sum_of_squares / sum * box.thickness_m(levels.first) : 0;
 }
 
-double runs_crossed(const PathPattern& pattern, const Sheets& sheets, int first_row, int last_row) {
-  double runs = 0;
-  for (int step = 0; step < pattern.levels(); ++step) {
-    const int segments = static_cast<int>(pattern.level_begin[step + 1] - pattern.level_begin[step]);
-    runs += segments * static_cast<double>(sheets.of(pattern.level(step), first_row, last_row).size());
-  }
-  return runs;
-}
-
 // Of rays that cross air one by one.
 double rays_in_air(std::span<const Chunk> gaps) {
   double rays = 0;
@@ -51,29 +43,77 @@ double rays_in_air(std::span<const Chunk> gaps) {
   return rays / lanes;
 }
 
-double cost_along_z(const BoxGrid& box, const PathPattern& pattern, const ActiveRows& rows) {
-  double in_air = 0;
-  for (int step = 0; rows.has_air() && step < pattern.levels(); ++step) {
+// Of those levels of a pattern that are in the range.
+double cost_along_z(const BoxGrid& box, const PathPattern& pattern, const ActiveRows& rows, LevelRange levels) {
+  double cost = 0;
+  for (int step = 0; step < pattern.levels(); ++step) {
     const int level = pattern.level(step);
-    if (box.periodic && (rows.is_uniform(level) || rows.is_mostly_air(level))) continue;
-    in_air += (pattern.level_begin[step + 1] - pattern.level_begin[step]) * rays_in_air(rows.blocks_of(level));
+    if (level < levels.first || level >= levels.last) continue;
+    const bool air_at_once = !rows.has_air() || (box.periodic && (rows.is_uniform(level) || rows.is_mostly_air(level)));
+    const double in_air = air_at_once ? 0 : cost_of_rays_in_air * rays_in_air(rows.blocks_of(level));
+    const int segments = static_cast<int>(pattern.level_begin[step + 1] - pattern.level_begin[step]);
+    cost += segments * (static_cast<double>(rows.levels.of(level).size()) + in_air);
   }
-  return runs_crossed(pattern, rows.levels, 0, rows.levels.rows) + cost_of_rays_in_air * in_air;
+  return cost;
 }
 
 template <class Real>
-double sideways_cost(const SidewaysPath& path, const TransposedCells<Real>& transposed, std::size_t cells) {
-  const Sheets& sheets = transposed.sheets;
-  double in_air = 0;
-  for (int step = 0; transposed.gaps.count > 0 && step < path.pattern.levels(); ++step) {
-    const int segments = static_cast<int>(path.pattern.level_begin[step + 1] - path.pattern.level_begin[step]);
-    in_air += segments * rays_in_air(transposed.gaps.of(path.pattern.level(step), path.levels.first, path.levels.last));
+double sideways_cost(const SidewaysPath& path, const Cells<Real>& cells) {
+  const TransposedCells<Real>& transposed = cells.transposed[path.axis];
+  const LevelRange levels = path.levels;
+  double cost = 0;
+  for (int step = 0; step < path.pattern->levels(); ++step) {
+    const int sheet = path.pattern->level(step);
+    const double in_air = transposed.gaps.count == 0
+                              ? 0
+                              : cost_of_rays_in_air * rays_in_air(transposed.gaps.of(sheet, levels.first, levels.last));
+    const int segments = static_cast<int>(path.pattern->level_begin[step + 1] - path.pattern->level_begin[step]);
+    cost += segments * (static_cast<double>(transposed.sheets.of(sheet, levels.first, levels.last).size()) + in_air);
   }
-  const double blocks = std::ceil(1. + (path.levels.last - path.levels.first) / static_cast<double>(path.block));
-  return runs_crossed(path.pattern, sheets, path.levels.first, path.levels.last) + cost_of_rays_in_air * in_air +
-         cost_of_a_look * blocks * static_cast<double>(path.pattern.segments.size()) +
-         (path.axis == 0 ? cost_of_a_turned_cell * static_cast<double>(cells) : 0.) +
-         cost_of_moved_rays * sheets.count * sheets.columns / lanes;
+  const double blocks = std::ceil(1. + (levels.last - levels.first) / static_cast<double>(path.block));
+  const std::uint32_t turned =
+      path.axis == 0 ? cells.rows.level_cell[levels.last] - cells.rows.level_cell[levels.first] : 0;
+  return cost + cost_of_a_look * blocks * static_cast<double>(path.pattern->segments.size()) +
+         cost_of_a_turned_cell * turned +
+         cost_of_moved_rays * transposed.sheets.count * transposed.sheets.columns / lanes;
+}
+
+// Along one axis through a run, with the pattern of another run of this thickness if there is one.
+std::optional<SidewaysPath> path_through(const BoxGrid& box, const Direction& travel, int axis, LevelRange run,
+                                         std::vector<SidewaysPath>& known) {
+  const double level_m = box.thickness_m(run.first);
+  for (SidewaysPath& path : known) {
+    if (path.axis != axis || std::abs(path.level_m - level_m) > 1e-6 * level_m) continue;
+    path.levels = run;
+    return path;
+  }
+  std::optional<SidewaysPath> path = make_sideways_path(box, travel, axis, run);
+  if (path) known.push_back(*path);
+  return path;
+}
+
+// The marches sideways that cost less than the march along z, from below. @param whole along z.
+template <class Real>
+std::vector<SidewaysPath> cheaper_sideways(const BoxGrid& box, const Cells<Real>& cells, const Direction& travel,
+                                           const PathPattern& whole, const std::vector<LevelRange>& runs,
+                                           double& cost) {
+  std::vector<SidewaysPath> taken, known;
+  for (const LevelRange& run : runs) {
+    const double along_z = cost_along_z(box, whole, cells.rows, run);
+    double least = along_z;
+    std::optional<SidewaysPath> cheapest;
+    for (int axis = 0; axis < 2; ++axis) {
+      auto path = path_through(box, travel, axis, run, known);
+      const double sideways = path ? sideways_cost(*path, cells) : least;
+      if (sideways >= least) continue;
+      least = sideways;
+      cheapest = std::move(path);
+    }
+    if (!cheapest) continue;
+    cost += least - along_z;
+    taken.push_back(std::move(*cheapest));
+  }
+  return taken;
 }
 
 }  // namespace
@@ -87,32 +127,31 @@ std::vector<OrdinatePath> make_ordinate_paths(const BoxGrid& box, const Cells<Re
     const StartFraction start = start_for_centred_exit(box, d, independent_columns, levels);
     return make_path_pattern(box, d, start.x, start.y, independent_columns, levels);
   };
-  const LevelRange even = cells.even_levels;
-  const bool along_z_alone =
-      even.first >= even.last || (thick == ThickVoxels::sampled && voxel_depth(box, cells, even) > thick_voxel);
+  std::vector<LevelRange> runs = cells.even_runs;
+  if (thick == ThickVoxels::sampled)
+    std::erase_if(runs, [&](const LevelRange& run) { return voxel_depth(box, cells, run) > thick_voxel; });
   ParallelErrors errors;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t d = 0; d < travel.size(); ++d) {
     errors.run([&] {
       OrdinatePath& path = paths[d];
       path.upward = travel[d].z() > 0;
-      path.along_z.push_back(along_z(travel[d], {0, box.nz()}));
-      path.cost = cost_along_z(box, path.along_z.front(), cells.rows);
-      if (along_z_alone) return;
-      const LevelRange below{0, even.first};
-      const LevelRange above{even.last, box.nz()};
-      for (int axis = 0; axis < 2; ++axis) {
-        auto sideways = make_sideways_path(box, travel[d], axis, even);
-        if (!sideways) continue;
-        std::vector<PathPattern> rest{along_z(travel[d], path.upward ? below : above),
-                                      along_z(travel[d], path.upward ? above : below)};
-        double cost = sideways_cost(*sideways, cells.transposed[axis], cells.size());
-        for (const auto& pattern : rest) cost += cost_along_z(box, pattern, cells.rows);
-        if (cost >= path.cost) continue;
-        path.cost = cost;
-        path.along_z = std::move(rest);
-        path.sideways = std::move(sideways);
+      PathPattern whole = along_z(travel[d], {0, box.nz()});
+      path.cost = cost_along_z(box, whole, cells.rows, {0, box.nz()});
+      path.sideways = cheaper_sideways(box, cells, travel[d], whole, runs, path.cost);
+      if (path.sideways.empty()) {
+        path.along_z.push_back(std::move(whole));
+        return;
       }
+      int below = 0;
+      for (const SidewaysPath& run : path.sideways) {
+        path.along_z.push_back(along_z(travel[d], {below, run.levels.first}));
+        below = run.levels.last;
+      }
+      path.along_z.push_back(along_z(travel[d], {below, box.nz()}));
+      if (path.upward) return;
+      std::reverse(path.sideways.begin(), path.sideways.end());
+      std::reverse(path.along_z.begin(), path.along_z.end());
     });
   }
   errors.rethrow();

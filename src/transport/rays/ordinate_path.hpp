@@ -1,8 +1,9 @@
-// The path of the ordinates through a box: along z, or along x or y through levels of one thickness. Those are taken if
-// they have fewer segments and voxels are thin (docs/theory.md, "March along the dominant axis"). Once per solve.
+// The path of the ordinates through a box: along z, or along x or y through runs of levels of one thickness. Those are
+// taken if they have fewer segments and voxels are thin (docs/theory.md, "March along the dominant axis"). Once per
+// solve.
 #pragma once
 
-#include <optional>
+#include <algorithm>
 #include <vector>
 
 #include "cloudbow/sphere/ordinate_set.hpp"
@@ -11,11 +12,16 @@
 namespace cloudbow {
 
 struct OrdinatePath {
-  /// In the order of travel: patterns along z, with the sideways march, if any, between the first and the second.
+  /// In the order of travel: patterns along z, each of them but the last followed by a march sideways. A pattern
+  /// between two neighbouring runs has no levels.
   std::vector<PathPattern> along_z;
-  std::optional<SidewaysPath> sideways;
+  std::vector<SidewaysPath> sideways;
   bool upward = false;
   double cost = 0;  ///< in runs of cells crossed, about
+
+  bool goes_along_x() const {
+    return std::any_of(sideways.begin(), sideways.end(), [](const SidewaysPath& run) { return run.axis == 0; });
+  }
 };
 
 /// How a field of thick voxels is marched: with the several rays per voxel of marches along z, or the cheapest way.

@@ -23,6 +23,7 @@ class SidewaysMarch {
                 const Real* source, SidewaysPlanes<Real>& planes, const CellSums<Real>& sums,
                 SidewaysWorkspace<Real>& work)
       : path_(path),
+        pattern_(*path.pattern),
         sheets_(sheets),
         gaps_(gaps),
         marched_{0, cells, source, sums},
@@ -60,7 +61,7 @@ class SidewaysMarch {
   void for_sheets_between(double from, double to, const Visit& visit) const {
     for (int s = static_cast<int>(std::floor(from)); s < to; ++s) {
       const double share = std::min(to, s + 1.) - std::max(from, static_cast<double>(s));
-      if (share > 1e-12) visit(path_.pattern.level(wrapped(s, sheets_.count)), share);
+      if (share > 1e-12) visit(pattern_.level(wrapped(s, sheets_.count)), share);
     }
   }
 
@@ -136,12 +137,12 @@ class SidewaysMarch {
 
   void march_block(int first, int last) {
     int crossed = 0;
-    for (int step = 0; step < path_.pattern.levels(); ++step) {
-      const int sheet = path_.pattern.level(step);
-      const double chord = path_.pattern.chord_m[step];
+    for (int step = 0; step < pattern_.levels(); ++step) {
+      const int sheet = pattern_.level(step);
+      const double chord = pattern_.chord_m[step];
       double at = step;
-      for (std::uint32_t s = path_.pattern.level_begin[step]; s < path_.pattern.level_begin[step + 1]; ++s) {
-        const Segment& segment = path_.pattern.segments[s];
+      for (std::uint32_t s = pattern_.level_begin[step]; s < pattern_.level_begin[step + 1]; ++s) {
+        const Segment& segment = pattern_.segments[s];
         if (segment.entry == Entry::y_low || segment.entry == Entry::y_high)
           cross_plane(++crossed, first, last, at, segment.shift_x);
         at += segment.fraction;
@@ -203,6 +204,7 @@ class SidewaysMarch {
   }
 
   const SidewaysPath& path_;
+  const PathPattern& pattern_;
   const Sheets& sheets_;
   const Sheets& gaps_;
   MarchedCells<Real> marched_;
@@ -226,6 +228,7 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
   SidewaysPath path;
   path.axis = axis;
   path.levels = levels;
+  path.level_m = level_m;
   path.upward = travel.z() > 0;
   path.rise = std::abs(travel.z() / travel[axis]) * sheet_m / level_m;
   constexpr double too_steep = 4;  // rays crowd, and along z they cross fewer cells
@@ -249,9 +252,10 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
   const int whole = static_cast<int>(std::floor(sidestep));
   path.across_rest = sidestep - whole;
   path.across = path.ascending_across ? whole : -whole;
-  path.pattern = make_path_pattern(transposed, Direction(travel[other], travel.z(), travel[axis]),
-                                   centred_start(path.across_rest, path.ascending_across),
-                                   centred_start(path.rest, path.upward), false, {0, sheet_count});
+  path.pattern = std::make_shared<const PathPattern>(
+      make_path_pattern(transposed, Direction(travel[other], travel.z(), travel[axis]),
+                        centred_start(path.across_rest, path.ascending_across), centred_start(path.rest, path.upward),
+                        false, {0, sheet_count}));
   return path;
 }
 

@@ -9,6 +9,7 @@
 // power. A block has as many rows as lie between a row and its successor. So its input is complete before it.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,9 +22,12 @@ namespace cloudbow {
 
 /// One direction through the levels [first, last), of one thickness, of a box with periodic sides.
 struct SidewaysPath {
-  int axis = 1;         ///< 0: along x, 1: along y
-  PathPattern pattern;  ///< of the box turned so that the sheets are its levels and the levels its y
+  int axis = 1;  ///< 0: along x, 1: along y
+  /// Of the box turned so that the sheets are its levels and the levels its y. Runs of levels of one thickness share
+  /// it.
+  std::shared_ptr<const PathPattern> pattern;
   LevelRange levels;
+  double level_m = 0;  ///< their thickness
   bool upward = true;  ///< light travels up
   double rise = 0;     ///< levels crossed in a sheet, > 0
   int block = 0;       ///< whole levels crossed in all sheets, >= 1

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <type_traits>
 
@@ -17,12 +18,16 @@ constexpr double least_share_of_beam = .01;
 constexpr int most_parts = 6;
 constexpr double parts_of_most = 63;  // 1 + 2 + 4 + ... + 32
 constexpr int most_parts_beside_sides = 3;
+// Depth of a level with two equal parts, in depths of a first part. With 4 the reflectance of a stratocumulus at `fine`
+// changes by .06 % of incident, with 2.5 by .02 %.
+constexpr double thickest_of_equal = 2.5;
 
 // Power that the beam loses in a level.
 struct BeamInLevel {
   double share = 0;       // of the incident power
   double depth = 0;       // slant optical depth of the cells, mean by the power
   double side_depth = 0;  // vertical optical depth of the cells, mean by their extinction, if some have sides; else 0
+  bool varies = false;    // some columns differ
 };
 
 std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOptions& options) {
@@ -31,6 +36,7 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
   const double mu0 = fading_cosine(problem);
   struct Sums {
     double extinction = 0, squares = 0;
+    double least = std::numeric_limits<double>::infinity(), most = 0;
   };
   std::vector<BeamInLevel> levels(box.nz());
   std::vector<Sums> sums(box.nz());
@@ -40,6 +46,8 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
     levels[k].depth += share * extinction * box.thickness_m(k) / mu0;
     sums[k].extinction += voxels * extinction;
     sums[k].squares += voxels * extinction * extinction;
+    sums[k].least = std::min(sums[k].least, extinction);
+    sums[k].most = std::max(sums[k].most, extinction);
   });
   for (int k = 0; k < box.nz(); ++k) {
     BeamInLevel& level = levels[k];
@@ -47,12 +55,19 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
     const bool has_sides = problem.grid.first_cell(k + 1) - problem.grid.first_cell(k) < box.columns();
     if (has_sides && sums[k].extinction > 0)
       level.side_depth = sums[k].squares / sums[k].extinction * box.thickness_m(k);
+    level.varies = has_sides || sums[k].most > sums[k].least;
   }
   return levels;
 }
 
+// Whether ordinates are marched along x and y too, through runs of levels of one thickness.
+bool may_march_sideways(const BoxGrid& box, const SolverOptions& options) {
+  return box.periodic && box.nx > 1 && box.ny > 1 && !options.independent_columns;
+}
+
 // Share of the thickness at which each part ends, from above; the last is 1.
-std::vector<double> ends_of_parts(double depth, double largest) {
+// @param equal two parts are equal, unless the level is too thick for that
+std::vector<double> ends_of_parts(double depth, double largest, bool equal) {
   std::vector<double> ends;
   // No part is more than twice its neighbour: a thin one beside a very thick one would set the iteration off.
   double end = 0, part = std::max(largest, depth / parts_of_most);
@@ -61,6 +76,7 @@ std::vector<double> ends_of_parts(double depth, double largest) {
     ends.push_back(end / depth);
     part *= 2;
   }
+  if (equal && ends.size() == 1 && depth <= thickest_of_equal * largest) ends.front() = .5;
   ends.push_back(1);
   return ends;
 }
@@ -182,7 +198,9 @@ SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOpti
       looked_at ? beam_in_levels(problem, options) : std::vector<BeamInLevel>(box.nz());
   for (int k = 0; k < box.nz(); ++k) {
     const bool thick = beam[k].share >= least_share_of_beam;
-    std::vector<double> ends = thick ? ends_of_parts(beam[k].depth, largest) : std::vector<double>{1};
+    std::vector<double> ends =
+        thick ? ends_of_parts(beam[k].depth, largest, beam[k].varies && may_march_sideways(box, options))
+              : std::vector<double>{1};
     if (ends.size() == 1) ends = ends_of_equal_parts(beam[k].side_depth, options.max_column_optical_depth);
     for (std::size_t n = ends.size(); n-- > 0;) {
       cut.z_edge_m.push_back(n + 1 == ends.size() ? box.z_edge_m[k]

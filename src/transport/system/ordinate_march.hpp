@@ -1,4 +1,4 @@
-// One ordinate's march through the box: along z, along x or y, and along z again. The slopes of its source
+// One ordinate's march through the box: along z, and through runs of levels along x or y. The slopes of its source
 // (docs/theory.md, "March along the dominant axis", "Slopes within cells").
 #pragma once
 
@@ -27,18 +27,20 @@ CellView<Real> view_along_x(const Cells<Real>& cells, const GroupGradient<Real>&
   return cells.view(cells.transposed[0].extinction, of.transposed[1], of.transposed[2], of.transposed[0]);
 }
 
-// Values of cells in the order of a march along x.
+// Values of the cells of some levels in the order of a march along x.
 template <class Real>
-void transpose_cells(const Cells<Real>& cells, const Real* __restrict from, Real* __restrict to) {
+void transpose_cells(const Cells<Real>& cells, LevelRange levels, const Real* __restrict from, Real* __restrict to) {
   const std::uint32_t* __restrict const cell = cells.transposed[0].cell.data();
-  for (std::size_t c = 0; c < cells.size(); ++c) to[c] = from[cell[c]];
+  const std::size_t last = cells.rows.level_cell[levels.last];
+  for (std::size_t c = cells.rows.level_cell[levels.first]; c < last; ++c) to[c] = from[cell[c]];
 }
 
 // Adds such values to those of the cells.
 template <class Real>
-void add_transposed(const Cells<Real>& cells, const Real* __restrict from, Real* __restrict to) {
+void add_transposed(const Cells<Real>& cells, LevelRange levels, const Real* __restrict from, Real* __restrict to) {
   const std::uint32_t* __restrict const cell = cells.transposed[0].cell.data();
-  for (std::size_t c = 0; c < cells.size(); ++c) to[cell[c]] += from[c];
+  const std::size_t last = cells.rows.level_cell[levels.last];
+  for (std::size_t c = cells.rows.level_cell[levels.first]; c < last; ++c) to[cell[c]] += from[c];
 }
 
 // Slopes of an ordinate's source in n cells from `first` on. They are mixed of those of its octant, of the beam and of
@@ -63,10 +65,12 @@ void mix_slopes_of_ordinate(const TransportSystem<Real>& system, const LightSlop
                             const Real* source, typename SweepWorkspace<Real>::Thread& work) {
   const std::size_t n = system.cells->size();
   mix_slopes_of_cells(system, slopes, d, 0, n, source, work);
-  const bool along_x = system.paths[d].sideways && system.paths[d].sideways->axis == 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    work.gradient.transposed[axis].resize(along_x ? n + lane_padding : 0);
-    if (along_x) transpose_cells(*system.cells, work.gradient.axis[axis].data(), work.gradient.transposed[axis].data());
+  for (auto& axis : work.gradient.transposed) axis.resize(system.paths[d].goes_along_x() ? n + lane_padding : 0);
+  for (const SidewaysPath& path : system.paths[d].sideways) {
+    if (path.axis != 0) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      transpose_cells(*system.cells, path.levels, work.gradient.axis[axis].data(),
+                      work.gradient.transposed[axis].data());
   }
 }
 
@@ -151,11 +155,12 @@ class OrdinateMarch {
     if (record) totals.profile.assign(system_.box.nz() + 1, 0.);
     go_along_z(d, path.along_z.front(), gradient, source, radiance, record, passing, totals);
     bool sum_alone = false;
-    if (path.sideways) {
-      put_in_columns(path.along_z.front(), radiance);
-      sum_alone = path.upward && path.along_z.back().levels() == 0;
-      go_sideways(*path.sideways, gradient, source, radiance, record, sum_alone, totals);
-      go_along_z(d, path.along_z.back(), gradient, source, radiance, record, passing, totals);
+    for (std::size_t run = 0; run < path.sideways.size(); ++run) {
+      put_in_columns(path.along_z[run], radiance);
+      const PathPattern& next = path.along_z[run + 1];
+      sum_alone = path.upward && run + 1 == path.sideways.size() && next.levels() == 0;
+      go_sideways(path.sideways[run], gradient, source, radiance, record, sum_alone, totals);
+      go_along_z(d, next, gradient, source, radiance, record, passing, totals);
     }
     if (path.upward && !sum_alone) totals.out = plane_sum(radiance.data(), system_.box.columns());
     const PathPattern& last = path.along_z.back();
@@ -187,7 +192,7 @@ class OrdinateMarch {
       if (p != nullptr && passing != nullptr) std::copy_n(p, columns, passing + edge * columns);
     };
     const Cells<Real>& cells = *system_.cells;
-    const bool by_level = mixed_ != nullptr && !system_.paths[d].sideways;
+    const bool by_level = mixed_ != nullptr && system_.paths[d].sideways.empty();
     const MarchedCells<Real> all{
         0, by_level ? CellView<Real>(cells.view(cells.extinction, {}, {}, {})) : view_along_z(cells, gradient),
         source.data(), sums_};
@@ -241,21 +246,26 @@ class OrdinateMarch {
     clear_sums(cells.rows.level_cell[path.levels.first], cells.rows.level_cell[path.levels.last]);
     if (along_x) {
       const std::size_t n = cells.size();
+      const std::size_t first = cells.rows.level_cell[path.levels.first];
+      const std::size_t last = cells.rows.level_cell[path.levels.last];
+      const auto start_sum = [&](std::vector<Real>& sum) {
+        sum.resize(n + lane_padding);
+        std::fill(sum.begin() + first, sum.begin() + last, Real(0));
+        return sum.data();
+      };
       work_.transposed_source.resize(n + lane_padding);
-      work_.transposed_mean.assign(n + lane_padding, Real(0));
-      transpose_cells(cells, source.data(), work_.transposed_source.data());
+      transpose_cells(cells, path.levels, source.data(), work_.transposed_source.data());
       // The axes of a march along x are y, z, x.
       constexpr std::array<std::size_t, 3> axis_of_box{1, 2, 0};
-      CellSums<Real> sums{work_.transposed_mean.data(), {}};
-      for (std::size_t axis = 0; sums_.keeps_moments() && axis < 3; ++axis) {
-        work_.transposed_moment[axis].assign(n + lane_padding, Real(0));
-        sums.moment[axis] = work_.transposed_moment[axis].data();
-      }
+      CellSums<Real> sums{start_sum(work_.transposed_mean), {}};
+      for (std::size_t axis = 0; sums_.keeps_moments() && axis < 3; ++axis)
+        sums.moment[axis] = start_sum(work_.transposed_moment[axis]);
       march_sideways(path, transposed.sheets, transposed.gaps, view_along_x(cells, gradient),
                      work_.transposed_source.data(), planes, sums, work_.sideways);
-      add_transposed(cells, work_.transposed_mean.data(), work_.mean.data());
+      add_transposed(cells, path.levels, work_.transposed_mean.data(), work_.mean.data());
       for (std::size_t axis = 0; sums_.keeps_moments() && axis < 3; ++axis)
-        add_transposed(cells, work_.transposed_moment[axis].data(), work_.moment[axis_of_box[axis]].data());
+        add_transposed(cells, path.levels, work_.transposed_moment[axis].data(),
+                       work_.moment[axis_of_box[axis]].data());
     } else {
       const CellSums<Real> sums{sums_.mean, {sums_.moment[0], sums_.moment[2], sums_.moment[1]}};
       march_sideways(path, transposed.sheets, transposed.gaps, view_along_y(cells, gradient), source.data(), planes,

@@ -31,12 +31,17 @@ template <class Real>
 SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, const OrdinateSet& ordinates,
                                const std::vector<OrdinatePath>& paths, std::span<const DenseMatrix<Real>> scattering,
                                Slope<Real> beam, VaryingAxes varying)
-    : ordinates_(ordinates), even_levels_(cells.even_levels), beam_(std::move(beam)) {
+    : ordinates_(ordinates), run_of_level_(static_cast<std::size_t>(box.nz()), -1), beam_(std::move(beam)) {
+  for (std::size_t run = 0; run < cells.even_runs.size(); ++run) {
+    const LevelRange& levels = cells.even_runs[run];
+    std::fill(run_of_level_.begin() + levels.first, run_of_level_.begin() + levels.last, static_cast<int>(run));
+  }
   for (int d = 0; d < ordinates.size(); ++d) {
     Spread& spread = spread_[octant_of(ordinates.direction[d])];
     const double weight = ordinates.weight[d];
     spread.weight += weight;
     spread.by_level.resize(box.nz(), Eigen::Matrix3d::Zero());
+    spread.by_sheet.resize(cells.even_runs.size());
     const auto of_varying = [varying](Eigen::Matrix3d of_box) {
       if (!varying.x) of_box.row(0).setZero(), of_box.col(0).setZero();
       if (!varying.y) of_box.row(1).setZero(), of_box.col(1).setZero();
@@ -46,13 +51,13 @@ SlopeTables<Real>::SlopeTables(const BoxGrid& box, const Cells<Real>& cells, con
       for (int step = 0; step < pattern.levels(); ++step)
         spread.by_level[pattern.level(step)] += weight * of_varying(spread_of_places(pattern, step));
     }
-    if (!paths[d].sideways) continue;
-    const SidewaysPath& path = *paths[d].sideways;
-    auto& by_sheet = spread.by_sheet[path.axis];
-    by_sheet.resize(path.axis == 0 ? box.nx : box.ny, Eigen::Matrix3d::Zero());
-    for (int step = 0; step < path.pattern.levels(); ++step)
-      by_sheet[path.pattern.level(step)] +=
-          weight * of_varying(in_axes_of_box(spread_of_places(path.pattern, step), path.axis));
+    for (const SidewaysPath& path : paths[d].sideways) {
+      auto& by_sheet = spread.by_sheet[run_of_level_[path.levels.first]][path.axis];
+      by_sheet.resize(path.axis == 0 ? box.nx : box.ny, Eigen::Matrix3d::Zero());
+      for (int step = 0; step < path.pattern->levels(); ++step)
+        by_sheet[path.pattern->level(step)] +=
+            weight * of_varying(in_axes_of_box(spread_of_places(*path.pattern, step), path.axis));
+    }
   }
   for (const DenseMatrix<Real>& matrix : scattering) {
     auto& table = between_.emplace_back();
@@ -81,6 +86,10 @@ template <class Real>
 void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope<Real>& moment,
                                  Slope<Real>& slope) const {
   const Spread& spread = spread_[octant];
+  const std::array<std::vector<Eigen::Matrix3d>, 2> none;
+  const auto by_sheet_of = [&](int k) -> const std::array<std::vector<Eigen::Matrix3d>, 2>& {
+    return run_of_level_[k] < 0 ? none : spread.by_sheet[run_of_level_[k]];
+  };
   const auto apply = [&](const Eigen::Matrix<Real, 3, 3>& inverse, std::uint32_t c) {
     const Eigen::Matrix<Real, 3, 1> g = inverse * Eigen::Matrix<Real, 3, 1>(moment[0][c], moment[1][c], moment[2][c]);
     for (int axis = 0; axis < 3; ++axis) slope[axis][c] = g[axis];
@@ -88,11 +97,10 @@ void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope
   // Blocks of air have a slope along z alone. On average over their places, rays along x and y cross all sheets.
   const auto fit_air = [&](int k) {
     double along_z = spread.by_level[k](2, 2);
-    for (const auto& by_sheet : spread.by_sheet) {
+    for (const auto& by_sheet : by_sheet_of(k)) {
       double sum = 0;
       for (const Eigen::Matrix3d& of_sheet : by_sheet) sum += of_sheet(2, 2);
-      if (k >= even_levels_.first && k < even_levels_.last && !by_sheet.empty())
-        along_z += sum / static_cast<double>(by_sheet.size());
+      if (!by_sheet.empty()) along_z += sum / static_cast<double>(by_sheet.size());
     }
     const Real inverse = along_z > 0 ? static_cast<Real>(1 / along_z) : Real(0);
     for (std::uint32_t c = rows.voxels_end(k); c < rows.level_cell[k + 1]; ++c) {
@@ -104,7 +112,8 @@ void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope
 #pragma omp for schedule(static)
   for (int k = 0; k < rows.nz; ++k) {
     fit_air(k);
-    if (spread.only_along_z() || k < even_levels_.first || k >= even_levels_.last) {
+    const auto& [along_x, along_y] = by_sheet_of(k);
+    if (along_x.empty() && along_y.empty()) {
       const Eigen::Matrix<Real, 3, 3> inverse =
           regular_inverse(spread.by_level[k], spread.weight).template cast<Real>();
       for (std::uint32_t c = rows.level_cell[k]; c < rows.voxels_end(k); ++c) apply(inverse, c);
@@ -113,12 +122,12 @@ void SlopeTables<Real>::team_fit(const ActiveRows& rows, int octant, const Slope
     for (std::uint32_t r = rows.level_row[k]; r < rows.level_row[k + 1]; ++r) {
       const ActiveRow& row = rows.rows[r];
       Eigen::Matrix3d of_row = spread.by_level[k];
-      if (!spread.by_sheet[1].empty()) of_row += spread.by_sheet[1][row.j];
+      if (!along_y.empty()) of_row += along_y[row.j];
       for (std::uint32_t s = row.first_span; s < row.last_span; ++s) {
         const RowSpan& span = rows.spans[s];
         for (std::int32_t i = 0; i < span.n; ++i) {
           Eigen::Matrix3d of_cell = of_row;
-          if (!spread.by_sheet[0].empty()) of_cell += spread.by_sheet[0][span.i + i];
+          if (!along_x.empty()) of_cell += along_x[span.i + i];
           apply(regular_inverse(of_cell, spread.weight).template cast<Real>(),
                 span.offset + static_cast<std::uint32_t>(i));
         }

@@ -55,13 +55,12 @@ class SlopeTables {
  private:
   struct Spread {  // second moments of the places of an octant's rays, summed over its ordinates with their weights
     double weight = 0;
-    std::vector<Eigen::Matrix3d> by_level;                 // [nz] of marches along z
-    std::array<std::vector<Eigen::Matrix3d>, 2> by_sheet;  // [nx], [ny] of marches along x, y; empty: none
-
-    bool only_along_z() const { return by_sheet[0].empty() && by_sheet[1].empty(); }
+    std::vector<Eigen::Matrix3d> by_level;  // [nz] of marches along z
+    // Of marches sideways, by run of even levels: [nx], [ny] of those along x, y; empty: none.
+    std::vector<std::array<std::vector<Eigen::Matrix3d>, 2>> by_sheet;
   };
   OrdinateSet ordinates_;
-  LevelRange even_levels_;
+  std::vector<int> run_of_level_;  // [nz] of even levels; -1: none
   std::array<Spread, octants> spread_;
   std::vector<std::array<std::array<Real, octants>, octants>> between_;  // [p][to][from]
   Slope<Real> beam_;

@@ -213,9 +213,8 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
       typename SweepWorkspace<Real>::Thread& own = work.of_thread[omp_get_thread_num()];
       OrdinateMarch<Real> march(system, mixed ? slopes : nullptr, own);
       for (const std::vector<int>& group : groups) {
-        const bool transposed = std::any_of(group.begin(), group.end(), [&](int d) {
-          return system.paths[d].sideways && system.paths[d].sideways->axis == 0;
-        });
+        const bool transposed =
+            std::any_of(group.begin(), group.end(), [&](int d) { return system.paths[d].goes_along_x(); });
 #pragma omp single
         arriving_sum.start(group);
         if (shared) team_make_gradient(system, field, group, transposed, work.gradient, errors);
@@ -237,7 +236,7 @@ SweepFluxes<Real> sweep(const TransportSystem<Real>& system, AngularField<Real>&
               field.stored_row(d).read(0, n, own.unpacked.data());
             }
             std::vector<Real>& source = field.packed() ? own.unpacked : field.data[d];
-            if (mixed && system.paths[d].sideways) {
+            if (mixed && !system.paths[d].sideways.empty()) {
               mix_slopes_of_ordinate(system, *slopes, d, source.data(), own);
             } else if (!mixed && system.linear_source && !shared) {
               gradient_of_ordinate(system, source.data(), own);

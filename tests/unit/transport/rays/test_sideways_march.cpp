@@ -215,20 +215,20 @@ TEST(OrdinatePaths, TakeTheShortestWay) {
   const auto cells = make_cells<float>(make_grid(box, random_extinction(box, .05, 9), 1.), untruncated, false);
   const auto paths =
       make_ordinate_paths(box, cells, {travel_along(-1, 0), travel_along(.2, 8), travel_along(-.2, 80)}, false);
-  EXPECT_FALSE(paths[0].sideways);
-  ASSERT_TRUE(paths[1].sideways);
-  EXPECT_EQ(paths[1].sideways->axis, 0);
-  ASSERT_TRUE(paths[2].sideways);
-  EXPECT_EQ(paths[2].sideways->axis, 1);
+  EXPECT_TRUE(paths[0].sideways.empty());
+  ASSERT_EQ(paths[1].sideways.size(), 1U);
+  EXPECT_EQ(paths[1].sideways[0].axis, 0);
+  ASSERT_EQ(paths[2].sideways.size(), 1U);
+  EXPECT_EQ(paths[2].sideways[0].axis, 1);
   // A field that does not change along an axis keeps that: it is marched along z.
   std::vector<float> rows(cells_of(box));
   for (std::size_t c = 0; c < rows.size(); ++c) rows[c] = .01F * static_cast<float>(1 + c / 21 % 3);
-  EXPECT_EQ(make_cells<float>(make_grid(box, rows, 1.), untruncated, false).even_levels.last, 0);
+  EXPECT_TRUE(make_cells<float>(make_grid(box, rows, 1.), untruncated, false).even_runs.empty());
   // Columns that exchange no light are marched along z, and so is a box with open sides.
-  EXPECT_FALSE(
+  EXPECT_TRUE(
       make_ordinate_paths(box, make_cells<float>(make_grid(box, random_extinction(box, .1, 9), 1.), untruncated, true),
                           {travel_along(.2, 8)}, true)[0]
-          .sideways);
+          .sideways.empty());
 }
 
 }  // namespace

@@ -56,6 +56,31 @@ TEST(ThickLevels, PartsDoubleFromAbove) {
   EXPECT_DOUBLE_EQ(cut.z_edge_m[3], 3);
 }
 
+// Equal parts make runs of levels of one thickness, which can be marched along x and y.
+TEST(ThickLevels, TwoPartsAreEqualIfColumnsDiffer) {
+  const double depth_of_1 = (.01 + .99 * (1 - std::pow(.7, 6))) / .6;  // of the extinction 1
+  SolverOptions options = coarse_options();
+  options.max_level_optical_depth = 1;
+  const auto lowest_edge_of_top = [&](double extinction, bool columns_differ, bool independent) {
+    Problem problem = thick_top(extinction / depth_of_1, .6);
+    if (columns_differ) {
+      std::vector<float> of_cells = random_extinction(problem.grid.box, .3, 5, true);
+      for (std::size_t c = 0; c < 6; ++c)
+        of_cells[18 + c] = static_cast<float>(extinction / depth_of_1 * (c == 0 ? 1.01 : .998));
+      problem.grid = make_grid(problem.grid.box, of_cells, .99);
+    }
+    options.independent_columns = independent;
+    const SubdividedLevels cut = subdivide_thick_levels(problem, options);
+    EXPECT_EQ(cut.added(problem.grid.box), 1);
+    return cut.z_edge_m[4];
+  };
+  EXPECT_DOUBLE_EQ(lowest_edge_of_top(1.6, true, false), 3.5);
+  EXPECT_DOUBLE_EQ(lowest_edge_of_top(2.4, true, false), 3.5);
+  EXPECT_NEAR(lowest_edge_of_top(2.6, true, false), 4 - 1 / 2.6, 1e-3) << "the first part would be too thick";
+  EXPECT_NEAR(lowest_edge_of_top(2.4, false, false), 4 - 1 / 2.4, 1e-3) << "the same in all columns";
+  EXPECT_NEAR(lowest_edge_of_top(2.4, true, true), 4 - 1 / 2.4, 1e-3) << "columns are marched along z";
+}
+
 TEST(ThickLevels, DarkOnesBesideClearColumnsHaveEqualParts) {
   Problem dark = thick_top(20, .6);
   for (float& s : dark.grid.scattering[0]) s = 20;

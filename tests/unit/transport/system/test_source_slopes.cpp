@@ -62,7 +62,7 @@ TEST(SourceSlopes, AMarchThroughLinearLightFindsItsSlope) {
                                  .ground = Ground<double>({}, field.ordinates, std::nullopt),
                                  .side_radiance = {}};
   const bool some_sideways =
-      std::any_of(field.paths.begin(), field.paths.end(), [](const OrdinatePath& p) { return p.sideways.has_value(); });
+      std::any_of(field.paths.begin(), field.paths.end(), [](const OrdinatePath& p) { return !p.sideways.empty(); });
   EXPECT_TRUE(some_sideways);
   const std::size_t n = field.cells.size();
   LightSlopes<double> slopes = system.slopes->none(n);

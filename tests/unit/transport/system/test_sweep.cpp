@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -86,6 +87,29 @@ TEST(Sweep, CellsAbsorbWhatIsLost) {
                         swept.fluxes.side_loss;
     EXPECT_GT(arriving, 0);
     EXPECT_NEAR(absorbed, lost, 1e-6 * incident) << periodic;
+  }
+}
+
+// Ordinates near the horizon are marched sideways through three runs of levels of one thickness. They are marched along
+// z through the two levels between. Each level absorbs the light that is lost between its planes.
+TEST(Sweep, EachLevelAbsorbsWhatIsLostBetweenItsPlanes) {
+  BoxGrid box = make_box(20, 18, 13);
+  box.z_edge_m = {0, 1, 2, 3, 3.3, 3.8, 4.3, 4.8, 5.3, 6, 7, 8, 9, 10};
+  const Swept swept(absorbing(box, random_extinction(box, .6, 7, true)));
+  const auto most_runs =
+      std::max_element(swept.system.paths.begin(), swept.system.paths.end(),
+                       [](const auto& one, const auto& two) { return one.sideways.size() < two.sideways.size(); });
+  EXPECT_EQ(most_runs->sideways.size(), 3U);
+  const ActiveRows& rows = swept.system.cells->rows;
+  for (int k = 0; k < box.nz(); ++k) {
+    double absorbed = 0;
+    for (int d = 0; d < swept.field.rows; ++d) {
+      for (std::size_t c = rows.level_cell[k]; c < rows.level_cell[k + 1]; ++c)
+        absorbed += swept.system.ordinates.weight[d] * swept.field.row(d)[c] * swept.system.absorption[c];
+    }
+    absorbed *= box.thickness_m(k) / static_cast<double>(box.columns());
+    const auto net_down = [&](int edge) { return swept.fluxes.profile_down[edge] - swept.fluxes.profile_up[edge]; };
+    EXPECT_NEAR(absorbed, net_down(k + 1) - net_down(k), 1e-6 * sky) << "level " << k;  // extinction is stored in float
   }
 }
 
