@@ -15,6 +15,8 @@ namespace {
 // The iteration and the final gather of a coarse solve need only be good compared with its few directions.
 constexpr double coarse_tolerance = 1.5e-2;
 constexpr double coarse_energy_tolerance = 1e-3;
+// Of the columns by ordinates, whose distance from the truth is some per mille or more.
+constexpr double tolerance_of_columns = 5e-4;
 
 // Columns without azimuths. A field of them takes the fewest streams that still show the error, to save time. One
 // column takes more streams than it has; their distance is then its error.
@@ -59,6 +61,7 @@ SolverOptions ordinates_of_columns(const SolverOptions& options) {
   columns.collapse_uniform_axes = false;
   columns.independent_columns = true;
   columns.radiance_field = true;  // which is known by ordinates alone
+  columns.tolerance = std::max(options.tolerance, tolerance_of_columns);
   return columns;
 }
 

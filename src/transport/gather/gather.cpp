@@ -20,7 +20,10 @@ constexpr double grazing = 1e-4;
 constexpr double sun_asymmetry = .85;   // how the extra directions crowd about the sun
 constexpr double band_growth = 1.6;     // each distance band ends this many times as far as the last
 constexpr double blur_per_spread = .3;  // Gaussian width as a fraction of the beam's spread
-constexpr double width_growth = 1.05;   // of rounded widths: column fluxes change by .04 %, with 1.25 by .15 %
+// Growth of rounded widths. Column fluxes change by .04 %; with that of few directions, which err by more, by .15 %.
+constexpr double width_growth = 1.05;
+constexpr double width_growth_of_few = 1.25;
+constexpr std::size_t few_directions = 64;
 // Directions of a quadrant are shared out over this many sums for any number of threads: sums have one order.
 constexpr std::size_t groups_of_quadrant = 2;
 constexpr std::size_t groups = quadrants * groups_of_quadrant;
@@ -174,7 +177,7 @@ std::vector<double> gather_flux(const GatherScene<Real>& scene, int edge, bool u
   for (const GatherDirection& direction : sorted) powers += power(direction);
   std::vector<double> flux(columns, powers * scene.reference);
   std::vector<Gathered<Real>> sums(groups);
-  const BlurWidths widths(box, width_growth);
+  const BlurWidths widths(box, directions.size() < few_directions ? width_growth_of_few : width_growth);
   std::vector<std::vector<Real>> planes(static_cast<std::size_t>(widths.count()));  // light by the width of its blur
   const auto is_here = [&](int quadrant) {
     return share == nullptr || share->has_octant(quadrant + (upward ? octants / 2 : 0));

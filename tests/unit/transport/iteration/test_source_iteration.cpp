@@ -1,6 +1,7 @@
 // Iterations that leave the way to the solution. Truth: the iteration that did not, or a problem without a solution.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <stdexcept>
@@ -98,6 +99,26 @@ TEST(SourceIteration, ComesBackAfterARestart) {
   const IterationResult<double> resumed = iterate_source(system, options, {}, &interrupted);
   EXPECT_EQ(resumed.report.sweeps, back.report.sweeps);
   EXPECT_EQ(resumed.moments, back.moments);
+}
+
+// Its last sweep has no correction: the step is predicted.
+TEST(SourceIteration, ACoarseSolveIsWithinItsTolerance) {
+  for (const double extinction : {.3, 1., 6., 20.}) {
+    Problem problem = thick_cloud();
+    problem.grid = make_grid(problem.grid.box, random_extinction(problem.grid.box, extinction, 3), .999);
+    const TransportSystem<double> system = system_of<double>(problem);
+    const std::vector<double> truth = iterate_source(system, {1e-8, 1e-8, 200}, {}).moments;
+    const IterationResult<double> coarse = iterate_source(system, {.015, 1e-3, 200}, {});
+    EXPECT_TRUE(coarse.report.converged);
+    const std::size_t n = system.cells->size();
+    double error = 0, size = 0;
+    for (std::size_t c = 0; c < n; ++c) {
+      error += std::pow(coarse.moments[c] - truth[c], 2);
+      size += truth[c] * truth[c];
+    }
+    EXPECT_LT(std::sqrt(error / size), coarse.report.estimated_error) << extinction;
+    EXPECT_LE(coarse.report.estimated_error, .015);
+  }
 }
 
 TEST(SourceIteration, RefusesWhatHasNoSolution) {
