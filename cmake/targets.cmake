@@ -33,6 +33,11 @@ function(cloudbow_layer name)
   # functions at load time, so calls within them stay direct.
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  # Up to eight sources of layers without kernels are compiled at a time. Names in unnamed namespaces have to differ
+  # among the sources of such a layer.
+  if(CLOUDBOW_PRECOMPILED_HEADERS AND name MATCHES "^(app|io|medium)$")
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
   # What most sources read, compiled once per layer: half of a compiler's time is the reading of headers.
   if(CLOUDBOW_PRECOMPILED_HEADERS AND NOT name STREQUAL core)
     target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h>

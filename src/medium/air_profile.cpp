@@ -35,7 +35,7 @@ void order_and_check(AirProfile& profile) {
 
 // -- text -------------------------------------------------------------------------------------------------------------
 
-struct Column {
+struct HeadingColumn {
   std::size_t index;
   double factor;
 };
@@ -43,7 +43,7 @@ struct Column {
 /// A comment that names columns, as "# z(m) rho(kg/m3)".
 struct DensityHeading {
   std::size_t count = 0;
-  std::optional<Column> height, density;
+  std::optional<HeadingColumn> height, density;
 };
 
 DensityHeading heading_in(const TextLines& lines, std::string line) {
@@ -64,7 +64,7 @@ DensityHeading heading_in(const TextLines& lines, std::string line) {
         lines.fail("column {}: unit not known (found \"{}\", allowed {}); write it as in \"# z(m) rho(kg/m3)\"", name,
                    unit, table.allowed);
       }
-      (is_height ? heading.height : heading.density) = Column{heading.count, *factor};
+      (is_height ? heading.height : heading.density) = HeadingColumn{heading.count, *factor};
     }
     ++heading.count;
   }

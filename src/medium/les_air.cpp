@@ -31,17 +31,17 @@ bool has(const std::string& text, const char* word) { return text.find(word) != 
 }  // namespace
 
 double standard_air_density(double height_m) {
-  struct Layer {
+  struct AirLayer {
     double base_m, kelvin, lapse, pascal;
   };
-  constexpr std::array<Layer, 3> layers{
+  constexpr std::array<AirLayer, 3> layers{
       {{0, 288.15, -6.5e-3, 101325}, {11000, 216.65, 0, 22632.06}, {20000, 216.65, 1e-3, 5474.889}}};
   constexpr double highest = 32000;
   if (!(height_m <= highest)) {
     throw InputError(
         fmt::format("--air-density us-1976: too high (found {:.6g} m, allowed up to {} m)", height_m, highest));
   }
-  const Layer& layer = height_m < layers[1].base_m ? layers[0] : height_m < layers[2].base_m ? layers[1] : layers[2];
+  const AirLayer& layer = height_m < layers[1].base_m ? layers[0] : height_m < layers[2].base_m ? layers[1] : layers[2];
   const double rise = height_m - layer.base_m, kelvin = layer.kelvin + layer.lapse * rise;
   const double ratio = layer.lapse == 0 ? std::exp(-gravity * rise / (gas_constant * layer.kelvin))
                                         : std::pow(kelvin / layer.kelvin, -gravity / (gas_constant * layer.lapse));

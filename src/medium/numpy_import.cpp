@@ -116,7 +116,7 @@ class NumpyReader {
       const std::size_t k = header.is_fortran ? n % nz : n / nx / ny;
       const std::size_t j = header.is_fortran ? n / nz % ny : n / nx % ny;
       const std::size_t i = header.is_fortran ? n / nz / ny : n % nx;
-      const bool is_good = std::abs(value) <= largest_value && (may_be_negative || value >= 0);
+      const bool is_good = std::abs(value) <= largest_number && (may_be_negative || value >= 0);
       if (!is_good) fail("cell ({}, {}, {}) has the value {} (allowed: finite numbers >= 0)", i, j, k, value);
       array.value[(k * ny + j) * nx + i] = static_cast<T>(value);
     }

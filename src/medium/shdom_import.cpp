@@ -76,7 +76,7 @@ class ShdomReader {
       cloud_.dx_m = (*options_.voxel_size_m)[0];
       cloud_.dy_m = (*options_.voxel_size_m)[1];
     }
-    if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0 && cloud_.dx_m < largest_value && cloud_.dy_m < largest_value)) {
+    if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0 && cloud_.dx_m < largest_number && cloud_.dy_m < largest_number)) {
       lines_.fail("spacing of the points is {} and {} km (allowed: > 0)", number[0], number[1]);
     }
     std::vector<double> level(number.begin() + 2, number.end());
@@ -113,7 +113,7 @@ class ShdomReader {
   }
 
   float extinction(double per_km) const {
-    return lines_.in_range(per_km, 0, largest_value, "extinction [1/km]") / static_cast<float>(metres);
+    return lines_.in_range(per_km, 0, largest_number, "extinction [1/km]") / static_cast<float>(metres);
   }
 
   /// Coefficients with the factor 2l+1, the first of degree `first_degree`.
@@ -222,9 +222,9 @@ class ShdomReader {
   }
 
   void set_water(std::size_t cell, double water, double radius) {
-    cloud_.density[cell] = lines_.in_range(water, 0, largest_value, "liquid water content [g/m3]");
+    cloud_.density[cell] = lines_.in_range(water, 0, largest_number, "liquid water content [g/m3]");
     if (cloud_.effective_radius_um.empty() || water == 0) return;
-    cloud_.effective_radius_um[cell] = lines_.in_range(radius, 1e-6, largest_value, "effective radius [um]");
+    cloud_.effective_radius_um[cell] = lines_.in_range(radius, 1e-6, largest_number, "effective radius [um]");
   }
 
   const CloudImportOptions& options_;

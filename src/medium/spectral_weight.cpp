@@ -11,10 +11,10 @@
 namespace cloudbow {
 namespace {
 
-constexpr double cm1_um = 1e4;  // wavenumber [cm-1] times wavelength [um]
+constexpr double cm1_times_um = 1e4;  // wavenumber [cm-1] times wavelength [um]
 
 double wavelength_um(double wavenumber_cm1) {
-  return wavenumber_cm1 > 0 ? cm1_um / wavenumber_cm1 : std::numeric_limits<double>::infinity();
+  return wavenumber_cm1 > 0 ? cm1_times_um / wavenumber_cm1 : std::numeric_limits<double>::infinity();
 }
 
 /// Power in an interval, all g-points together.

@@ -72,9 +72,9 @@ class TextGridReader {
     for_each_cell(flag == 1 ? 6 : 5, 1, [&](std::size_t cell, const std::vector<double>& number) {
       if (flag == 3) return set_water(cell, number[3], number[4]);
       cloud_.density[cell] =
-          lines_.in_range(number[3], 0, largest_value, "extinction [1/km]") / static_cast<float>(metres);
+          lines_.in_range(number[3], 0, largest_number, "extinction [1/km]") / static_cast<float>(metres);
       second[cell] = flag == 1 ? lines_.in_range(number[5], 0, 1, "single-scattering albedo")
-                               : lines_.in_range(number[4], 0, largest_value, "effective radius [um]");
+                               : lines_.in_range(number[4], 0, largest_number, "effective radius [um]");
     });
     if (flag == 1) note_left_out("asymmetry parameter");
     cloud_.notes.push_back(fmt::format("MYSTIC's text with flag {}: lengths in km, {}", flag,
@@ -116,7 +116,7 @@ class TextGridReader {
     const auto& given = options_.voxel_size_m;
     cloud_.dx_m = given ? (*given)[0] : dx * metres;
     cloud_.dy_m = given ? (*given)[1] : dy * metres;
-    if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0 && cloud_.dx_m < largest_value && cloud_.dy_m < largest_value))
+    if (!(cloud_.dx_m > 0 && cloud_.dy_m > 0 && cloud_.dx_m < largest_number && cloud_.dy_m < largest_number))
       lines_.fail("spacing is {} and {} km (allowed: > 0)", dx, dy);
     for (const double z : edge) cloud_.z_edge_m.push_back(z * metres);
     if (options_.levels_by_voxel_size) set_levels_by_voxel_size(cloud_, options_);
@@ -143,9 +143,9 @@ class TextGridReader {
   }
 
   void set_water(std::size_t cell, double water, double radius) {
-    cloud_.density[cell] = lines_.in_range(water, 0, largest_value, "liquid water content [g/m3]");
+    cloud_.density[cell] = lines_.in_range(water, 0, largest_number, "liquid water content [g/m3]");
     if (cloud_.effective_radius_um.empty() || water == 0) return;
-    cloud_.effective_radius_um[cell] = lines_.in_range(radius, 0, largest_value, "effective radius [um]");
+    cloud_.effective_radius_um[cell] = lines_.in_range(radius, 0, largest_number, "effective radius [um]");
   }
 
   void note_left_out(std::string_view column) { cloud_.notes.push_back(fmt::format("NOT imported: {}", column)); }

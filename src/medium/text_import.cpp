@@ -128,12 +128,12 @@ class OpticsCsvReader {
       cell.i = lines_.index(at(i_, 0), 0, shape_[0] > 0 ? static_cast<int>(shape_[0]) : most_cells, "x");
       cell.j = lines_.index(at(j_, 0), 0, shape_[1] > 0 ? static_cast<int>(shape_[1]) : most_cells, "y");
       cell.k = lines_.index(at(k_, 0), 0, shape_[2] > 0 && bottom_ < 0 ? static_cast<int>(shape_[2]) : most_cells, "z");
-      cell.extinction = lines_.in_range(at(extinction_, 0) * per_metre_, 0, largest_value, "extinction [1/m]");
+      cell.extinction = lines_.in_range(at(extinction_, 0) * per_metre_, 0, largest_number, "extinction [1/m]");
       cell.albedo = lines_.in_range(at(albedo_, 1), 0, 1, "single-scattering albedo");
       cell.index = static_cast<float>(lines_.index(at(index_, 1), 1, most_cells, "the phase functions") + 1);
       cell.bottom_m = at(bottom_, 0) * metres_;
       cell.top_m = at(top_, 0) * metres_;
-      if (bottom_ >= 0 && !(cell.top_m > cell.bottom_m && std::abs(cell.top_m) < largest_value)) {
+      if (bottom_ >= 0 && !(cell.top_m > cell.bottom_m && std::abs(cell.top_m) < largest_number)) {
         lines_.fail("cell from {:.6g} m to {:.6g} m (allowed: top above bottom)", cell.bottom_m, cell.top_m);
       }
       cells_.push_back(cell);
@@ -280,7 +280,7 @@ LevelledCloud import_columns(const CloudImportOptions& options) {
       lines.fail("not four numbers i j k value (found {} words)", split_words(line).size());
     }
     const Cell cell{lines.index(number[0], 0, most_cells, "x"), lines.index(number[1], 0, most_cells, "y"),
-                    lines.index(number[2], 0, most_cells, "z"), lines.in_range(number[3], 0, largest_value, "value")};
+                    lines.index(number[2], 0, most_cells, "z"), lines.in_range(number[3], 0, largest_number, "value")};
     cloud.nx = std::max(cloud.nx, cell.i + 1);
     cloud.ny = std::max(cloud.ny, cell.j + 1);
     levels = std::max(levels, cell.k + 1);

@@ -91,6 +91,6 @@ class TextLines {
   int number_ = 0;
 };
 
-inline constexpr double largest_value = 1e30;  // finite as a float, with room for sums
+inline constexpr double largest_number = 1e30;  // finite as a float, with room for sums
 
 }  // namespace cloudbow

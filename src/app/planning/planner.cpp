@@ -18,7 +18,6 @@ double rounded_up(double value) {
   return std::ceil(value / unit * (1 - 1e-9)) * unit;
 }
 
-std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
 std::string seconds(double value) { return fmt::format("{:.2g} s", value); }
 
 bool fits(const LevelCost& level, const Target& target, const Resources& resources) {
@@ -55,6 +54,8 @@ std::pair<std::optional<double>, std::string> number_and_unit(const std::string&
 }  // namespace
 
 std::string name_of(ErrorOf of) { return of == ErrorOf::domain ? "domain" : "columns"; }
+
+std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
 
 std::size_t choose_level(std::span<const LevelCost> levels, const Target& target, const Resources& resources) {
   assert(!levels.empty() && (target.error || target.budget_seconds));

@@ -17,8 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
-
 std::vector<Scene> scenes_at(const RunOptions& options, const std::string& level) {
   std::vector<std::string> overrides = options.overrides;
   overrides.push_back("solver.accuracy=" + level);

@@ -30,18 +30,18 @@ namespace {
 
 constexpr std::string_view magic = "cloudbow part 1\n";
 constexpr std::uint64_t after_last_solve = std::numeric_limits<std::uint64_t>::max();
-constexpr const char* allowed = "a file of run --part";
+constexpr const char* allowed_file = "a file of run --part";
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& problem) {
   throw InputError(
-      fmt::format("{}: can't be read as a part of a run ({}); allowed: {}", file.string(), problem, allowed));
+      fmt::format("{}: can't be read as a part of a run ({}); allowed: {}", file.string(), problem, allowed_file));
 }
 
 /// Reads a part piece by piece, and its digest with it.
 class PartFile {
  public:
   explicit PartFile(const std::filesystem::path& file)
-      : file_(file), stream_(open_input(file, allowed)), left_(std::filesystem::file_size(file)) {}
+      : file_(file), stream_(open_input(file, allowed_file)), left_(std::filesystem::file_size(file)) {}
 
   void read(void* to, std::uint64_t count) {
     if (count > left_ || !stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(count)))
@@ -201,7 +201,7 @@ SolveResult PartsReader::take(std::size_t solve) {
         fmt::format("{}: solve {} is in no part (found parts of fewer solves, allowed those of this scene)",
                     header_.output, solve));
   const Location& location = found->second;
-  std::ifstream stream = open_input(location.file, allowed);
+  std::ifstream stream = open_input(location.file, allowed_file);
   stream.seekg(static_cast<std::streamoff>(location.offset));
   std::vector<std::byte> bytes(location.size);
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))

@@ -20,7 +20,7 @@ namespace cloudbow {
 namespace {
 
 constexpr std::size_t most_values = 10000;
-constexpr const char* allowed = "KEY=VALUE,VALUE,... or KEY=FIRST:LAST:STEP";
+constexpr const char* allowed_lists = "KEY=VALUE,VALUE,... or KEY=FIRST:LAST:STEP";
 
 /// Names of coordinates, variables, groups and attributes of results that are also last parts of keys.
 constexpr std::array<std::string_view, 20> taken{
@@ -134,7 +134,7 @@ void check_separators(const std::string& assignment, const std::string& item) {
 SweptKey parse_swept_key(const std::string& assignment) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw InputError(fmt::format("--set: found '{}', allowed {}", assignment.substr(0, 200), allowed));
+    throw InputError(fmt::format("--set: found '{}', allowed {}", assignment.substr(0, 200), allowed_lists));
   SweptKey swept{trimmed(assignment.substr(0, equals)), {}};
   const std::string list = assignment.substr(equals + 1);
   const auto& [items, is_balanced] = split_text(list, ',');
@@ -145,7 +145,7 @@ SweptKey parse_swept_key(const std::string& assignment) {
   swept.is_list = items.size() > 1;
   for (const std::string& untrimmed : items) {
     const std::string item = trimmed(untrimmed);
-    if (item.empty()) fail(assignment, fmt::format("an empty value (allowed {})", allowed));
+    if (item.empty()) fail(assignment, fmt::format("an empty value (allowed {})", allowed_lists));
     if (const auto range = range_of(assignment, item)) {
       swept.is_list = true;
       swept.values.insert(swept.values.end(), range->begin(), range->end());

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "app/verify/verify.hpp"
 
 namespace cloudbow {
+
+inline constexpr double pi = std::numbers::pi;
 
 std::vector<PhysicalCheck> sphere_checks();
 std::vector<PhysicalCheck> optics_checks();

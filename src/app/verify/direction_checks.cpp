@@ -11,7 +11,7 @@ namespace {
 
 constexpr int width = 9;  // columns along x and y
 constexpr std::array<double, 3> cell{1, .8, .75};
-const double cosine = std::sqrt(.5);              // of the zenith angle
+const double slant_cosine = std::sqrt(.5);        // of the zenith angle
 constexpr double sight_distance = 3.5 * cell[2];  // horizontal offset: equal to the height
 
 // One voxel in an empty box of four levels.
@@ -36,7 +36,7 @@ double centre_off(const Weight& weight, double off_x, double off_y) {
   return std::hypot(sum_x / sum - off_x, sum_y / sum - off_y);
 }
 
-constexpr std::array<double, 6> azimuths{0, 90, 180, 270, 30, 205};
+constexpr std::array<double, 6> sun_azimuths{0, 90, 180, 270, 30, 205};
 
 SolverOptions with_many_rays() {
   SolverOptions options = field_options();
@@ -47,11 +47,11 @@ SolverOptions with_many_rays() {
 // The shadow of a voxel lies on the side away from the sun. Its distance is the voxel's height.
 double shadow() {
   Worst worst;
-  for (const double azimuth : azimuths) {
-    const Solution solution =
-        solve(field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(cosine, azimuth)), with_many_rays());
+  for (const double azimuth : sun_azimuths) {
+    const Solution solution = solve(
+        field_problem(one_voxel(3, 1), 0, PhaseFunction::isotropic(), sun_at(slant_cosine, azimuth)), with_many_rays());
     const double angle = azimuth * std::numbers::pi / 180;
-    worst.meet(centre_off([&](std::size_t c) { return cosine - static_cast<double>(solution.direct_flux[c]); },
+    worst.meet(centre_off([&](std::size_t c) { return slant_cosine - static_cast<double>(solution.direct_flux[c]); },
                           -sight_distance * std::cos(angle), -sight_distance * std::sin(angle)));
   }
   return worst.value();
@@ -60,12 +60,12 @@ double shadow() {
 // A sensor sees a voxel near the ground, along a slanted line, through the top nearer to itself.
 double parallax() {
   SolverOptions options = with_many_rays();
-  for (const double azimuth : azimuths) options.views.push_back({"view", travel_to_sensor(cosine, azimuth)});
+  for (const double azimuth : sun_azimuths) options.views.push_back({"view", travel_to_sensor(slant_cosine, azimuth)});
   const Solution solution =
       solve(field_problem(one_voxel(0, .01F), 1, PhaseFunction::isotropic(), sun_at(1, 0)), options);
   Worst worst;
-  for (std::size_t v = 0; v < azimuths.size(); ++v) {
-    const double angle = azimuths[v] * std::numbers::pi / 180;
+  for (std::size_t v = 0; v < sun_azimuths.size(); ++v) {
+    const double angle = sun_azimuths[v] * std::numbers::pi / 180;
     worst.meet(centre_off([&](std::size_t c) { return static_cast<double>(solution.images.at(v).radiance.at(c)); },
                           sight_distance * std::cos(angle), sight_distance * std::sin(angle)));
   }
@@ -74,17 +74,17 @@ double parallax() {
 
 // ---- maps of a square field onto itself -----------------------------------------------------------------------------
 
-constexpr int side = 6;
+constexpr int field_side = 6;
 
 // x' = xx x + xy y, y' = yx x + yy y about the field's centre, then a periodic shift by columns.
 struct Map {
   int xx, xy, yx, yy, shift_x, shift_y;
 
   std::size_t column(std::size_t c) const {
-    const int x = 2 * (static_cast<int>(c) % side) - (side - 1);
-    const int y = 2 * (static_cast<int>(c) / side) - (side - 1);
-    const auto place = [](int doubled, int shift) { return ((doubled + side - 1) / 2 + shift) % side; };
-    return static_cast<std::size_t>(place(yx * x + yy * y, shift_y) * side + place(xx * x + xy * y, shift_x));
+    const int x = 2 * (static_cast<int>(c) % field_side) - (field_side - 1);
+    const int y = 2 * (static_cast<int>(c) / field_side) - (field_side - 1);
+    const auto place = [](int doubled, int shift) { return ((doubled + field_side - 1) / 2 + shift) % field_side; };
+    return static_cast<std::size_t>(place(yx * x + yy * y, shift_y) * field_side + place(xx * x + xy * y, shift_x));
   }
   Direction direction(const Direction& d) const { return {xx * d.x() + xy * d.y(), yx * d.x() + yy * d.y(), d.z()}; }
 };
@@ -95,8 +95,8 @@ struct MapDeviation {
 };
 
 MapDeviation under(const Map& map) {
-  constexpr std::size_t columns = side * side;
-  const ExtinctionField field = uneven_field(side, side, 4, 3);
+  constexpr std::size_t columns = field_side * field_side;
+  const ExtinctionField field = uneven_field(field_side, field_side, 4, 3);
   ExtinctionField mapped = field;
   for (std::size_t c = 0; c < field.extinction.size(); ++c)
     mapped.extinction[c / columns * columns + map.column(c % columns)] = field.extinction[c];

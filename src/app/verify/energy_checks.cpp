@@ -10,14 +10,11 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr double mu0 = .6;
-
-PhaseFunction droplets() { return PhaseFunction::henyey_greenstein(.85); }
+constexpr double sun_cosine = .6;
 
 Problem uneven_problem(double single_scattering_albedo, double surface_albedo, bool periodic = true) {
   Problem problem =
-      field_problem(uneven_field(6, 5, 4, 4), single_scattering_albedo, droplets(), sun_at(mu0, 37), periodic);
+      field_problem(uneven_field(6, 5, 4, 4), single_scattering_albedo, droplets(), sun_at(sun_cosine, 37), periodic);
   problem.surface.albedo = surface_albedo;
   return problem;
 }
@@ -39,14 +36,14 @@ double conservation(const Solution& solution, double surface_albedo) {
   worst.meet(ledger.surface_absorptance, absorbed);
   const std::size_t columns = solution.box.columns();
   const std::size_t top = solution.flux_level.size() - 1;
-  worst.meet(mean_of_level(solution.upwelling_flux, top, columns) / mu0, ledger.reflectance);
+  worst.meet(mean_of_level(solution.upwelling_flux, top, columns) / sun_cosine, ledger.reflectance);
   return worst.value();
 }
 
 double column_energy() {
   Worst worst;
   for (const double surface : {0., .3}) {
-    Problem problem = layer_problem(8, 1, droplets(), mu0);
+    Problem problem = layer_problem(8, 1, droplets(), sun_cosine);
     problem.surface.albedo = surface;
     worst.meet(conservation(solve(problem, column_options("draft")), surface));
   }
@@ -64,8 +61,8 @@ double open_energy() { return std::abs(solve(uneven_problem(1, .3, false), field
 
 // The beam comes in through the sunlit sides, 5 m and 6 m wide and 4 m high. Their areas are projected towards the sun.
 double beam_through_sides() {
-  const Direction sun = beam_travel(mu0, 37);
-  const double through_sides = 4 * (5 * std::abs(sun.x()) + 6 * std::abs(sun.y())) / (30 * mu0);
+  const Direction sun = beam_travel(sun_cosine, 37);
+  const double through_sides = 4 * (5 * std::abs(sun.x()) + 6 * std::abs(sun.y())) / (30 * sun_cosine);
   const Solution solution = solve(uneven_problem(1, 0, false), field_options("balanced"));
   return std::abs(solution.ledger.side_gain / through_sides - 1);
 }
@@ -79,8 +76,9 @@ double absorbed_power() {
            solution.profile_upwelling_flux[e];
   };
   Worst worst;
-  worst.meet(in_cells / mu0, solution.ledger.absorptance);
-  worst.meet((net_down(solution.profile_upwelling_flux.size() - 1) - net_down(0)) / mu0, solution.ledger.absorptance);
+  worst.meet(in_cells / sun_cosine, solution.ledger.absorptance);
+  worst.meet((net_down(solution.profile_upwelling_flux.size() - 1) - net_down(0)) / sun_cosine,
+             solution.ledger.absorptance);
   worst.meet(solution.ledger.residual);
   return worst.value();
 }
@@ -89,7 +87,7 @@ double absorbed_power() {
 double ground_reflection() {
   constexpr double albedo = .3;
   const Solution field = solve(uneven_problem(.9, albedo), field_options());
-  Problem layer = layer_problem(2, .9, droplets(), mu0);
+  Problem layer = layer_problem(2, .9, droplets(), sun_cosine);
   layer.surface.albedo = albedo;
   const Solution column = solve(layer, column_options("draft"));
   Worst worst;
@@ -164,14 +162,14 @@ double furnace_flux() {
 double no_matter() {
   Worst worst;
   for (const bool periodic : {true, false}) {
-    Problem problem = field_problem(uneven_field(5, 4, 3, 0), 1, droplets(), sun_at(mu0, 37), periodic);
+    Problem problem = field_problem(uneven_field(5, 4, 3, 0), 1, droplets(), sun_at(sun_cosine, 37), periodic);
     problem.surface.albedo = .25;
     const Solution solution = solve(problem, field_options());
-    for (const float flux : solution.direct_flux) worst.meet(static_cast<double>(flux) / mu0, 1);
-    for (const float flux : solution.downwelling_diffuse_flux) worst.meet(static_cast<double>(flux) / mu0);
+    for (const float flux : solution.direct_flux) worst.meet(static_cast<double>(flux) / sun_cosine, 1);
+    for (const float flux : solution.downwelling_diffuse_flux) worst.meet(static_cast<double>(flux) / sun_cosine);
     worst.meet(solution.ledger.residual);
     if (!periodic) continue;  // light reflected by the ground leaves through the sides
-    for (const float flux : solution.upwelling_flux) worst.meet(static_cast<double>(flux) / mu0, .25);
+    for (const float flux : solution.upwelling_flux) worst.meet(static_cast<double>(flux) / sun_cosine, .25);
     worst.meet(solution.ledger.reflectance, .25);
   }
   return worst.value();
@@ -185,7 +183,8 @@ double linearity() {
   Worst worst;
   for (std::size_t n = 0; n < one.upwelling_flux.size(); ++n) {
     worst.meet(static_cast<double>(many.upwelling_flux[n]) / static_cast<double>(one.upwelling_flux[n]) / 1361, 1);
-    worst.meet((static_cast<double>(many.direct_flux[n]) / 1361 - static_cast<double>(one.direct_flux[n])) / mu0);
+    worst.meet((static_cast<double>(many.direct_flux[n]) / 1361 - static_cast<double>(one.direct_flux[n])) /
+               sun_cosine);
   }
   for (std::size_t n = 0; n < one.absorbed_power.size(); ++n)
     worst.meet(static_cast<double>(many.absorbed_power[n]) / 1361 - static_cast<double>(one.absorbed_power[n]));

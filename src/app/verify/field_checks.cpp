@@ -11,8 +11,6 @@
 namespace cloudbow {
 namespace {
 
-PhaseFunction droplets() { return PhaseFunction::henyey_greenstein(.85); }
-
 // The I3RC step cloud (Cahalan et al. 2005, doi 10.1175/BAMS-86-9-1275): optical depths 2 and 18 over 250 m each,
 // 250 m thick, of 32 x 1 x 16 cells. Domain means by Monte Carlo, 3e7 photons, standard error below 1e-4; the I3RC
 // community model finds .58063 (22) for the first.
@@ -133,7 +131,9 @@ double reflection_factor(double mu0, double azimuth_of_sun, double mu, double az
   return std::numbers::pi * mean / mu0;
 }
 
-double reciprocity() { return std::abs(reflection_factor(.9, 37, .4, 150) / reflection_factor(.4, 150, .9, 37) - 1); }
+double reciprocity_of_field() {
+  return std::abs(reflection_factor(.9, 37, .4, 150) / reflection_factor(.4, 150, .9, 37) - 1);
+}
 
 }  // namespace
 
@@ -147,7 +147,7 @@ std::vector<PhysicalCheck> field_checks() {
       // The iteration's tolerance of 1e-6, in float.
       {"uniform-field", "columns all alike are one column", "W m-2, F0 = 1", 5e-6, uniform_field},
       // Measured .6 % at `draft`, with cells of an optical depth up to 2, along two slants.
-      {"reciprocity-field", "sun and sensor can change places over a field", "of radiance", 2e-2, reciprocity},
+      {"reciprocity-field", "sun and sensor can change places over a field", "of radiance", 2e-2, reciprocity_of_field},
       {"energy-large-field", "light that is followed along x and y is conserved too", "of incident", 1.1e-5,
        large_field_energy},
       // Rays that come back over the seam are launched anew, from the mean of their neighbours: 1.6 % at `draft`.

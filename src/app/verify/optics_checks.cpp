@@ -8,7 +8,6 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double asymmetry = .85;
 
 // Integral of P mu^k over the sphere, divided by 4 pi: Simpson's rule in the scattering angle.

@@ -28,6 +28,8 @@ Direction beam_travel(double mu0, double azimuth_deg) { return travel_from(zenit
 
 Direction travel_to_sensor(double mu, double azimuth_deg) { return -travel_from(zenith_deg(mu), azimuth_deg); }
 
+PhaseFunction droplets() { return PhaseFunction::henyey_greenstein(.85); }
+
 Problem layer_problem(double optical_depth, double single_scattering_albedo, const PhaseFunction& phase, double mu0,
                       double azimuth_deg) {
   const Layer layer{0, 1000, optical_depth, single_scattering_albedo, 0};

@@ -16,6 +16,9 @@ Direction beam_travel(double mu0, double azimuth_deg);
 /// Direction in which light travels towards a sensor that stands there; mu < 0: below the scene.
 Direction travel_to_sensor(double mu, double azimuth_deg);
 
+/// Henyey-Greenstein with an asymmetry parameter of .85.
+PhaseFunction droplets();
+
 /// A homogeneous layer as one column; irradiance 1, black ground.
 Problem layer_problem(double optical_depth, double single_scattering_albedo, const PhaseFunction& phase, double mu0,
                       double azimuth_deg = 0);

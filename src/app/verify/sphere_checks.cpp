@@ -8,7 +8,6 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr std::array<int, 4> point_counts{12, 42, 162, 642};
 constexpr std::array<Interpolation, 2> interpolations{Interpolation::spherical_area, Interpolation::planar};
 

@@ -12,7 +12,6 @@
 namespace cloudbow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double stefan_boltzmann = 5.670374419e-8;  // W m-2 K-4, exact in the SI of 2019 to these digits
 
 double planck_total() {

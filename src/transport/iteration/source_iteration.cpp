@@ -27,8 +27,8 @@ constexpr std::size_t mixed_moments = 4;
 constexpr double correction_tolerance = .1;
 constexpr double coarse_correction_tolerance = .3;
 constexpr double coarse_solve = 1e-2;  // least tolerance of such a solve
-// A coarse solve does without the correction of its last sweep. Its step is then that of the sweep before it, in
-// proportion to the change that sweeps make without correction, and counts so many times.
+// A coarse solve does without the correction of its last sweep. Its step is predicted from the change before the
+// correction: the two are taken as proportional from one sweep to the next. The prediction counts so many times.
 constexpr double margin_of_predicted_step = 1.5;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;

@@ -217,7 +217,7 @@ TEST_F(VdbFile, DamagedFilesAreReadAsWithOpenVdb) {
   Numbers numbers(20);
   std::size_t ordinary = 0, damaged_files = 0;
   for (const std::string& bytes : small_files(file())) {
-    for (int n = 0; n < 700; ++n) {
+    for (int n = 0; n < 250; ++n) {
       std::string damaged = bytes;
       for (std::size_t change = 0; change <= numbers.below(3); ++change) {
         std::size_t at = numbers.below(n % 2 == 0 ? std::min<std::size_t>(1200, bytes.size()) : bytes.size());
