@@ -14,9 +14,7 @@ namespace {
 
 // The iteration and the final gather of a coarse solve need only be good compared with its few directions.
 constexpr double coarse_tolerance = 1.5e-2;
-constexpr double coarse_energy_tolerance = 1e-3;
-// Of the columns by ordinates, whose distance from the truth is some per mille or more.
-constexpr double tolerance_of_columns = 5e-4;
+constexpr double coarse_energy_tolerance = 3e-3;
 
 // Columns without azimuths. A field of them takes the fewest streams that still show the error, to save time. One
 // column takes more streams than it has; their distance is then its error.
@@ -60,8 +58,8 @@ SolverOptions ordinates_of_columns(const SolverOptions& options) {
   if (columns.flux_levels == FluxLevels::listed) columns.flux_levels = FluxLevels::all;
   columns.collapse_uniform_axes = false;
   columns.independent_columns = true;
-  columns.radiance_field = true;  // which is known by ordinates alone
-  columns.tolerance = std::max(options.tolerance, tolerance_of_columns);
+  columns.radiance_field = true;                          // which is known by ordinates alone
+  columns.tolerance = std::max(options.tolerance, 5e-4);  // their errors are some per mille or more
   return columns;
 }
 
@@ -102,6 +100,7 @@ SolvePlan with_constant_source(const SolvePlan& plan, const SolvePlan& coarse, S
   SolverOptions constant = coarse.whole_options();
   constant.linear_source = false;
   if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
+  if (as == SolvedAs::field) constant.tolerance *= 2, constant.energy_tolerance = 1e-2;  // from light of the other
   return coarse.with(constant);
 }
 

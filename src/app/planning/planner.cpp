@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "app/process/messages.hpp"
 #include "cloudbow/core/error.hpp"
 
 namespace cloudbow {
@@ -54,8 +55,6 @@ std::pair<std::optional<double>, std::string> number_and_unit(const std::string&
 }  // namespace
 
 std::string name_of(ErrorOf of) { return of == ErrorOf::domain ? "domain" : "columns"; }
-
-std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
 
 std::size_t choose_level(std::span<const LevelCost> levels, const Target& target, const Resources& resources) {
   assert(!levels.empty() && (target.error || target.budget_seconds));

@@ -12,9 +12,6 @@ enum class ErrorOf { domain, columns };
 
 std::string name_of(ErrorOf of);
 
-/// An error with two digits: "0.25 %".
-std::string percent(double fraction);
-
 /// At least one of the two numbers is given.
 struct Target {
   std::optional<double> error;  ///< fraction, > 0

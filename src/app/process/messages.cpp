@@ -23,4 +23,6 @@ void tell_text(const std::string& text) {
   }
 }
 
+std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
+
 }  // namespace cloudbow

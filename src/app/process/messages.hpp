@@ -14,6 +14,9 @@ void tell_text(const std::string& text);
 /// From now on messages are dropped, or no longer: of several processes that do the same, one speaks.
 void mute_messages(bool mute);
 
+/// A fraction with two digits: "0.25 %".
+std::string percent(double fraction);
+
 template <class... Args>
 void tell(fmt::format_string<Args...> text, Args&&... args) {
   tell_text(fmt::format(text, std::forward<Args>(args)...));

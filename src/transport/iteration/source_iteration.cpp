@@ -27,9 +27,6 @@ constexpr std::size_t mixed_moments = 4;
 constexpr double correction_tolerance = .1;
 constexpr double coarse_correction_tolerance = .3;
 constexpr double coarse_solve = 1e-2;  // least tolerance of such a solve
-// A coarse solve does without the correction of its last sweep. Its step is predicted from the change before the
-// correction: the two are taken as proportional from one sweep to the next. The prediction counts so many times.
-constexpr double margin_of_predicted_step = 1.5;
 // Error of column fluxes over the last accelerated change: up to 2.3 in clouds (RICO), 3.3 in slabs (optical depth 10).
 constexpr double least_safety = 3;
 // The light is brought near its end with slopes from differences, to this estimated error. Then its own slopes are
@@ -265,12 +262,14 @@ IterationResult<Real> iterate_source(const TransportSystem<Real>& system, const 
         return relative_size<Real>(std::span<const Real>(change).first(n), std::span<const Real>(moments).first(n),
                                    share);
       };
+      // A coarse solve does without the correction of its last sweep. Its step is predicted: from one sweep to the next
+      // it is taken as proportional to the change before the correction.
       const bool is_coarse = options.tolerance >= coarse_solve && checkpoints == nullptr;
       const double uncorrected = is_coarse ? size_of_change(result.moments) : 0;
       state.steps.push_back(step_per_change * uncorrected);
       const bool is_last = is_coarse && record && step_per_change > 0 && imbalance <= energy_tolerance &&
                            (!result.slopes || state.slope_sweeps >= sweeps_with_new_slopes) &&
-                           margin_of_predicted_step * estimated_error(state.steps) <= options.tolerance;
+                           estimated_error(state.steps) <= options.tolerance;
       if (!is_last) {
         low_order->correct(change, g);
 #pragma omp parallel for simd schedule(static)
