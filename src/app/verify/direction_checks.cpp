@@ -14,10 +14,14 @@ constexpr std::array<double, 3> cell{1, .8, .75};
 const double slant_cosine = std::sqrt(.5);        // of the zenith angle
 constexpr double sight_distance = 3.5 * cell[2];  // horizontal offset: equal to the height
 
+constexpr int middle = width / 2;
+
+std::size_t index_of(int i, int j, int k = 0) { return (static_cast<std::size_t>(k) * width + j) * width + i; }
+
 // One voxel in an empty box of four levels.
 ExtinctionField one_voxel(int k, float extinction) {
-  ExtinctionField field{width, width, 4, std::vector<float>(width * width * 4, 0.F), cell};
-  field.extinction[static_cast<std::size_t>((k * width + width / 2) * width + width / 2)] = extinction;
+  ExtinctionField field{width, width, 4, std::vector<float>(index_of(0, 0, 4), 0.F), cell};
+  field.extinction[index_of(middle, middle, k)] = extinction;
   return field;
 }
 
@@ -27,10 +31,10 @@ double centre_off(const Weight& weight, double off_x, double off_y) {
   double sum = 0, sum_x = 0, sum_y = 0;
   for (int j = 0; j < width; ++j) {
     for (int i = 0; i < width; ++i) {
-      const double w = weight(static_cast<std::size_t>(j * width + i));
+      const double w = weight(index_of(i, j));
       sum += w;
-      sum_x += w * (i - width / 2) * cell[0];
-      sum_y += w * (j - width / 2) * cell[1];
+      sum_x += w * (i - middle) * cell[0];
+      sum_y += w * (j - middle) * cell[1];
     }
   }
   return std::hypot(sum_x / sum - off_x, sum_y / sum - off_y);
@@ -84,7 +88,7 @@ struct Map {
     const int x = 2 * (static_cast<int>(c) % field_side) - (field_side - 1);
     const int y = 2 * (static_cast<int>(c) / field_side) - (field_side - 1);
     const auto place = [](int doubled, int shift) { return ((doubled + field_side - 1) / 2 + shift) % field_side; };
-    return static_cast<std::size_t>(place(yx * x + yy * y, shift_y) * field_side + place(xx * x + xy * y, shift_x));
+    return static_cast<std::size_t>(place(yx * x + yy * y, shift_y)) * field_side + place(xx * x + xy * y, shift_x);
   }
   Direction direction(const Direction& d) const { return {xx * d.x() + xy * d.y(), yx * d.x() + yy * d.y(), d.z()}; }
 };
@@ -95,7 +99,7 @@ struct MapDeviation {
 };
 
 MapDeviation under(const Map& map) {
-  constexpr std::size_t columns = field_side * field_side;
+  constexpr std::size_t columns = std::size_t{field_side} * field_side;
   const ExtinctionField field = uneven_field(field_side, field_side, 4, 3);
   ExtinctionField mapped = field;
   for (std::size_t c = 0; c < field.extinction.size(); ++c)

@@ -44,7 +44,8 @@ std::vector<LevelWork> work_in_levels(const OpticalGrid& grid, bool all_voxels) 
   std::vector<LevelWork> levels(box.nz());
   std::vector<double> voxels(box.nz(), 0.);
   grid.for_each_span([&](int k, int, const RowSpan& span) {
-    levels[k].runs += (span.n + lanes - 1) / lanes;
+    const int runs = (span.n + lanes - 1) / lanes;
+    levels[k].runs += runs;
     voxels[k] += span.n;
   });
   const auto columns = static_cast<double>(box.columns());
@@ -56,7 +57,8 @@ std::vector<LevelWork> work_in_levels(const OpticalGrid& grid, bool all_voxels) 
              std::abs(box.thickness_m(other) - level.thickness_m) <= 1e-6 * level.thickness_m;
     };
     level.even = is_like(k - 1) || is_like(k + 1);
-    if (all_voxels) level.runs = rows * ((box.nx + lanes - 1) / lanes);
+    const int runs_of_row = (box.nx + lanes - 1) / lanes;
+    if (all_voxels) level.runs = rows * runs_of_row;
     const int blocks = grid.air_of(k).count();
     if (blocks == 0) continue;
     if (!box.is_uniform(k)) level.runs_of_air = cost_of_rays_in_air * (columns - voxels[k]) / lanes;
