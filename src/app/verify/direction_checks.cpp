@@ -14,14 +14,14 @@ constexpr std::array<double, 3> cell{1, .8, .75};
 const double slant_cosine = std::sqrt(.5);        // of the zenith angle
 constexpr double sight_distance = 3.5 * cell[2];  // horizontal offset: equal to the height
 
-constexpr int middle = width / 2;
+constexpr int middle_column = width / 2;
 
-std::size_t index_of(int i, int j, int k = 0) { return (static_cast<std::size_t>(k) * width + j) * width + i; }
+std::size_t voxel_index(int i, int j, int k = 0) { return (static_cast<std::size_t>(k) * width + j) * width + i; }
 
 // One voxel in an empty box of four levels.
 ExtinctionField one_voxel(int k, float extinction) {
-  ExtinctionField field{width, width, 4, std::vector<float>(index_of(0, 0, 4), 0.F), cell};
-  field.extinction[index_of(middle, middle, k)] = extinction;
+  ExtinctionField field{width, width, 4, std::vector<float>(voxel_index(0, 0, 4), 0.F), cell};
+  field.extinction[voxel_index(middle_column, middle_column, k)] = extinction;
   return field;
 }
 
@@ -31,10 +31,10 @@ double centre_off(const Weight& weight, double off_x, double off_y) {
   double sum = 0, sum_x = 0, sum_y = 0;
   for (int j = 0; j < width; ++j) {
     for (int i = 0; i < width; ++i) {
-      const double w = weight(index_of(i, j));
+      const double w = weight(voxel_index(i, j));
       sum += w;
-      sum_x += w * (i - middle) * cell[0];
-      sum_y += w * (j - middle) * cell[1];
+      sum_x += w * (i - middle_column) * cell[0];
+      sum_y += w * (j - middle_column) * cell[1];
     }
   }
   return std::hypot(sum_x / sum - off_x, sum_y / sum - off_y);
