@@ -80,8 +80,7 @@ PathLoad path_load(const SolvePlan& plan) {
     load.longest_diffuse = std::max(load.longest_diffuse, length(d));
     // Directions that are marched along x or y cross two or three cells a sheet.
     const double cells = box.nx + box.ny + box.nz();
-    load.ordinates +=
-        box.periodic && !independent_columns && box.nx > 1 && box.ny > 1 ? std::min(length(d), 3 * cells) : length(d);
+    load.ordinates += may_march_sideways(box, independent_columns) ? std::min(length(d), 3 * cells) : length(d);
   }
   if (!independent_columns) {  // the final gather's lowest direction
     const double mu = std::sqrt(.5 / options.gather_directions);

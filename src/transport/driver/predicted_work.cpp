@@ -52,10 +52,7 @@ std::vector<LevelWork> work_in_levels(const OpticalGrid& grid, bool all_voxels) 
   for (int k = 0; k < box.nz(); ++k) {
     LevelWork& level = levels[k];
     level.thickness_m = box.thickness_m(k);
-    const auto is_like = [&](int other) {
-      return other >= 0 && other < box.nz() &&
-             std::abs(box.thickness_m(other) - level.thickness_m) <= 1e-6 * level.thickness_m;
-    };
+    const auto is_like = [&](int other) { return other >= 0 && other < box.nz() && have_one_thickness(box, k, other); };
     level.even = is_like(k - 1) || is_like(k + 1);
     const int runs_of_row = (box.nx + lanes - 1) / lanes;
     if (all_voxels) level.runs = rows * runs_of_row;

@@ -25,7 +25,7 @@ bool marches_sideways(const SolvePlan& plan, const Medium& medium) {
   constexpr double few_cells = 2000;
   constexpr double thick_voxel = 4. / 3;
   const BoxGrid& box = plan.problem().grid.box;
-  return box.periodic && box.nx > 1 && box.ny > 1 && !plan.options().independent_columns && medium.cells >= few_cells &&
+  return may_march_sideways(box, plan.options().independent_columns) && medium.cells >= few_cells &&
          medium.voxel_depth <= thick_voxel;
 }
 
@@ -223,8 +223,9 @@ double sweeps_of(const SolvePlan& plan) {
   return plan.problem().sun ? sweeps : thermal * sweeps;
 }
 
-// Planes of many columns do not fit into the caches. Without this, made cumulus at `draft` took 1.4 and 1.6 times the
-// predicted seconds with 4e5 columns (two machines). With 4e6 columns they took 1.6 and 2.4 times as long.
+// Planes of many columns do not fit into the caches. Without this factor, made cumulus at `draft` took 1.6 times the
+// predicted seconds with 4e5 columns, and 2.4 times with 4e6. Machines differ: one with slower arithmetic took 1.2
+// times as long per voxel with 4e6 columns as with 4e5, this one 1.5 times.
 double growth_beyond_caches(const BoxGrid& box) {
   constexpr double columns_in_caches = 3e4;
   constexpr double growth_per_decade = .3;

@@ -150,9 +150,8 @@ std::vector<std::uint32_t> cell_at_place(const ActiveRows& rows) {
 std::vector<LevelRange> even_runs(const BoxGrid& box, const ActiveRows& rows) {
   std::vector<LevelRange> runs;
   for (int first = 0, last = 0; first < box.nz(); first = last) {
-    const double thickness = box.thickness_m(first);
     last = first + 1;
-    while (last < box.nz() && std::abs(box.thickness_m(last) - thickness) <= 1e-6 * thickness) ++last;
+    while (last < box.nz() && have_one_thickness(box, first, last)) ++last;
     LevelRange run{first, last};
     while (run.first < run.last && !rows.has_voxels(run.first)) ++run.first;
     while (run.first < run.last && !rows.has_voxels(run.last - 1)) --run.last;
@@ -376,7 +375,7 @@ Cells<Real> make_cells(const OpticalGrid& grid, std::span<const double> forward_
   const VaryingAxes varying = varying_axes(cells);
   cells.heterogeneous = n >= worth_shortcuts && !independent_columns && box.columns() > 1 &&
                         (varying.x || box.nx == 1) && (varying.y || box.ny == 1);
-  if (cells.heterogeneous && box.periodic && box.nx > 1 && box.ny > 1) {
+  if (cells.heterogeneous && may_march_sideways(box, independent_columns)) {
     cells.even_runs = even_runs(box, cells.rows);
     cells.transposed[1].sheets = sheets_along_y(cells.rows, cells.rows.levels);
     if (cells.rows.has_air()) {

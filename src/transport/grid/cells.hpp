@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -42,6 +43,16 @@ struct LevelRange {
   int first;
   int last;
 };
+
+/// Whether two levels have one thickness. Heights that were read from a file have rounding errors.
+inline bool have_one_thickness(const BoxGrid& box, int k, int other) {
+  return std::abs(box.thickness_m(other) - box.thickness_m(k)) <= 1e-6 * box.thickness_m(k);
+}
+
+/// Whether ordinates may be marched along x and y, through runs of levels of one thickness.
+inline bool may_march_sideways(const BoxGrid& box, bool independent_columns) {
+  return box.periodic && box.nx > 1 && box.ny > 1 && !independent_columns;
+}
 
 /// A row of a level that holds active cells: spans [first, last).
 struct ActiveRow {

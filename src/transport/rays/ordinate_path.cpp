@@ -81,9 +81,8 @@ double sideways_cost(const SidewaysPath& path, const Cells<Real>& cells) {
 // Along one axis through a run, with the pattern of another run of this thickness if there is one.
 std::optional<SidewaysPath> path_through(const BoxGrid& box, const Direction& travel, int axis, LevelRange run,
                                          std::vector<SidewaysPath>& known) {
-  const double level_m = box.thickness_m(run.first);
   for (SidewaysPath& path : known) {
-    if (path.axis != axis || std::abs(path.level_m - level_m) > 1e-6 * level_m) continue;
+    if (path.axis != axis || !have_one_thickness(box, run.first, path.levels.first)) continue;
     path.levels = run;
     return path;
   }

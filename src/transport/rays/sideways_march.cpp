@@ -228,7 +228,6 @@ std::optional<SidewaysPath> make_sideways_path(const BoxGrid& box, const Directi
   SidewaysPath path;
   path.axis = axis;
   path.levels = levels;
-  path.level_m = level_m;
   path.upward = travel.z() > 0;
   path.rise = std::abs(travel.z() / travel[axis]) * sheet_m / level_m;
   constexpr double too_steep = 4;  // rays crowd, and along z they cross fewer cells

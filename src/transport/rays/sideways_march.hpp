@@ -27,7 +27,6 @@ struct SidewaysPath {
   /// it.
   std::shared_ptr<const PathPattern> pattern;
   LevelRange levels;
-  double level_m = 0;  ///< their thickness
   bool upward = true;  ///< light travels up
   double rise = 0;     ///< levels crossed in a sheet, > 0
   int block = 0;       ///< whole levels crossed in all sheets, >= 1

@@ -60,11 +60,6 @@ std::vector<BeamInLevel> beam_in_levels(const Problem& problem, const SolverOpti
   return levels;
 }
 
-// Whether ordinates are marched along x and y too, through runs of levels of one thickness.
-bool may_march_sideways(const BoxGrid& box, const SolverOptions& options) {
-  return box.periodic && box.nx > 1 && box.ny > 1 && !options.independent_columns;
-}
-
 // Share of the thickness at which each part ends, from above; the last is 1.
 // @param equal two parts are equal, unless the level is too thick for that
 std::vector<double> ends_of_parts(double depth, double largest, bool equal) {
@@ -199,7 +194,8 @@ SubdividedLevels subdivide_thick_levels(const Problem& problem, const SolverOpti
   for (int k = 0; k < box.nz(); ++k) {
     const bool thick = beam[k].share >= least_share_of_beam;
     std::vector<double> ends =
-        thick ? ends_of_parts(beam[k].depth, largest, beam[k].varies && may_march_sideways(box, options))
+        thick ? ends_of_parts(beam[k].depth, largest,
+                              beam[k].varies && may_march_sideways(box, options.independent_columns))
               : std::vector<double>{1};
     if (ends.size() == 1) ends = ends_of_equal_parts(beam[k].side_depth, options.max_column_optical_depth);
     for (std::size_t n = ends.size(); n-- > 0;) {

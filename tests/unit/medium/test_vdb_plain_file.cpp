@@ -235,7 +235,7 @@ TEST_F(VdbFile, DamagedFilesAreReadAsWithOpenVdb) {
       const auto found = outcome_of(read_grid, file(), {});
       const auto by_openvdb = outcome_of(read_grid_by_openvdb, file(), {});
       if (found == by_openvdb) continue;
-      // One in some ten thousand files differed the first time and not the second.
+      // One in some 200,000 files differed the first time and not the second.
       ASSERT_TRUE(outcome_of(read_grid, file(), {}) == found) << "differs from one reading to the next";
       ASSERT_TRUE(outcome_of(read_grid_by_openvdb, file(), {}) == found) << found << "\n" << by_openvdb;
     }

@@ -49,7 +49,7 @@ TEST(SolveLimits, SweepsInDoubleTakeMoreThanTwiceTheTime) {
   EXPECT_GT(predict_phases(SolvePlan(problem, options)).sweep, 2 * in_float);
 }
 
-// Measured: 1.4 to 1.6 times the time per voxel of a field whose planes fit into the caches.
+// The factor is .3 for each tenfold of columns beyond 3e4, 1.34 in all. The rest of the work per column is the same.
 TEST(SolveLimits, WidePlanesTakeMoreTimePerVoxel) {
   const auto seconds_per_column = [](int width) {
     Problem problem = cloudy();
@@ -59,7 +59,7 @@ TEST(SolveLimits, WidePlanesTakeMoreTimePerVoxel) {
     problem.grid = make_grid(box, extinction, .99);
     return predict_phases(SolvePlan(problem, quick())).sweep / static_cast<double>(box.columns());
   };
-  EXPECT_NEAR(seconds_per_column(640) / seconds_per_column(160), 1.34, .05);
+  EXPECT_NEAR(seconds_per_column(640) / seconds_per_column(160), 1.34, .01);
 }
 
 TEST(SolveLimits, FinerTolerancesTakeMoreSweeps) {
