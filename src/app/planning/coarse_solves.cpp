@@ -1,7 +1,6 @@
 #include "app/planning/coarse_solves.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "cloudbow/transport/output_fields.hpp"
@@ -99,8 +98,11 @@ void list_some_levels(const SolvePlan& plan, std::size_t most, SolverOptions& op
 SolvePlan with_constant_source(const SolvePlan& plan, const SolvePlan& coarse, SolvedAs as) {
   SolverOptions constant = coarse.whole_options();
   constant.linear_source = false;
-  if (as == SolvedAs::field) list_some_levels(plan, most_levels_of_constant, constant);
-  if (as == SolvedAs::field) constant.tolerance *= 2, constant.energy_tolerance = 1e-2;  // from light of the other
+  if (as != SolvedAs::field) return coarse.with(constant);
+  list_some_levels(plan, most_levels_of_constant, constant);
+  // It starts from the light of the linear one. With half of this tolerance, estimates of clouds were the same.
+  constant.tolerance *= 2;
+  constant.energy_tolerance = 1e-2;
   return coarse.with(constant);
 }
 

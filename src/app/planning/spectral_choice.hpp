@@ -1,7 +1,6 @@
 // The choice of a few g-points, with weights, that stand for all in three dimensions (docs/theory.md, "Few g-points").
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
