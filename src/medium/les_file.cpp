@@ -76,7 +76,8 @@ const NetcdfVariable* LesFile::find(const std::string& given, const Words& words
 std::string LesFile::meaning(const NetcdfVariable& variable) const {
   std::string text;
   for (const char* attribute : {"standard_name", "long_name", "longname", "description", "title"}) {
-    text += " " + lower_case(input.text_attribute(variable, attribute));
+    text += ' ';
+    text += lower_case(input.text_attribute(variable, attribute));
   }
   std::replace(text.begin(), text.end(), '_', ' ');
   return text;
